@@ -1,0 +1,53 @@
+# Everything sets itself up on a machine with Python 3.11 or newer and nothing else; uv is used where it is there.
+#   PYTHON=python3.12 make test      another Python than the one that .ci/setup finds
+#   MUJOCO=3.12.0 make test          another MuJoCo than the pinned one
+#   PYTEST_ARGS="-k arm -x"          other arguments for pytest
+
+VENV ?= .venv
+PYTEST_ARGS ?= -n auto
+ifeq ($(OS),Windows_NT)
+BIN := $(VENV)/Scripts
+else
+BIN := $(VENV)/bin
+endif
+STAMP := $(VENV)/.ready$(if $(MUJOCO),-mujoco-$(MUJOCO))
+
+.PHONY: demo test lint format bench schemas constraints clean
+.DELETE_ON_ERROR:
+
+demo: $(STAMP)
+	@$(BIN)/mjcompose build recipes/demo.yaml -o build/demo.zip
+	@echo "The bundle is build/demo.zip: model.xml, its assets, the licences of its parts and manifest.json."
+	@echo "Look at it:  unzip -o -q build/demo.zip -d build/demo && $(BIN)/python -m mujoco.viewer --mjcf=build/demo/model.xml"
+
+test: $(STAMP)
+	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(STAMP)
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(STAMP)
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+bench: $(STAMP)
+	@$(BIN)/python -m bench
+
+schemas: $(STAMP)
+	@$(BIN)/mjcompose schema > build/recipe.schema.json && mv build/recipe.schema.json schemas/recipe.schema.json
+
+# Pins of every test dependency for every supported Python; needs uv.
+constraints:
+	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --no-emit-index-url \
+	  --no-emit-find-links --upgrade --extra test --extra dev --extra menagerie pyproject.toml --output-file constraints.txt
+
+clean:
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+
+$(STAMP): pyproject.toml constraints.txt .ci/setup
+	@VENV="$(VENV)" MUJOCO="$(MUJOCO)" bash .ci/setup
+	@rm -f $(VENV)/.ready* && touch $@
+	@mkdir -p build

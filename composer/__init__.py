@@ -1,0 +1,31 @@
+"""Compose MuJoCo models from a YAML recipe into one verified bundle.
+
+What this package offers is imported when it is first asked for, so that `import composer` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from composer.version import __version__ as __version__
+
+_HOMES = {
+    "__version__": "composer.version",
+}
+
+__all__ = ["__version__"]
+
+
+def __getattr__(name: str) -> object:
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module `{__name__}` has no attribute `{name}`")
+    value: object = getattr(import_module(home), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOMES})

@@ -1,0 +1,19 @@
+"""What a run has from outside: handed to every stage, never global."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from composer.diagnostics.sink import Sink
+
+
+@dataclass(slots=True)
+class Context:
+    """The environment variables, the folder that relative output paths start from, and where faults go."""
+
+    sink: Sink = field(default_factory=Sink)
+    environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
+    folder: Path = field(default_factory=Path.cwd)

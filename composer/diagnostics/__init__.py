@@ -1,0 +1,29 @@
+"""What went wrong, as data: diagnostics, the sink they go to, and one renderer per format."""
+
+from __future__ import annotations
+
+from composer.diagnostics.codes import CODES
+from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
+from composer.diagnostics.failure import MjcomposeError
+from composer.diagnostics.github import render as render_github
+from composer.diagnostics.json_format import render as render_json
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.text import render, summary
+
+__all__ = [
+    "CODES",
+    "Diagnostic",
+    "MjcomposeError",
+    "Note",
+    "Severity",
+    "Sink",
+    "Span",
+    "closest",
+    "exists_note",
+    "render",
+    "render_github",
+    "render_json",
+    "summary",
+]

@@ -1,0 +1,40 @@
+"""One finding about the user's input: an error, a warning or a remark."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from composer.diagnostics.span import Span
+
+
+class Severity(StrEnum):
+    """How bad a diagnostic is. Only an `ERROR` stops the work."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Something that helps to understand a diagnostic, with the place it speaks of if there is one."""
+
+    message: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """A message with its code, its place, what exists instead (`notes`) and what to write (`help`).
+
+    `code` is one of `CODES`. The first line of `help` is a sentence; further lines, if any, are text that
+    may be pasted into the file.
+    """
+
+    code: str
+    message: str
+    span: Span | None = None
+    severity: Severity = Severity.ERROR
+    notes: tuple[Note, ...] = ()
+    help: str | None = None

@@ -1,0 +1,139 @@
+"""Did you mean: names near to the one that was written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from os.path import commonprefix
+
+from composer.diagnostics.diagnostic import Note
+
+_SHOWN = 8
+_PREFIX = re.compile(r"[/:.]")
+
+
+def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
+    """At most `n` of the candidates that were probably meant by `name`, the likeliest first.
+
+    Understands typing errors (a character too many, too few, another or two swapped), case, `-` for `_`,
+    plurals, and a prefix that is missing or too much. Empty when nothing is near.
+
+    >>> closest("left_pad", ["gripper/left_pad", "gripper/right_pad"])
+    ['gripper/left_pad']
+    >>> closest("Sensors", ["sensor", "section"])
+    ['sensor']
+    """
+    ranked = []
+    for position, candidate in enumerate(dict.fromkeys(candidates)):
+        score = _score(name, candidate)
+        if score is not None:
+            ranked.append((score, position, candidate))
+    return [candidate for _, _, candidate in sorted(ranked)[:n]]
+
+
+def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -> Note:
+    """A note that lists what exists, cut when it is long; with `near`, the names nearest to it come first.
+
+    `kind` is a singular noun.
+
+    >>> exists_note("body", ["base", "link1"]).message
+    'bodies that exist: base, link1'
+    >>> exists_note("joint", []).message
+    'there are no joints'
+    """
+    names = list(dict.fromkeys(candidates))
+    kinds = _plural(kind)
+    if not names:
+        return Note(f"there are no {kinds}")
+    if near is not None and len(names) > _SHOWN:
+        names = list(dict.fromkeys([*closest(near, names, _SHOWN), *names]))
+    listed = ", ".join(_quoted(each) for each in names[:_SHOWN])
+    if len(names) > _SHOWN:
+        listed += f", … ({len(names)} in all)"
+    return Note(f"{kinds} that exist: {listed}")
+
+
+def _score(name: str, candidate: str) -> float | None:
+    """How far a candidate is from what was written; None when it is too far to be meant."""
+    if name == candidate:
+        return 0.0
+    written, known = _folded(name), _folded(candidate)
+    if written == known:
+        return 0.1
+    if _singular(written) == _singular(known):
+        return 0.2
+    bare, known_bare = _PREFIX.split(written)[-1], _PREFIX.split(known)[-1]
+    prefixed = len(bare) != len(written) or len(known_bare) != len(known)
+    if bare and prefixed and _is_tail(written, known):
+        return 0.3
+    if bare and prefixed and bare == known_bare:
+        return 0.5
+    distance = _distance(written, known, _tolerance(written))
+    if distance is not None:
+        return 1.0 + distance
+    if prefixed and bare and known_bare:
+        distance = _distance(bare, known_bare, _tolerance(bare))
+        if distance is not None:
+            return 1.5 + distance
+    return None
+
+
+def _is_tail(written: str, known: str) -> bool:
+    """Whether one of two names is the other with a prefix in front."""
+    longer, shorter = sorted((written, known), key=len, reverse=True)
+    return longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:."
+
+
+def _folded(name: str) -> str:
+    return name.casefold().replace("-", "_").strip()
+
+
+def _singular(word: str) -> str:
+    if len(word) > 4 and word.endswith("ies"):
+        return word[:-3] + "y"
+    if len(word) > 4 and word.endswith(("ses", "xes", "shes", "ches")):
+        return word[:-2]
+    return word[:-1] if len(word) > 2 and word.endswith("s") and not word.endswith("ss") else word
+
+
+def _plural(word: str) -> str:
+    if word.endswith("s") and not word.endswith("ss"):
+        return word
+    if word.endswith("y") and word[-2:-1] not in "aeiou":
+        return word[:-1] + "ies"
+    return word + ("es" if word.endswith(("ss", "x", "sh", "ch")) else "s")
+
+
+def _quoted(name: str) -> str:
+    return name if name and not re.search(r"[\s,`]", name) else f"`{name}`"
+
+
+def _tolerance(word: str) -> int:
+    """How many typing errors a word of this length may have."""
+    return 0 if len(word) < 2 else 1 if len(word) < 5 else 2 if len(word) < 9 else 3
+
+
+def _distance(a: str, b: str, limit: int) -> int | None:
+    """Edits from `a` to `b`, swapped neighbours counting as one; None when there are more than `limit`."""
+    if abs(len(a) - len(b)) > limit:
+        return None
+    # What two words share at either end costs nothing; names of one model share much.
+    head = len(commonprefix((a, b)))
+    a, b = a[head:], b[head:]
+    tail = len(commonprefix((a[::-1], b[::-1])))
+    a, b = a[: len(a) - tail], b[: len(b) - tail]
+    # Every edit uses up at most one letter that the other word lacks: a cheap bound for most candidates.
+    if len(set(a) - set(b)) > limit or len(set(b) - set(a)) > limit:
+        return None
+    before: list[int] = []
+    row = list(range(len(b) + 1))
+    for i, left in enumerate(a, 1):
+        above, before, row = before, row, [i]
+        for j, right in enumerate(b, 1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (left != right))
+            if i > 1 and j > 1 and left == b[j - 2] and a[i - 2] == right:
+                cost = min(cost, above[j - 2] + 1)
+            row.append(cost)
+        if min(row) > limit and (not before or min(before) > limit):
+            return None
+    return row[-1] if row[-1] <= limit else None

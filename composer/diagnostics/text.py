@@ -1,0 +1,186 @@
+"""Diagnostics as text for a terminal: the message, the line it speaks of, and what to do."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from composer.diagnostics.diagnostic import Diagnostic, Severity
+from composer.diagnostics.span import Span
+
+ReadSource = Callable[[str], str | None]
+
+_LINE_BREAK = re.compile(r"\r\n|\n|\r")
+_TAB = " " * 4
+_WINDOW = 160  # screen columns of source shown at most
+_BEFORE = 60  # of these, columns kept in front of the span
+_BIDIRECTIONAL = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+_COLOR = {
+    "error": "\x1b[1;31m",
+    "warning": "\x1b[1;33m",
+    "note": "\x1b[1;36m",
+    "help": "\x1b[1;32m",
+    "bold": "\x1b[1m",
+    "gutter": "\x1b[34m",
+}
+
+
+def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color: bool = False) -> str:
+    """The diagnostic as several lines of text, without a final line break.
+
+    `read_source(file)` gives the text of a file, or None when there is none to show; without it, no source
+    lines are shown. `color` adds ANSI colours. No I/O of its own.
+    """
+    excerpts = [_excerpt(span, read_source) for span in _spans(diagnostic)]
+    margin = max((len(str(each.number)) for each in excerpts if each), default=1)
+    paint = _Paint(color)
+    edge = paint("gutter", " " * (margin + 1) + "|")
+
+    def shown(excerpt: _Excerpt | None, style: str, mark: str) -> list[str]:
+        if excerpt is None:
+            return []
+        number = paint("gutter", f"{excerpt.number:>{margin}} |")
+        underline = " " * excerpt.offset + paint(style, mark * excerpt.width)
+        return [edge, f"{number} {excerpt.text}".rstrip(), f"{edge} {underline}"]
+
+    def remark(kind: str, text: str) -> list[str]:
+        first, *rest = _printable_lines(text)
+        head = " " * (margin + 1) + "= "
+        indent = " " * (len(head) + len(kind) + 2)
+        return [f"{head}{paint(kind, kind)}: {first}", *(f"{indent}{line}".rstrip() for line in rest)]
+
+    kind = diagnostic.severity.value
+    place = "" if diagnostic.span is None else paint("bold", f"{_printable(str(diagnostic.span))}:") + " "
+    message = paint("bold", " ".join(_printable_lines(diagnostic.message)))
+    lines = [f"{place}{paint(kind, f'{kind}[{diagnostic.code}]')}: {message}"]
+
+    following = iter(excerpts)
+    if diagnostic.span is not None:
+        lines += shown(next(following), kind, "^")
+    for note in diagnostic.notes:
+        if note.span is None:
+            lines += remark("note", note.message)
+        else:
+            lines += remark("note", f"{note.span}: {note.message}")
+            lines += shown(next(following), "note", "-")
+    if diagnostic.help is not None:
+        lines += remark("help", diagnostic.help)
+    return "\n".join(lines)
+
+
+def summary(diagnostics: Iterable[Diagnostic]) -> str:
+    """How many diagnostics of each severity there are.
+
+    >>> summary([Diagnostic("bad-name", "a"), Diagnostic("bad-name", "b", severity=Severity.WARNING)])
+    '1 error, 1 warning'
+    >>> summary([])
+    'no errors'
+    """
+    found = [each.severity for each in diagnostics]
+    counts = [(severity.value, found.count(severity)) for severity in Severity]
+    listed = [f"{count} {name}{'s' * (count != 1)}" for name, count in counts if count]
+    return ", ".join(listed) or "no errors"
+
+
+class _Paint:
+    """Wraps text in a colour, or leaves it as it is."""
+
+    def __init__(self, enabled: bool) -> None:
+        self._enabled = enabled
+
+    def __call__(self, style: str, text: str) -> str:
+        return f"{_COLOR[style]}{text}\x1b[0m" if self._enabled else text
+
+
+@dataclass(frozen=True, slots=True)
+class _Excerpt:
+    """A source line as it is shown: `offset` and `width` of the underline are in screen columns."""
+
+    number: int
+    text: str
+    offset: int
+    width: int
+
+
+def _spans(diagnostic: Diagnostic) -> Iterable[Span]:
+    if diagnostic.span is not None:
+        yield diagnostic.span
+    for note in diagnostic.notes:
+        if note.span is not None:
+            yield note.span
+
+
+def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
+    source = None if read_source is None else read_source(span.file)
+    if source is None:
+        return None
+    lines = _LINE_BREAK.split(source.removeprefix("\ufeff"))
+    if not 1 <= span.line <= len(lines):
+        return None
+    line = lines[span.line - 1].rstrip()
+    cells = [_cell(character) for character in line]
+    widths = [width for _, width in cells]
+
+    start = min(max(span.column - 1, 0), len(line))
+    if span.end_line is not None and span.end_line > span.line:
+        end = len(line)
+    else:
+        end = start if span.end_column is None else min(span.end_column - 1, len(line))
+    end = max(end, start + 1)  # an empty span, and one past the end of the line, is one caret
+
+    left, right = _window(widths, start)
+    text = "".join(shown for shown, _ in cells[left:right])
+    offset = sum(widths[left:start])
+    width = max(sum(widths[start : min(end, right)]), 1)
+    if left > 0:
+        text, offset = "…" + text, offset + 1
+    if right < len(cells):
+        text += "…"
+    return _Excerpt(span.line, text, offset, width)
+
+
+def _window(widths: list[int], start: int) -> tuple[int, int]:
+    """The slice of a line to show: all of it, or about `_WINDOW` columns around the character `start`."""
+    if sum(widths) <= _WINDOW:
+        return 0, len(widths)
+    left, used = start, 0
+    while left > 0 and used + widths[left - 1] <= _BEFORE:
+        left -= 1
+        used += widths[left]
+    right = start
+    while right < len(widths) and used + widths[right] <= _WINDOW:
+        used += widths[right]
+        right += 1
+    while left > 0 and used + widths[left - 1] <= _WINDOW:
+        left -= 1
+        used += widths[left]
+    return left, right
+
+
+def _cell(character: str) -> tuple[str, int]:
+    """How a character is shown, and how many screen columns that takes."""
+    if " " <= character <= "~":
+        return character, 1
+    if character == "\t":
+        return _TAB, len(_TAB)
+    category = unicodedata.category(character)
+    if category in ("Cc", "Cs", "Zl", "Zp") or character in _BIDIRECTIONAL:
+        return _stand_in(character), 1
+    if category in ("Mn", "Me", "Cf"):
+        return character, 0
+    return character, 2 if unicodedata.east_asian_width(character) in "WF" else 1
+
+
+def _stand_in(character: str) -> str:
+    """A visible character for one that a terminal would act upon."""
+    return chr(0x2400 + ord(character)) if character < " " else "\ufffd"
+
+
+def _printable(text: str) -> str:
+    return "".join(_TAB if character == "\t" else _cell(character)[0] for character in text)
+
+
+def _printable_lines(text: str) -> list[str]:
+    return [_printable(line) for line in _LINE_BREAK.split(text)]

@@ -1,0 +1,32 @@
+"""MuJoCo in a child process with limits, so that a crash, a hang or a log file never reaches the user.
+
+`compile` tells whether a model compiles and what is in it, `measure` brings back arrays of the compiled
+model, `Session` keeps the child process for several calls. The parent never imports MuJoCo; a missing
+installation is an answer (`Compiled.crash == "missing"`), no exception.
+"""
+
+from __future__ import annotations
+
+from composer.engine.answer import Called, Compiled, Measured
+from composer.engine.index import Actuator, Index, Joint, Sensor
+from composer.engine.limits import Limits
+from composer.engine.request import Request
+from composer.engine.run import call, compile, measure, run_many
+from composer.engine.session import Session
+
+__all__ = [
+    "Actuator",
+    "Called",
+    "Compiled",
+    "Index",
+    "Joint",
+    "Limits",
+    "Measured",
+    "Request",
+    "Sensor",
+    "Session",
+    "call",
+    "compile",
+    "measure",
+    "run_many",
+]

@@ -1,0 +1,195 @@
+"""The child process: MuJoCo with limits, away from the user's process and folder.
+
+Run as a script by `session.py`. It reads one JSON object a line from standard input, the first with its
+settings, each further one a request, and answers each with one line on the standard output it was started
+with. MuJoCo's own prints cannot get between them: file descriptor 1 is turned over to the log before MuJoCo
+is imported. The working directory is a fresh folder that the parent removes.
+
+MuJoCo's warnings come from the log file it writes there and not from a Python callback: some are raised in
+threads of the mesh compiler while the main thread holds the interpreter lock.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+import os
+import re
+import sys
+import traceback
+import warnings
+from pathlib import Path
+from typing import Any, TextIO
+
+LOG_FILE = "MUJOCO_LOG.TXT"
+_LOG_HEAD = re.compile(r"^(?:WARNING|ERROR) \w{3} \w{3} [ \d]\d \d\d:\d\d:\d\d \d{4}: ", re.MULTILINE)
+# how pybind11, C++ and MuJoCo's compiler tell that an allocation failed
+_NO_MEMORY = ("Caught an unknown exception", "bad_alloc", "ould not allocate")
+
+
+def main() -> None:
+    answers = os.fdopen(os.dup(1), "w", encoding="ascii", buffering=1)
+    os.dup2(2, 1)
+    settings = json.loads(sys.stdin.readline())
+    sys.path[:] = settings["path"]
+    _set_limits(settings["memory"])
+    try:
+        import mujoco
+    except Exception as error:  # whatever a broken installation raises is the answer
+        _say(answers, {"missing": f"{type(error).__name__}: {error}" if str(error) else type(error).__name__})
+        return
+    _forget_files(mujoco)
+    _say(answers, {"mujoco": mujoco.__version__})
+    log_read = 0
+    kept: dict[str, Any] = {}
+    for line in sys.stdin:
+        _set_cpu_limit(settings["seconds"])
+        request = json.loads(line)
+        with warnings.catch_warnings(record=True) as python_warnings:
+            warnings.simplefilter("always")
+            answer = (_call if "function" in request else _compile)(request, mujoco, kept)
+        logged, log_read = _read_log(log_read)
+        answer["warnings"] = [str(entry.message) for entry in python_warnings] + logged
+        _forget_files(mujoco)
+        _say(answers, answer)
+
+
+def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
+    answer: dict[str, Any] = {"ok": False, "crash": None}
+    try:
+        model = _spec(request, mujoco).compile()
+        if request["keep"] is not None:
+            kept[request["keep"]] = model
+        return answer | _described(request, mujoco, model) | {"ok": True}
+    except Exception as error:  # ValueError, RuntimeError, FatalError and what pybind11 makes of C++
+        return answer | _fault(error)
+
+
+def _spec(request: dict[str, Any], mujoco: Any) -> Any:
+    path = Path(request["folder"], request["model"])
+    if request["text"] is not None:
+        return mujoco.MjSpec.from_file(str(path), include={str(path): request["text"].encode()})
+    if path.suffix.lower() in {".zip", ".mjz"}:
+        return mujoco.MjSpec.from_zip(str(path))
+    return mujoco.MjSpec.from_file(str(path))
+
+
+def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, Any]:
+    from composer.engine import facts
+
+    wants = request["wants"]
+    answer: dict[str, Any] = {"sizes": facts.sizes(model)}
+    if "index" in wants:
+        answer["index"] = facts.index(model, mujoco)
+    if "names" in wants:
+        answer["names"] = facts.all_names(model)
+    if request["mjb"]:
+        mujoco.mj_saveModel(model, request["mjb"])
+        if not Path(request["mjb"]).is_file():
+            raise OSError("the compiled model could not be written")
+    data = None
+    if "forward" in wants or any(name.startswith("data.") for name in request["arrays"]):
+        data, answer["forward"] = _forward(model, mujoco)
+    if request["arrays"]:
+        import numpy
+
+        numpy.savez(request["arrays_file"], **facts.arrays(request["arrays"], model, data))
+        answer["arrays"] = True
+    return answer
+
+
+def _call(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
+    """Run a function of this project on models that were kept."""
+    missing = [name for name in request["models"] if name not in kept]
+    if missing:
+        return {"ok": False, "error": f"no model is kept as `{missing[0]}`", "crash": None}
+    module, _, name = request["function"].partition(":")
+    try:
+        function = getattr(importlib.import_module(module), name)
+        value = function(mujoco, *(kept[name] for name in request["models"]), request["argument"])
+        return {"ok": True, "value": json.loads(json.dumps(value))}
+    except Exception as error:
+        traceback.print_exc()
+        fault = _fault(error)
+        return {"ok": False} | fault | {"error": f"{type(error).__name__}: {fault['error']}"}
+
+
+def _forward(model: Any, mujoco: Any) -> tuple[Any, str | None]:
+    """mj_forward at the reference configuration: the data, and what is wrong with it."""
+    import numpy
+
+    data = None
+    try:
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+    except Exception as error:
+        return data, str(error).strip() or type(error).__name__
+    for name in ("xpos", "xquat", "qacc", "sensordata"):
+        if not numpy.isfinite(getattr(data, name)).all():
+            return data, f"`{name}` is not finite"
+    return data, None
+
+
+def _fault(error: Exception) -> dict[str, Any]:
+    text = str(error).strip() or type(error).__name__
+    short = isinstance(error, MemoryError) or any(sign in text for sign in _NO_MEMORY)
+    return {"error": text, "crash": "memory" if short else None}
+
+
+def _set_limits(memory: int) -> None:
+    """No core dumps; `memory` bytes of data, and twice that of address space where only that is counted."""
+    try:
+        import resource
+    except ImportError:
+        return
+    for name, value in (("RLIMIT_CORE", 0), ("RLIMIT_DATA", memory), ("RLIMIT_AS", 2 * memory)):
+        _set_soft_limit(resource, getattr(resource, name, None), value)
+
+
+def _set_cpu_limit(seconds: float) -> None:
+    """A backstop for a child whose parent is gone: processor time, all cores busy for a whole request."""
+    try:
+        import resource
+    except ImportError:
+        return
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    allowance = min((seconds + 5) * (os.cpu_count() or 1), 1e9)
+    _set_soft_limit(resource, resource.RLIMIT_CPU, int(usage.ru_utime + usage.ru_stime + allowance) + 1)
+
+
+def _set_soft_limit(resource: Any, kind: int | None, value: int) -> None:
+    if kind is None:
+        return
+    hard = resource.getrlimit(kind)[1]
+    if hard != resource.RLIM_INFINITY:
+        value = min(value, hard)
+    with contextlib.suppress(OSError, ValueError):  # a system that does not know this limit
+        resource.setrlimit(kind, (value, hard))
+
+
+def _forget_files(mujoco: Any) -> None:
+    """Keep no file of an earlier request in MuJoCo's cache, which trusts path and time of change."""
+    with contextlib.suppress(AttributeError, TypeError):  # a version that has no cache, or keeps it to itself
+        mujoco.mj_setCacheCapacity(mujoco.mj_getCache(), 0)
+
+
+def _read_log(start: int) -> tuple[list[str], int]:
+    """The messages in the log file after byte `start`, and where it ends now."""
+    try:
+        with Path(LOG_FILE).open("rb") as file:
+            file.seek(start)
+            content = file.read()
+    except OSError:
+        return [], start
+    messages = _LOG_HEAD.split(content.decode("utf-8", "replace"))
+    return [message.strip() for message in messages if message.strip()], start + len(content)
+
+
+def _say(answers: TextIO, answer: dict[str, Any]) -> None:
+    answers.write(json.dumps(answer) + "\n")
+    answers.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,146 @@
+"""What is told of a compiled model. Runs in the child process; takes an mjModel, imports no MuJoCo itself.
+
+Every attribute is one that MuJoCo 3.12 has; what came later is asked for with a fallback.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+# kind of object -> the array of mjModel that says where its names start
+NAME_ADDRESSES = {
+    "body": "name_bodyadr",
+    "joint": "name_jntadr",
+    "geom": "name_geomadr",
+    "site": "name_siteadr",
+    "camera": "name_camadr",
+    "light": "name_lightadr",
+    "flex": "name_flexadr",
+    "mesh": "name_meshadr",
+    "skin": "name_skinadr",
+    "hfield": "name_hfieldadr",
+    "texture": "name_texadr",
+    "material": "name_matadr",
+    "pair": "name_pairadr",
+    "exclude": "name_excludeadr",
+    "equality": "name_eqadr",
+    "tendon": "name_tendonadr",
+    "actuator": "name_actuatoradr",
+    "sensor": "name_sensoradr",
+    "numeric": "name_numericadr",
+    "text": "name_textadr",
+    "tuple": "name_tupleadr",
+    "key": "name_keyadr",
+    "plugin": "name_pluginadr",
+}
+
+_JOINT_SIZES = {"free": (7, 6), "ball": (4, 3), "slide": (1, 1), "hinge": (1, 1)}
+
+# sensors whose enum is not their tag in upper case
+_SENSOR_TAGS = {
+    "geomdist": "distance",
+    "geomnormal": "normal",
+    "geomfromto": "fromto",
+    "jointactfrc": "jointactuatorfrc",
+    "tendonactfrc": "tendonactuatorfrc",
+}
+
+
+def sizes(model: Any) -> dict[str, int]:
+    """All integer sizes of the model; `nactuator` falls back to `nu`, which is the same before it existed."""
+    found = {}
+    for name in dir(model):
+        if name.startswith("n"):
+            value = getattr(model, name)
+            if isinstance(value, int):
+                found[name] = value
+    found.setdefault("nactuator", found["nu"])
+    return found
+
+
+def names(model: Any, kind: str) -> list[str]:
+    """The names of all objects of one kind, '' for those without; bytes that are no UTF-8 are replaced."""
+    addresses = getattr(model, NAME_ADDRESSES[kind], ())
+    text: bytes = model.names
+    spans = [(int(start), text.index(b"\0", int(start))) for start in addresses]
+    return [text[start:end].decode("utf-8", "replace") for start, end in spans]
+
+
+def all_names(model: Any) -> dict[str, list[str]]:
+    return {kind: names(model, kind) for kind in NAME_ADDRESSES}
+
+
+def index(model: Any, mujoco: Any) -> dict[str, Any]:
+    """The index as JSON-able data; addresses come as [start, count]."""
+    bodies = names(model, "body")
+    return {
+        "joints": _joints(model, mujoco, bodies),
+        "actuators": _actuators(model),
+        "sensors": _sensors(model, mujoco),
+        "keyframes": names(model, "key"),
+        "cameras": names(model, "camera"),
+        "bodies": bodies,
+    }
+
+
+def _joints(model: Any, mujoco: Any, bodies: list[str]) -> list[dict[str, Any]]:
+    members = mujoco.mjtJoint.__members__
+    types = {int(value): word.removeprefix("mjJNT_").lower() for word, value in members.items()}
+    rows = []
+    for row, name in enumerate(names(model, "joint")):
+        kind = types[int(model.jnt_type[row])]
+        qpos_size, dof_size = _JOINT_SIZES[kind]
+        rows.append(
+            {
+                "name": name,
+                "type": kind,
+                "qpos": [int(model.jnt_qposadr[row]), qpos_size],
+                "dof": [int(model.jnt_dofadr[row]), dof_size],
+                "limited": bool(model.jnt_limited[row]),
+                "range": [float(bound) for bound in model.jnt_range[row]],
+                "body": bodies[int(model.jnt_bodyid[row])],
+            }
+        )
+    return rows
+
+
+def _actuators(model: Any) -> list[dict[str, Any]]:
+    found = names(model, "actuator")
+    ctrl_start = getattr(model, "actuator_ctrladr", range(len(found)))
+    ctrl_count = getattr(model, "actuator_ctrlnum", [1] * len(found))
+    return [
+        {
+            "name": name,
+            "ctrl": [int(ctrl_start[row]), int(ctrl_count[row])],
+            "act": [int(model.actuator_actadr[row]), int(model.actuator_actnum[row])],
+        }
+        for row, name in enumerate(found)
+    ]
+
+
+def _sensors(model: Any, mujoco: Any) -> list[dict[str, Any]]:
+    types = {}
+    for word, value in mujoco.mjtSensor.__members__.items():
+        tag = word.removeprefix("mjSENS_").lower()
+        types[int(value)] = _SENSOR_TAGS.get(tag, tag)
+    return [
+        {
+            "name": name,
+            "type": types.get(int(model.sensor_type[row]), "unknown"),
+            "data": [int(model.sensor_adr[row]), int(model.sensor_dim[row])],
+        }
+        for row, name in enumerate(names(model, "sensor"))
+    ]
+
+
+def arrays(wanted: list[str], model: Any, data: Any) -> dict[str, Any]:
+    """The wanted arrays; a size comes as an array of one; a name this version does not have is left out."""
+    import numpy
+
+    found = {}
+    for name in wanted:
+        owner, _, attribute = name.rpartition(".")
+        value = getattr(data if owner == "data" else model, attribute, None)
+        if isinstance(value, int | float | numpy.ndarray):
+            found[name] = numpy.atleast_1d(value)
+    return found

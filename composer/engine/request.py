@@ -1,0 +1,52 @@
+"""One question to MuJoCo, as plain data that goes to the child process."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+WANTS = frozenset({"forward", "index", "names"})
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Compile `folder/model` and tell about it.
+
+    `wants` says what the answer holds beyond sizes and warnings: `index` (joints, actuators, sensors with
+    their addresses), `names` (of every kind of object), `forward` (one mj_forward at the reference
+    configuration).
+    `arrays` are attributes of mjModel, or of mjData after mj_forward when written `data.NAME`.
+    `mjb` is where the compiled model is written.
+    `keep` is a name under which a session's child keeps the compiled model for `Session.call`.
+    `text`, if given, is read in place of the file's own content; the file need not exist then, and relative
+    paths in the text still start at its folder.
+    """
+
+    folder: Path
+    model: str = "model.xml"
+    wants: tuple[str, ...] = ()
+    arrays: tuple[str, ...] = ()
+    mjb: Path | None = None
+    text: str | None = None
+    keep: str | None = None
+
+    def __post_init__(self) -> None:
+        unknown = set(self.wants) - WANTS
+        if unknown:
+            raise ValueError(f"unknown wants {sorted(unknown)}; there are {sorted(WANTS)}")
+
+    def to_json(self, arrays_file: Path) -> str:
+        """One line of JSON, ASCII only. All paths in it are absolute: the child works in another folder."""
+        return json.dumps(
+            {
+                "folder": str(self.folder.absolute()),
+                "model": self.model,
+                "wants": self.wants,
+                "arrays": self.arrays,
+                "arrays_file": str(arrays_file),
+                "mjb": None if self.mjb is None else str(self.mjb.absolute()),
+                "text": self.text,
+                "keep": self.keep,
+            }
+        )

@@ -1,0 +1,122 @@
+"""Compile and measure models with MuJoCo, safely: the calls the rest of the project makes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from composer.engine.answer import Called, Compiled, Measured
+from composer.engine.index import Index
+from composer.engine.limits import Limits
+from composer.engine.request import Request
+from composer.engine.session import Session
+
+if TYPE_CHECKING:
+    import numpy
+
+
+def compile(
+    folder: Path,
+    model: str = "model.xml",
+    *,
+    wants: tuple[str, ...] = (),
+    mjb: Path | None = None,
+    text: str | None = None,
+    keep: str | None = None,
+    limits: Limits | None = None,
+    session: Session | None = None,
+) -> Compiled:
+    """Compile `folder/model`, run one mj_forward, and write an MJB to `mjb` if that is given.
+
+    Never raises for what the model does. `limits` count only without a `session`, which has its own.
+    """
+    request = Request(folder, model, wants=(*wants, "forward"), mjb=mjb, text=text, keep=keep)
+    return _run([request], limits, session)[0].compiled
+
+
+def measure(
+    folder: Path,
+    model: str = "model.xml",
+    arrays: tuple[str, ...] = (),
+    *,
+    text: str | None = None,
+    limits: Limits | None = None,
+    session: Session | None = None,
+) -> Measured:
+    """Compile `folder/model` and bring back arrays of mjModel (or `data.NAME` of mjData) with all names.
+
+    Units and shapes are MuJoCo's own: radians, metres, one row per object.
+    """
+    request = Request(folder, model, wants=("names",), arrays=arrays, text=text)
+    return _run([request], limits, session)[0]
+
+
+def run_many(requests: Iterable[Request], *, limits: Limits | None = None) -> list[Measured]:
+    """Answer several requests with one start of MuJoCo; one that crashes takes no other with it."""
+    return _run(requests, limits, None)
+
+
+def call(session: Session, function: Callable[..., Any], models: Sequence[str], argument: Any) -> Called:
+    """Run `function(mujoco, *models, argument)` in the session's child on models kept there by name."""
+    answer = session.call(function, models, argument)
+    return Called(
+        ok=answer["ok"],
+        value=answer.get("value"),
+        error=answer.get("error"),
+        crash=answer.get("crash"),
+        warnings=_distinct(answer.get("warnings", ())),
+    )
+
+
+def _run(requests: Iterable[Request], limits: Limits | None, session: Session | None) -> list[Measured]:
+    if session is not None:
+        return [_ask(session, request) for request in requests]
+    with Session(limits) as own:
+        return [_ask(own, request) for request in requests]
+
+
+def _ask(session: Session, request: Request) -> Measured:
+    answer, arrays_file = session.ask(request)
+    arrays = _load_arrays(arrays_file) if answer.get("arrays") else {}
+    return Measured(_compiled(answer, request, session.mujoco_version), arrays)
+
+
+def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> Compiled:
+    def relative(text: str | None) -> str | None:
+        return None if text is None else _without_folder(text, request.folder)
+
+    names = answer.get("names")
+    return Compiled(
+        ok=answer["ok"],
+        error=relative(answer.get("error")),
+        crash=answer.get("crash"),
+        warnings=_distinct(_without_folder(text, request.folder) for text in answer.get("warnings", ())),
+        mujoco_version=version,
+        sizes=answer.get("sizes", {}),
+        forward=relative(answer.get("forward")),
+        index=Index.from_data(answer["index"]) if "index" in answer else None,
+        names=None if names is None else {kind: tuple(found) for kind, found in names.items()},
+    )
+
+
+def _without_folder(text: str, folder: Path) -> str:
+    """`text` with paths below `folder` made relative to it; who reads it never chose that folder."""
+    for form in (str(folder.absolute()), str(folder.resolve())):
+        text = text.replace(form.rstrip("/\\") + "/", "").replace(form.rstrip("/\\") + "\\", "")
+    return text
+
+
+def _distinct(warnings: Iterable[str]) -> tuple[str, ...]:
+    """Each warning once, in order; MuJoCo logs the first line of some that it tells in full elsewhere."""
+    found = list(dict.fromkeys(text.strip() for text in warnings if text.strip()))
+    return tuple(text for text in found if not any(other.startswith(text + "\n") for other in found))
+
+
+def _load_arrays(path: Path) -> dict[str, numpy.ndarray]:
+    import numpy
+
+    with numpy.load(path, allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    path.unlink()
+    return arrays

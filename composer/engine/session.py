@@ -1,0 +1,219 @@
+"""A child process that answers several requests, so that Python and MuJoCo start only once."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+from composer.engine.limits import GIB, Limits
+from composer.engine.request import Request
+
+STARTUP_SECONDS = 120.0
+_LAST_WORDS = 4096
+
+
+class Session:
+    """Asks MuJoCo in a child process; the process starts with the first request and again after a crash.
+
+    Use it as a context manager, from one thread at a time. Nothing that happens in the child reaches the
+    caller but the answer: no exception, no output, no file.
+    """
+
+    def __init__(self, limits: Limits | None = None) -> None:
+        self.limits = limits or Limits()
+        self.mujoco_version: str | None = None
+        self._process: subprocess.Popen[str] | None = None
+        self._lines: queue.Queue[str | None] = queue.Queue()
+        self._folder: Path | None = None
+        self._count = 0
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def ask(self, request: Request) -> tuple[dict[str, Any], Path]:
+        """The child's answer, or {"ok": False, "error", "crash"} in its place, and the file of its arrays.
+
+        The arrays' file is there only when the answer says so; it belongs to the session.
+        """
+        failure = self._start()
+        arrays_file = (self._folder or Path()) / f"arrays-{self._count}.npz"
+        self._count += 1
+        if failure is not None:
+            return failure, arrays_file
+        answer = self._exchange(request.to_json(arrays_file), self.limits.seconds)
+        if answer is None:
+            return self._crashed(), arrays_file
+        return answer, arrays_file
+
+    def call(self, function: Callable[..., Any], models: Sequence[str], argument: Any) -> dict[str, Any]:
+        """Run `function(mujoco, *models, argument)` in the child, on mjModels that requests kept by name.
+
+        `function` stands at the top of a module; `argument` and what it returns are JSON data. It is for what
+        needs the compiled model itself, such as simulating it. The kept models are lost with a crash.
+        """
+        name = f"{function.__module__}:{function.__qualname__}"
+        line = json.dumps({"function": name, "models": list(models), "argument": argument})
+        answer = self._start() or self._exchange(line, self.limits.seconds)
+        return self._crashed() if answer is None else answer
+
+    def close(self) -> None:
+        """End the child process and remove its folder."""
+        self._stop()
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder = None
+
+    def _start(self) -> dict[str, Any] | None:
+        """None when a child is ready, otherwise the answer that says why there is none."""
+        if self._process is not None:
+            return None
+        try:
+            self._spawn()
+        except (OSError, ValueError) as error:
+            return _failure(f"cannot start a process for MuJoCo: {error}", "start")
+        settings = {
+            "path": _module_path(),
+            "seconds": self.limits.seconds,
+            "memory": self.limits.memory,
+        }
+        hello = self._exchange(json.dumps(settings), STARTUP_SECONDS)
+        if hello is None:
+            return self._crashed()
+        if "missing" in hello:
+            self._stop()
+            return _failure(f"MuJoCo cannot be imported in {sys.executable}: {hello['missing']}", "missing")
+        self.mujoco_version = hello["mujoco"]
+        return None
+
+    def _spawn(self) -> None:
+        if self._folder is None:
+            self._folder = Path(tempfile.mkdtemp(prefix="mjcompose-engine-"))
+        work = self._folder / f"work-{self._count}"
+        work.mkdir(exist_ok=True)
+        environment = dict(os.environ)
+        # no window, no renderer; threads of linear algebra would only count against the memory limit
+        environment |= {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
+        if not sys.executable:
+            raise ValueError("this Python does not know its own executable")
+        with (self._folder / "log").open("wb") as log:
+            self._process = subprocess.Popen(
+                [sys.executable, "-I", "-X", "utf8", str(Path(__file__).with_name("child.py"))],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                cwd=work,
+                env=environment,
+                encoding="utf-8",
+                errors="replace",
+            )
+        self._lines = queue.Queue()
+        assert self._process.stdout is not None
+        threading.Thread(target=_forward_lines, args=(self._process.stdout, self._lines), daemon=True).start()
+
+    def _exchange(self, line: str, seconds: float) -> dict[str, Any] | None:
+        """Send one line and wait for one; None when the child ended, or was ended for taking too long."""
+        process = self._process
+        assert process is not None and process.stdin is not None
+        try:
+            process.stdin.write(line + "\n")
+            process.stdin.flush()
+            received = self._lines.get(timeout=min(seconds, threading.TIMEOUT_MAX))
+        except OSError:
+            received = None
+        except queue.Empty:
+            process.kill()
+            process.wait()
+            self._stop()
+            return _failure(f"MuJoCo did not finish within {seconds:g} s", "timeout")
+        except BaseException:
+            self.close()  # interrupted: the child may be in the middle of anything
+            raise
+        if received is None:
+            return None
+        answer: dict[str, Any] = json.loads(received)
+        if answer.get("crash") == "memory":
+            self._stop()  # what is left of its memory is no fair start for the next request
+            return self._out_of_memory(answer["error"])
+        return answer
+
+    def _crashed(self) -> dict[str, Any]:
+        """Why the child ended without an answer."""
+        process, folder = self._process, self._folder
+        assert process is not None and folder is not None
+        status = process.wait()
+        self._stop()
+        words = _last_words(folder / "log")
+        if "bad_alloc" in words or "MemoryError" in words:
+            return self._out_of_memory(words)
+        if status >= 0:
+            return _failure(f"MuJoCo's process ended with status {status}{_quoted(words)}", f"exit {status}")
+        number = -status
+        if number == getattr(signal, "SIGXCPU", None):
+            return _failure("MuJoCo used up its processor time", "timeout")
+        names = {entry.value: f" ({entry.name})" for entry in signal.Signals}
+        text = f"MuJoCo crashed with signal {number}{names.get(number, '')}{_quoted(words)}"
+        return _failure(text, f"signal {number}")
+
+    def _out_of_memory(self, words: str) -> dict[str, Any]:
+        allowed = f"{self.limits.memory / GIB:.3g} GiB"
+        return _failure(f"MuJoCo ran out of the {allowed} of memory it was given{_quoted(words)}", "memory")
+
+    def _stop(self) -> None:
+        process, self._process = self._process, None
+        if process is None:
+            return
+        process.kill()
+        process.wait()
+        for pipe in (process.stdin, process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):  # what was not yet sent has no receiver any more
+                    pipe.close()
+
+
+def _failure(error: str, crash: str) -> dict[str, Any]:
+    return {"ok": False, "error": error, "crash": crash}
+
+
+def _last_words(log: Path) -> str:
+    """The end of what the child printed."""
+    with log.open("rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - _LAST_WORDS))
+        return file.read().decode("utf-8", "replace")
+
+
+def _quoted(words: str) -> str:
+    """The last line of `words`, if there is any."""
+    lines = words.strip().splitlines()
+    return f": {lines[-1].strip()[:200]}" if lines else ""
+
+
+def _module_path() -> list[str]:
+    """This process's sys.path, absolute, and at its end the folder this package stands in."""
+    path = [str(Path(entry).absolute()) for entry in sys.path]
+    root = str(Path(__file__).resolve().parents[2])
+    return path if root in path else [*path, root]
+
+
+def _forward_lines(pipe: IO[str], lines: queue.Queue[str | None]) -> None:
+    """Move lines from the pipe to the queue, then None: runs in a thread, for pipes know no timeouts."""
+    with contextlib.suppress(OSError, ValueError):  # closed from this side
+        for line in pipe:
+            lines.put(line)
+    lines.put(None)

@@ -1,0 +1,268 @@
+"""Whether a value fits an attribute: text as it stands in XML, and values as Python and YAML have them.
+
+The answer is a lowercase fragment that continues "`size`…" (`expects 3 numbers, got 2`), or `None` if all is
+well. Names are not looked up here, and nothing is known of sibling attributes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from composer.grammar.attribute import Attribute
+from composer.grammar.number import INT_MAX, INT_MIN, items, parse_int, parse_real
+
+SHOWN_KEYWORDS = 12
+SHOWN_TEXT = 40
+
+
+def check_value(attribute: Attribute, text: str) -> str | None:
+    """What is wrong with the text of an XML attribute, as MuJoCo reads it."""
+    kind = attribute.type
+    if kind == "bool":
+        return None if text in ("true", "false") else f"expects `true` or `false`, got `{shorten(text)}`"
+    if kind == "keyword":
+        return None if text in attribute.keywords else unknown_keyword(attribute, text)
+    if kind == "chars":
+        return check_characters(attribute, text) if text else None
+    if kind not in ("real", "int", "keywords", "references"):
+        return None
+    parts = items(text)
+    if not parts:
+        return None  # nothing written is as good as no attribute
+    if kind == "keywords":
+        return check_words(attribute, parts)
+    if kind == "references":
+        return None
+    for part in parts:
+        number = parse_int(part) if kind == "int" else parse_real(part)
+        if number is None:
+            return refused_number(attribute, part)
+    return check_length(attribute, len(parts))
+
+
+def check_python(attribute: Attribute, value: object) -> str | None:
+    """What is wrong with a Python or YAML value: a scalar, or a list of numbers, keywords or names.
+
+    `None` is never a value. Of text for a list of numbers the message says how the list is written.
+    """
+    kind = attribute.type
+    if value is None:
+        return f"expects {expected(attribute)}, got nothing"
+    value = plain(value)
+    if kind in ("real", "int"):
+        return check_numbers(attribute, value)
+    if kind == "bool":
+        return None if isinstance(value, bool) else f"expects `true` or `false`, got `{show(value)}`"
+    if kind == "keyword":
+        word = keyword_text(value)
+        if word is None:
+            return f"expects {expected(attribute)}, got {article(value)}"
+        return None if word in attribute.keywords else unknown_keyword(attribute, word)
+    if kind in ("keywords", "references"):
+        return check_list(attribute, value)
+    if not isinstance(value, str):
+        if isinstance(value, bool | int | float):
+            text = show(value)
+            return f"expects {expected(attribute)}, got {article(value)} `{text}`; quote it: '{text}'"
+        return f"expects {expected(attribute)}, got {article(value)}"
+    if attribute.required and not value and kind != "name":
+        return "must not be empty"
+    return check_characters(attribute, value) if kind == "chars" else None
+
+
+def check_numbers(attribute: Attribute, value: object) -> str | None:
+    """What is wrong with a number, or with a list of numbers."""
+    if isinstance(value, str):
+        parts = items(value.replace(",", " "))
+        if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
+            return f"expects {expected(attribute)}, got text; write [{', '.join(parts)}]"
+        return f"expects {expected(attribute)}, got `{shorten(value)}`"
+    if isinstance(value, Sequence):
+        if attribute.max_length == 1:
+            return f"expects {expected(attribute)}, got a list of {len(value)}"
+        for item in value:
+            fault = check_number(attribute, plain(item))
+            if fault is not None:
+                return fault
+        return check_length(attribute, len(value))
+    fault = check_number(attribute, value)
+    if fault is not None:
+        return fault
+    if (attribute.min_length or 1) > 1:
+        return check_length(attribute, 1)
+    return None
+
+
+def check_number(attribute: Attribute, value: object) -> str | None:
+    """What is wrong with one number, on its own or in a list."""
+    noun = "an integer" if attribute.type == "int" else "a number"
+    prefix = "expects" if attribute.max_length == 1 else "expects every item to be"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return f"{prefix} {noun}, got `{show(value)}`"
+    if attribute.type == "int":
+        if isinstance(value, float) and not value.is_integer():
+            return f"{prefix} {noun}, got `{show(value)}`"
+        if not INT_MIN <= value <= INT_MAX:
+            return f"{prefix} {noun} of 32 bits, got `{show(value)}`"
+    elif isinstance(value, int) and abs(value) > 2**1023:
+        return f"{prefix} {noun}, got one that is too large"
+    return None
+
+
+def check_list(attribute: Attribute, value: object) -> str | None:
+    """What is wrong with a list of keywords or names; one of them may stand alone."""
+    if isinstance(value, str):
+        parts = items(value)
+        if len(parts) > 1:
+            return f"expects {expected(attribute)}, got text; write [{', '.join(parts)}]"
+        value = [value]
+    if not isinstance(value, Sequence):
+        return f"expects {expected(attribute)}, got `{show(value)}`"
+    words: list[str] = []
+    for item in value:
+        word = keyword_text(plain(item)) if attribute.type == "keywords" else item
+        if not isinstance(word, str) or not word:
+            return f"expects every item to be {'a keyword' if attribute.type == 'keywords' else 'a name'}"
+        if attribute.type == "references" and len(items(word)) != 1:
+            return f"expects names without spaces, got `{shorten(word)}`"
+        words.append(word)
+    if attribute.type == "references":
+        return None if words else f"expects {expected(attribute)}, got an empty list"
+    return check_words(attribute, words)
+
+
+def check_words(attribute: Attribute, words: Sequence[str]) -> str | None:
+    """What is wrong with several keywords: unknown, twice, or out of order."""
+    for word in words:
+        if word not in attribute.keywords:
+            return unknown_keyword(attribute, word)
+    for index, word in enumerate(words):
+        if word in words[:index]:
+            return f"has `{word}` twice"
+    places = [attribute.keywords.index(word) for word in words]
+    if attribute.ordered and places != sorted(places):
+        right = ", ".join(sorted(words, key=attribute.keywords.index))
+        return f"expects its keywords in the order [{right}]"
+    return check_length(attribute, len(words))
+
+
+def check_characters(attribute: Attribute, text: str) -> str | None:
+    """What is wrong with a string whose characters are counted."""
+    low, high = attribute.min_length, attribute.max_length
+    if (low is None or len(text) >= low) and (high is None or len(text) <= high):
+        return None
+    return f"expects {counted(attribute, 'character')}, got {len(text)}"
+
+
+def check_length(attribute: Attribute, count: int) -> str | None:
+    """What is wrong with the number of items."""
+    low, high = attribute.min_length, attribute.max_length
+    if attribute.lengths is not None:
+        fits = count in attribute.lengths
+    else:
+        fits = (low is None or count >= low) and (high is None or count <= high)
+    if fits:
+        return None
+    return f"expects {expected(attribute)}, got {count}"
+
+
+def expected(attribute: Attribute) -> str:
+    """A noun phrase for what the attribute takes: `3 numbers`, `a name`, `1 to 6 numbers`."""
+    kind = attribute.type
+    if kind == "real":
+        return counted(attribute, "number")
+    if kind == "int":
+        return counted(attribute, "integer")
+    return {
+        "bool": "`true` or `false`",
+        "keyword": "a keyword",
+        "keywords": "a list of keywords",
+        "chars": "text",
+        "file": "a file name",
+        "name": "a name",
+        "reference": "a name",
+        "references": "a list of names",
+    }.get(kind, "text")
+
+
+def counted(attribute: Attribute, noun: str) -> str:
+    """How many of something the attribute takes."""
+    low, high = attribute.min_length, attribute.max_length
+    if attribute.lengths is not None:
+        return f"{' or '.join(str(length) for length in attribute.lengths)} {noun}s"
+    if low == high and low is not None:
+        return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if low == 1 else f"{low} {noun}s"
+    if high is None:
+        return f"{noun}s" if (low or 1) <= 1 else f"at least {low} {noun}s"
+    if low == 1 and high == 2:
+        return f"1 or 2 {noun}s"
+    return f"{low} to {high} {noun}s"
+
+
+def unknown_keyword(attribute: Attribute, word: str) -> str:
+    """That a word is none of the keywords; names the one it nearly is, or all of them if they are few."""
+    near = word.strip().lower()
+    for keyword in attribute.keywords:
+        if keyword.lower() == near:
+            return f"has no keyword `{shorten(word)}`; it is spelled `{keyword}`"
+    if len(attribute.keywords) <= SHOWN_KEYWORDS:
+        return f"expects {either(attribute.keywords)}, got `{shorten(word)}`"
+    return f"has no keyword `{shorten(word)}`"
+
+
+def refused_number(attribute: Attribute, part: str) -> str:
+    """Why one item of a list of numbers is none."""
+    if attribute.type == "int":
+        if part.lstrip("+-").isdigit():
+            return f"expects {expected(attribute)} of 32 bits, got `{shorten(part)}`"
+        real = parse_real(part)
+        if real is not None and real.is_integer():
+            return f"expects {expected(attribute)}, got `{shorten(part)}`; write {int(real)}"
+        return f"expects {expected(attribute)}, got `{shorten(part)}`"
+    if "," in part:
+        return f"expects numbers separated by spaces, got `{shorten(part)}`"
+    return f"expects {expected(attribute)}, got `{shorten(part)}`"
+
+
+def keyword_text(value: object) -> str | None:
+    """A keyword as XML spells it: YAML's `true` and `2` are keywords of some attributes."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    return value if isinstance(value, str) else None
+
+
+def plain(value: object) -> object:
+    """A value of an array library as Python's own, by its `tolist`; anything else as it is."""
+    convert = getattr(value, "tolist", None)
+    return convert() if callable(convert) else value
+
+
+def either(words: Iterable[str]) -> str:
+    """`a`, `b` or `c`, each in backquotes."""
+    quoted = [f"`{word}`" for word in words]
+    return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}"
+
+
+def article(value: object) -> str:
+    """What kind of value it is."""
+    if isinstance(value, bool):
+        return "a boolean"
+    if isinstance(value, int | float):
+        return "a number"
+    if isinstance(value, str):
+        return "text"
+    return "a list" if isinstance(value, Sequence) else "a mapping"
+
+
+def show(value: object) -> str:
+    """A value as YAML spells it, shortened."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return shorten(str(value))
+
+
+def shorten(text: str) -> str:
+    """Text cut to what fits in a message."""
+    return text if len(text) <= SHOWN_TEXT else f"{text[: SHOWN_TEXT - 1]}…"

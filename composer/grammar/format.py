@@ -1,0 +1,50 @@
+"""Values as MJCF writes them: exact on re-reading, and no wider than needed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from composer.grammar.attribute import Attribute
+
+
+def to_text(attribute: Attribute, value: object) -> str:
+    """The text of a value that `check_python` accepts; text stays as it is, arrays are taken.
+
+    >>> from composer.grammar import GRAMMAR
+    >>> to_text(GRAMMAR.element("geom").attributes["size"], [0.1, 2.0, -0.0])
+    '0.1 2 -0'
+    """
+    convert = getattr(value, "tolist", None)
+    if callable(convert):
+        value = convert()
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return integer_text(value) if attribute.type == "int" else number_text(value)
+    if isinstance(value, Iterable):
+        return " ".join(to_text(attribute, item) for item in value)
+    raise TypeError(f"{attribute.name} cannot hold {type(value).__name__}")
+
+
+def number_text(value: int | float) -> str:
+    """A number that MuJoCo re-reads exactly: the shortest digits, without `.0`.
+
+    >>> number_text(0.1 + 0.2), number_text(1e22), number_text(2.0), number_text(-0.0)
+    ('0.30000000000000004', '1e+22', '2', '-0')
+    """
+    if isinstance(value, int):
+        return str(value)
+    if math.isnan(value):
+        return "nan"
+    text = repr(value)
+    return text[:-2] if text.endswith(".0") else text
+
+
+def integer_text(value: int | float) -> str:
+    """An integer; a float that is whole loses its `.0`, which MuJoCo would refuse."""
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    return number_text(value)

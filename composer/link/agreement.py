@@ -1,0 +1,207 @@
+"""Pass: sections of which a model has one. What a part asks for and the model does not do is told, never dropped.
+
+The model's value is the base's, where it writes one, else MuJoCo's default; what the recipe sets itself is settled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.grammar import GRAMMAR
+from composer.link import numbers
+from composer.link.linking import Linking, Part
+from composer.tree.unit import Unit
+
+SINGLETONS = ("option", "visual", "statistic")
+# Sizes only make room: the larger of two serves both.
+_LARGEST = ("njmax", "nconmax", "nstack", "nuserdata", "nkey")
+_SMALLER_IS_SAFER = ("timestep", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance")
+_LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations",
+                    "sdf_initpoints")  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    value: str
+    element: Node
+    unit: Unit
+
+
+def agreement(linking: Linking) -> None:
+    """Compare what every unit writes, then merge the sizes."""
+    if not linking.parts:
+        return
+    model = {path: found for path, found in _written(linking.base)}
+    for part in linking.parts:
+        for path, wanted in _written(part.unit):
+            if path in linking.settled:
+                continue
+            have = model.get(path)
+            current = have.value if have is not None else _default(path)
+            if current is not None and _equal(current, wanted.value):
+                continue
+            settled = _merged(path, have, wanted) if linking.conflict == "merge" else None
+            _tell(linking, part, path, wanted, have, current, settled)
+            if settled is not None:
+                _set(linking.base, path, settled)
+                model[path] = _Written(settled, wanted.element, part.unit)
+    _sizes(linking)
+
+
+def _written(unit: Unit) -> Iterator[tuple[str, _Written]]:
+    for section in unit.root.iterchildren(*SINGLETONS):
+        yield from _attributes(section, str(section.tag), unit)
+
+
+def _attributes(element: Node, path: str, unit: Unit) -> Iterator[tuple[str, _Written]]:
+    for name, value in element.items():
+        if str(value).strip():
+            yield f"{path}/{name}", _Written(str(value), element, unit)
+    for child in element:
+        if isinstance(child.tag, str):
+            yield from _attributes(child, f"{path}/{child.tag}", unit)
+
+
+def _default(path: str) -> str | None:
+    element, name = path.rsplit("/", 1)
+    attribute = GRAMMAR.element(element).attributes.get(name)
+    value = attribute.default if attribute is not None else None
+    if value is None:
+        return None
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
+
+def _equal(a: str, b: str) -> bool:
+    if a.split() == b.split():
+        return True
+    try:
+        return numbers.read(a) == numbers.read(b)
+    except ValueError:
+        return False
+
+
+def _merged(path: str, have: _Written | None, wanted: _Written) -> str | None:
+    """As MuJoCo merges: a default gives way; of two authored steps or tolerances the smaller, of iterations the larger."""
+    if have is None:
+        return wanted.value
+    name = path.rsplit("/", 1)[1]
+    if name in _SMALLER_IS_SAFER:
+        return min(have.value, wanted.value, key=lambda text: numbers.read(text)[0])
+    if name in _LARGER_IS_SAFER:
+        return max(have.value, wanted.value, key=lambda text: numbers.read(text)[0])
+    return None
+
+
+def _set(unit: Unit, path: str, value: str) -> None:
+    section, *inner, name = path.split("/")
+    element = unit.section(section)
+    for tag in inner:
+        child = next(element.iterchildren(tag), None)
+        if child is None:
+            child = element.makeelement(tag)
+            element.append(child)
+        element = child
+    element.set(name, value)
+
+
+def _tell(
+    linking: Linking,
+    part: Part,
+    path: str,
+    wanted: _Written,
+    have: _Written | None,
+    current: str | None,
+    settled: str | None,
+) -> None:
+    what = path.replace("/", ".")
+    if have is not None:
+        beside = f"the model says {have.value}"
+        note = Note(f"{have.value} is written here", linking.span(have.unit, have.element))
+    elif current is not None:
+        beside = f"the model has MuJoCo's default, {current}"
+        note = Note(f"the model does not write `{what}`, so that MuJoCo's default {current} would hold")
+    else:
+        beside = "the model leaves it to MuJoCo"
+        note = Note(f"the model does not write `{what}`")
+    message = f"`{part.prefix}` wants `{what}` to be {wanted.value}, {beside}"
+    span = linking.span(part.unit, wanted.element)
+    if settled is not None:
+        linking.sink.warning("option-conflict", f"{message}; merged to {settled}", span, notes=(note,))
+    elif linking.conflict == "warning":
+        linking.sink.warning("option-conflict", f"{message}, which stands", span, notes=(note,))
+    else:
+        linking.sink.error("option-conflict", message, span, notes=(note,), help=settle(path, wanted.value))
+
+
+def settle(path: str, value: str) -> str:
+    """The lines of a recipe that settle a conflict."""
+    section, *inner, name = path.split("/")
+    tokens = value.split()
+    text = f"[{', '.join(tokens)}]" if len(tokens) > 1 else value
+    entry = f"{name}: {text}"
+    for tag in reversed(inner):
+        entry = f"{tag}: {{{entry}}}"
+    return f"say which it is, in the recipe: `{section}: {{{entry}}}`"
+
+
+def _sizes(linking: Linking) -> None:
+    for part in linking.parts:
+        for section in part.unit.root.iterchildren("size"):
+            for name, value in section.items():
+                _enlarge(linking, str(name), str(value))
+    _user_widths(linking)
+
+
+def _enlarge(linking: Linking, name: str, value: str) -> None:
+    have = [str(size.get(name)) for size in linking.base.root.iterchildren("size") if size.get(name)]
+    if name == "memory":
+        if not have or _bytes(value) > _bytes(have[-1]):
+            linking.base.section("size").set(name, value)
+    elif name in _LARGEST or name.startswith("nuser_"):
+        largest = max([int(value), *map(int, have)])
+        if largest >= 0:
+            linking.base.section("size").set(name, str(largest))
+
+
+def _bytes(text: str) -> float:
+    scale = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60}
+    text = text.strip().lower()
+    return float(text[:-1]) * scale[text[-1]] if text and text[-1] in scale else float(text or 0)
+
+
+_USERS = {
+    "nuser_body": ("body",),
+    "nuser_jnt": ("joint", "freejoint"),
+    "nuser_geom": ("geom",),
+    "nuser_site": ("site",),
+    "nuser_cam": ("camera",),
+}
+_USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser_sensor": "sensor"}
+
+
+def _user_widths(linking: Linking) -> None:
+    """A written `nuser_*` must be wide enough for the user data of every part."""
+    for size in linking.base.root.iterchildren("size"):
+        for name, value in size.items():
+            if not str(name).startswith("nuser_") or int(value) < 0:
+                continue
+            widest = int(value)
+            for part in linking.parts:
+                for element in _with_user(part.unit.root, str(name)):
+                    widest = max(widest, len(str(element.get("user") or "").split()))
+            size.set(name, str(widest))
+
+
+def _with_user(root: Node, name: str) -> Iterator[Node]:
+    if name in _USER_SECTIONS:
+        for section in root.iterchildren(_USER_SECTIONS[name], "default"):
+            yield from section.iter()
+    else:
+        for section in root.iterchildren("worldbody", "default"):
+            yield from section.iter(*_USERS.get(name, ()))

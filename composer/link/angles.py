@@ -1,0 +1,150 @@
+"""Pass: one unit of angle and one Euler sequence for the whole model.
+
+The model is in degrees only where every unit is; otherwise in radians, because degrees can be turned into radians
+with MuJoCo's own arithmetic and so to the same bits, and radians into degrees cannot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lxml.etree import _Element as Node
+
+from composer.link import numbers
+from composer.link.linking import Linking
+from composer.pose import quat_from_euler
+from composer.tree.classes import Classes, walk_bodies
+from composer.tree.unit import Unit
+
+_LIMITED = "range"
+_ANGULAR = ("range", "ref", "springref")
+
+
+def angles(linking: Linking) -> None:
+    """Rewrite each unit that differs from what the model will say."""
+    unit, sequence = model_angle(linking), linking.base.settings.eulerseq
+    for part in linking.units:
+        settings = part.settings
+        to_radians = settings.angle == "degree" and unit == "radian"
+        if to_radians or settings.eulerseq != sequence:
+            _orientations(linking, part, to_radians, sequence)
+        if to_radians:
+            _joints(part)
+
+
+def model_angle(linking: Linking) -> str:
+    return "degree" if all(unit.settings.angle == "degree" for unit in linking.units) else "radian"
+
+
+def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str) -> None:
+    own = unit.settings.eulerseq
+    degrees = unit.settings.angle == "degree"
+    for section in unit.root.iterchildren("worldbody", "default"):
+        for element in section.iter():
+            euler = element.get("euler")
+            if euler is not None and euler.strip():
+                values = numbers.read(euler)
+                if element.tag == "replicate":
+                    _replicate(linking, unit, element, values, sequence, to_radians)
+                elif own != sequence:
+                    radians = [numbers.orientation_radians(v) for v in values] if degrees else values
+                    del element.attrib["euler"]
+                    element.set("quat", numbers.text(quat_from_euler(radians, own)))
+                elif to_radians:
+                    element.set("euler", numbers.text(map(numbers.orientation_radians, values)))
+            axisangle = element.get("axisangle")
+            if to_radians and axisangle is not None and axisangle.strip():
+                *axis, angle = axisangle.split()
+                turned = numbers.text([numbers.orientation_radians(*numbers.read(angle))])
+                element.set("axisangle", " ".join([*axis, turned]))
+
+
+def _replicate(
+    linking: Linking, unit: Unit, element: Node, values: list[float], sequence: str, to_radians: bool
+) -> None:
+    """A replicate has no quat; one turn about one axis reads the same in any sequence that has the axis."""
+    own = unit.settings.eulerseq
+    if to_radians:
+        values = [numbers.orientation_radians(value) for value in values]
+    if own != sequence:
+        turning = [at for at, value in enumerate(values) if value]
+        letters = sequence.lower()
+        if len(turning) > 1 or (turning and own[turning[0]].lower() not in letters):
+            linking.sink.error(
+                "compiler-setting",
+                f"`<replicate>` turns about several axes in the sequence `{own}`, the model reads `{sequence}`",
+                linking.span(unit, element),
+                help="give each axis a `<replicate>` of its own",
+            )
+            return
+        moved = [0.0, 0.0, 0.0]
+        for at in turning:
+            moved[letters.index(own[at].lower())] = values[at]
+        values = moved
+    element.set("euler", numbers.text(values))
+
+
+def _joints(unit: Unit) -> None:
+    """Ranges and references of hinges (and ranges of balls) turn into radians, wherever they are written.
+
+    A class may give one value to hinges and to slides: then each hinge gets the converted value on itself.
+    """
+    classes = unit.classes
+    given: dict[tuple[Node, str], list[tuple[Node, bool]]] = {}
+    done: set[tuple[Node, str]] = set()
+    own: list[tuple[Node, str]] = []
+    for joint, childclass in walk_bodies(unit.root):
+        if joint.tag != "joint":
+            continue
+        found = classes.get(str(joint.get("class") or childclass or "") or None)
+        for attribute in _ANGULAR:
+            writer = _writer(joint, found.lookup("joint", attribute), attribute)
+            if writer is None:
+                continue
+            turns = _is_angle(unit, classes, joint, childclass, attribute)
+            if writer is joint:
+                if turns:
+                    own.append((joint, attribute))
+            else:
+                given.setdefault((writer, attribute), []).append((joint, turns))
+    for (writer, attribute), users in given.items():
+        done.add((writer, attribute))
+        if all(turns for _, turns in users):
+            own.append((writer, attribute))
+        else:
+            for joint, turns in users:
+                if turns:
+                    joint.set(attribute, str(writer.get(attribute)))
+                    own.append((joint, attribute))
+    for section in unit.root.iterchildren("default"):
+        for joint in section.iter("joint"):
+            for attribute in _ANGULAR:
+                if joint.get(attribute) and (joint, attribute) not in done and joint.get("type") != "slide":
+                    own.append((joint, attribute))
+    for element, attribute in own:
+        _convert(element, attribute, numbers.joint_radians)
+
+
+def _writer(joint: Node, inherited: tuple[str, Node] | None, attribute: str) -> Node | None:
+    if joint.get(attribute) is not None:
+        return joint
+    return inherited[1] if inherited else None
+
+
+def _is_angle(unit: Unit, classes: Classes, joint: Node, childclass: str | None, attribute: str) -> bool:
+    kind = classes.effective(joint, childclass, "type") or "hinge"
+    if attribute != _LIMITED:
+        return kind == "hinge"
+    if kind not in ("hinge", "ball"):
+        return False
+    limited = classes.effective(joint, childclass, "limited") or "auto"
+    if limited != "auto":
+        return limited == "true"
+    low, high = (numbers.read(classes.effective(joint, childclass, "range") or "0 0") + [0.0, 0.0])[:2]
+    return unit.settings.autolimits == "true" and low < high
+
+
+def _convert(element: Node, attribute: str, turn: Callable[[float], float]) -> None:
+    value = element.get(attribute)
+    if value and str(value).strip():
+        element.set(attribute, numbers.text(turn(number) for number in numbers.read(str(value))))

@@ -1,0 +1,108 @@
+"""Pass: the bodies of each part go where the part hangs, inside a frame that carries the pose and the part's class."""
+
+from __future__ import annotations
+
+from lxml.etree import _Element as Node
+
+from composer.link import numbers
+from composer.link.angles import model_angle
+from composer.link.linking import Linking, Part
+from composer.link.placing import pose_in_world, read_pose
+from composer.tree.classes import ORIENTATIONS, childclass_of, default_tag
+
+_POSE = ("pos", *ORIENTATIONS)
+
+
+def bodies(linking: Linking) -> None:
+    """Hang the parts in their order; a part that hangs on another part waits for it."""
+    waiting = list(linking.parts)
+    while waiting:
+        ready = [part for part in waiting if _mount(linking, part, waiting)]
+        if not ready:
+            return
+        for part in ready:
+            _hang(linking, part)
+        waiting = [part for part in waiting if part not in ready]
+
+
+def _mount(linking: Linking, part: Part, waiting: list[Part]) -> bool:
+    """Find the element to hang on; it must already be part of the model."""
+    if part.place.kind == "world":
+        part.mount = linking.base.section("worldbody")
+        return True
+    assert part.place.name is not None
+    part.mount = linking.names.find(part.place.kind, part.place.name)
+    return part.mount is not None and part.mount.getroottree().getroot() is linking.base.root
+
+
+def _hang(linking: Linking, part: Part) -> None:
+    mount = part.mount
+    assert mount is not None
+    parent = mount
+    pose: dict[str, str] = {}
+    if part.place.kind == "site":
+        holder = mount.getparent()
+        assert holder is not None
+        parent, pose = holder, _site_pose(linking, mount)
+    offset = dict(part.place.offset)
+    if part.floats and part.place.kind != "world":
+        pose = _in_world(linking, parent, pose, offset)
+        parent, offset = linking.base.section("worldbody"), {}
+    if pose and offset:
+        parent = _child(linking, part, parent, "frame", pose)
+        pose = {}
+    pose = pose or offset
+    if part.joints or part.mocap:
+        body = _child(linking, part, parent, "body", {"name": part.prefix, **pose})
+        if part.mocap:
+            body.set("mocap", "true")
+        for joint in part.joints:
+            _child(linking, part, body, joint.tag, dict(joint.attributes))
+        linking.names.declared.setdefault("body", {})[part.prefix] = body
+        parent, pose = body, {}
+    frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
+    for worldbody in list(part.unit.root.iterchildren("worldbody")):
+        frame.extend(list(worldbody))
+        part.unit.root.remove(worldbody)
+    if len(frame):
+        parent.append(frame)
+    if linking.base_layout is not None:
+        part.pose_in_world = pose_in_world(frame, *_reading(linking))
+    linking.base.origins.adopt(part.unit.origins)
+    linking.base.origins.own(frame, part.unit.file)
+
+
+def _reading(linking: Linking) -> tuple[bool, str]:
+    return model_angle(linking) == "degree", linking.base.settings.eulerseq
+
+
+def _in_world(linking: Linking, parent: Node, pose: dict[str, str], offset: dict[str, str]) -> dict[str, str]:
+    """The place in world coordinates: what floats cannot hang below a body."""
+    reading = _reading(linking)
+    there = pose_in_world(parent, *reading) @ read_pose(pose, *reading) @ read_pose(offset, *reading)
+    return {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
+
+
+def _child(linking: Linking, part: Part, parent: Node, tag: str, attributes: dict[str, str]) -> Node:
+    child = parent.makeelement(tag, attributes)
+    parent.append(child)
+    if part.span is not None:
+        linking.base.origins.own(child, part.span)
+    return child
+
+
+def _site_pose(linking: Linking, site: Node) -> dict[str, str]:
+    """The pose attributes in effect for a site, class chain included."""
+    written = {name: str(site.get(name)) for name in _POSE if site.get(name) is not None}
+    turned = any(name in written for name in ORIENTATIONS)
+    classes = linking.base.classes
+    name = site.get("class") or childclass_of(site)
+    found = classes.get(str(name) if name else None)
+    for attribute in _POSE:
+        if attribute in written or (turned and attribute in ORIENTATIONS):
+            continue
+        value = found.lookup(default_tag(site), attribute)
+        if value is not None:
+            written[attribute] = value[0]
+    return written
+

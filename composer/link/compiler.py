@@ -1,0 +1,66 @@
+"""Pass: one `<compiler>` for the model, after the units have been rewritten to read the same under it."""
+
+from __future__ import annotations
+
+from composer.link.angles import model_angle
+from composer.link.inertia import MEASURED
+from composer.link.limits import model_autolimits
+from composer.link.linking import Linking
+from composer.tree.settings import Settings
+from composer.tree.unit import Unit
+
+_FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+_MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
+# Settings of a whole model whose effect on one part cannot be written into that part yet.
+_WHOLE_MODEL = ("fusestatic", "discardvisual", "fitaabb")
+_NO_EFFECT = ("coordinate", "usethread", "conflict")
+_DEFAULT = Settings()
+
+
+def check_settings(linking: Linking) -> None:
+    """Refuse what cannot be kept; a base alone keeps everything it says."""
+    if not linking.parts:
+        return
+    for unit in linking.units:
+        for compiler in unit.root.iterchildren("compiler"):
+            for name in _WHOLE_MODEL:
+                if compiler.get(name) == "true":
+                    linking.sink.error(
+                        "compiler-setting",
+                        f"`{name}` of `{unit.label}` cannot be kept in a composition",
+                        linking.span(unit, compiler),
+                        help=f'remove `{name}="true"` from the source',
+                    )
+    for unit in linking.units:
+        if unit.settings.alignfree == "true":
+            _align_free_joints(unit)
+
+
+def compiler(linking: Linking) -> None:
+    """Write the base's settings once, as they now hold for every part."""
+    root = linking.base.root
+    written: dict[str, str] = {}
+    children = []
+    for element in list(root.iterchildren("compiler")):
+        written.update({str(name): str(value) for name, value in element.items()})
+        children.extend(list(element))
+        root.remove(element)
+    for name in _FOLDERS:
+        written.pop(name, None)
+    if linking.parts:
+        for name in (*_MADE_EXPLICIT, *_NO_EFFECT, *_WHOLE_MODEL, "alignfree"):
+            written.pop(name, None)
+        written["angle"] = model_angle(linking)
+        if model_autolimits(linking) == "true":
+            written.pop("autolimits", None)
+    if not written and not children:
+        return
+    element = root.makeelement("compiler", written)
+    element.extend(children)
+    root.insert(0, element)
+
+
+def _align_free_joints(unit: Unit) -> None:
+    for joint in unit.root.iter("freejoint"):
+        if joint.get("align") is None:
+            joint.set("align", "true")

@@ -1,0 +1,135 @@
+"""Pass: every part keeps its default classes to itself, and so does the base.
+
+A part's unnamed top class becomes the class `PREFIX/`; where the base's own top class sets anything, its settings
+move to the class `base/`, because an attribute without a neutral value could not be undone part by part.
+"""
+
+from __future__ import annotations
+
+from lxml.etree import _Element as Node
+
+from composer.link.linking import Linking
+from composer.tree.classes import MAIN, NESTED, Classes
+from composer.tree.unit import Unit
+
+# Sections whose elements take a class but stand outside the body tree, where no childclass reaches them.
+_CLASSED = {
+    "asset": ("mesh", "material", "texture"),
+    "contact": ("pair",),
+    "equality": None,
+    "tendon": ("spatial", "fixed"),
+    "actuator": None,
+}
+_TREE = ("joint", "geom", "site", "camera", "light")
+_UNCLASSED_ACTUATORS = ("plugin",)
+
+
+def defaults(linking: Linking) -> None:
+    """Wrap the top classes, move all classes under the base's, and name the class of what has none."""
+    base = linking.base
+    if linking.base_class is not None:
+        own = _wrap(base, linking.base_class)
+        _claim_sections(base, linking.base_class, own)
+        _claim_world(base, linking.base_class)
+    if not linking.parts:
+        return
+    top = next(base.root.iterchildren("default"), None)
+    if top is None:
+        top = base.root.makeelement("default")
+        base.root.insert(_after_settings(base.root), top)
+    for part in linking.parts:
+        own = _wrap(part.unit, part.top_class)
+        _claim_sections(part.unit, part.top_class, own)
+        for section in list(part.unit.root.iterchildren("default")):
+            for wrapped in list(section):
+                top.append(wrapped)
+                linking.base.origins.own(wrapped, part.unit.file)
+            part.unit.root.remove(section)
+
+
+def choose_classes(linking: Linking) -> None:
+    """Decide the name of every top class before anything is renamed."""
+    separator = linking.separator
+    taken = {part.prefix for part in linking.parts}
+    for part in linking.parts:
+        part.top_class = part.prefix or _free(f"{part.unit.model or part.unit.label}{separator}", taken)
+    main = linking.base.classes.main
+    sets = any(len(found.attrib) or len(found) for kinds in main.elements.values() for found in kinds)
+    if linking.parts and (sets or linking.isolate_base):
+        linking.base_class = _free(f"base{separator}", taken)
+
+
+def _free(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name = "_" + name
+    taken.add(name)
+    return name
+
+
+def _wrap(unit: Unit, name: str) -> Classes:
+    """Make the unit's top class the nested class `name`; gives the classes as they were."""
+    before = unit.classes
+    root = unit.root
+    sections = list(root.iterchildren("default"))
+    if not sections:
+        sections = [root.makeelement("default")]
+        root.insert(_after_settings(root), sections[0])
+    outer: Node | None = None
+    for at, section in enumerate(sections):
+        last = at == len(sections) - 1
+        wrapped = root.makeelement("default", {"class": name if last else f"{name}{at + 1}"})
+        wrapped.extend(list(section))
+        if "class" in section.attrib:
+            del section.attrib["class"]
+        if outer is None:
+            section.append(wrapped)
+        else:  # what a later section says of the top class does not reach the classes of an earlier one
+            outer.append(wrapped)
+            root.remove(section)
+        outer = wrapped
+    return before
+
+
+def _claim_sections(unit: Unit, name: str, classes: Classes) -> None:
+    """Give the top class by name to elements outside the body tree that have no class of their own."""
+    kinds = set(classes.main.elements)
+    if not kinds:
+        return
+    for section in unit.root:
+        if section.tag not in _CLASSED:
+            continue
+        tags = _CLASSED[str(section.tag)]
+        if section.tag in ("equality", "tendon") and section.tag not in kinds:
+            continue
+        for element in section:
+            tag = element.tag
+            if not isinstance(tag, str) or (tags is not None and tag not in tags):
+                continue
+            if section.tag in ("asset", "contact") and tag not in kinds:
+                continue
+            if element.get("class") is None or element.get("class") == MAIN:
+                element.set("class", name)
+
+
+def _claim_world(unit: Unit, name: str) -> None:
+    """Give the top class to what stands in the world without one; below a body its childclass does it."""
+    for worldbody in unit.root.iterchildren("worldbody"):
+        for element in worldbody:
+            tag = element.tag
+            if tag in NESTED:
+                if not element.get("childclass"):
+                    element.set("childclass", name)
+            elif tag in _TREE and element.get("class") is None:
+                element.set("class", name)
+        for element in worldbody.iter(*_TREE):
+            if element.get("class") == MAIN:
+                element.set("class", name)
+
+
+def _after_settings(root: Node) -> int:
+    """Where a `<default>` goes: after the sections that say how to read the model."""
+    at = 0
+    for index, child in enumerate(root):
+        if child.tag in ("compiler", "option", "size", "statistic", "visual"):
+            at = index + 1
+    return at

@@ -1,0 +1,282 @@
+"""The keys of all parts, laid out anew for the finished model: values go with their joints, actuators and bodies.
+
+`layouts` runs while the units are still apart; `keyframes` when nothing more will be added to the model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.link import numbers
+from composer.link.angles import model_angle
+from composer.link.layout import Layout, Slot, Unknown, lay_out
+from composer.link.linking import Linking, Part
+from composer.link.placing import pose_in_world, read_pose
+from composer.pose import Pose
+from composer.tree.classes import Classes, childclass_of
+from composer.tree.unit import Unit
+
+_VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
+_IDENTITY = {"free": ("0 0 0 1 0 0 0".split()), "ball": "1 0 0 0".split()}
+
+
+@dataclass(slots=True)
+class _Key:
+    """A key of the result: numbers, as text, for each vector and element that some part says something about."""
+
+    name: str
+    time: str | None
+    element: Node
+    unit: Unit
+    written: set[str] = field(default_factory=set)
+    values: dict[tuple[str, Node], list[str]] = field(default_factory=dict)
+
+
+def layouts(linking: Linking) -> None:
+    """Note how each unit lays out its keys, while it is still by itself."""
+    keeping = [part for part in linking.parts if part.keyframes != "none" and _keys(part.unit)]
+    if not keeping and not _keys(linking.base):
+        return
+    linking.base_layout = _layout_of(linking, linking.base)
+    for part in linking.parts:
+        part.layout = _layout_of(linking, part.unit)
+
+
+def keyframes(linking: Linking) -> None:
+    """Write every key once, complete for the finished model."""
+    if linking.base_layout is None:
+        return
+    keys: dict[str, _Key] = {}
+    _collect(linking, linking.base, linking.base_layout, None, keys)
+    for part in linking.parts:
+        if part.keyframes != "none" and part.layout is not None:
+            _collect(linking, part.unit, part.layout, part, keys)
+    root = linking.base.root
+    final = _final_layout(linking)
+    if final is None:
+        return
+    old = [key for section in root.iterchildren("keyframe") for key in section.iterchildren("key")]
+    if not linking.parts and _same(final, linking.base_layout):
+        return
+    for key in old:
+        section = key.getparent()
+        assert section is not None
+        section.remove(key)
+    target = linking.base.section("keyframe")
+    reference = _Reference(linking)
+    for merged in keys.values():
+        element = root.makeelement("key")
+        if merged.name:
+            element.set("name", merged.name)
+        if merged.time is not None:
+            element.set("time", merged.time)
+        for vector in _VECTORS:
+            if vector in merged.written:
+                row = reference.row(vector, final, merged.values)
+                if row:
+                    element.set(vector, " ".join(row))
+        target.append(element)
+        linking.base.origins.own(element, linking.span(merged.unit, merged.element))
+
+
+def _keys(unit: Unit) -> list[Node]:
+    return [key for section in unit.root.iterchildren("keyframe") for key in section.iterchildren("key")]
+
+
+def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
+    measured: dict[Node, tuple[int, ...]] = {}
+    try:
+        return lay_out(unit.root, measured)
+    except Unknown:
+        return _measured_layout(linking, unit)
+
+
+def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
+    """Ask MuJoCo for the widths that the tree does not tell."""
+    from composer.link.measured import widths
+
+    known = widths(linking, unit)
+    if known is None:
+        return None
+    linking.measured.update(known)
+    try:
+        return lay_out(unit.root, known)
+    except Unknown as unknown:
+        _not_laid_out(linking, unit, unknown)
+        return None
+
+
+def _final_layout(linking: Linking) -> Layout | None:
+    try:
+        return lay_out(linking.base.root, linking.measured)
+    except Unknown as unknown:
+        _not_laid_out(linking, linking.base, unknown)
+        return None
+
+
+def _not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
+    tag = unknown.element.tag
+    linking.sink.error(
+        "not-supported",
+        f"keyframes of a model with this `<{tag}>` cannot be laid out: only MuJoCo knows its size",
+        linking.span(unit, unknown.element),
+        help="leave the keys out: `keyframes: none`",
+    )
+
+
+def _same(final: Layout, before: Layout) -> bool:
+    return (
+        [slot.element for slot in final.joints] == [slot.element for slot in before.joints]
+        and [slot.element for slot in final.actuators] == [slot.element for slot in before.actuators]
+        and final.mocaps == before.mocaps
+    )
+
+
+def _collect(linking: Linking, unit: Unit, layout: Layout, part: Part | None, keys: dict[str, _Key]) -> None:
+    for number, element in enumerate(_keys(unit)):
+        own = str(element.get("name") or "")
+        name = own if part is None or part.keyframes == "merge" or not own else part.prefix + own
+        time = element.get("time")
+        slot_key = name or f"\0{id(element)}{number}"
+        key = keys.get(slot_key)
+        if key is None:
+            key = keys[slot_key] = _Key(name, time, element, unit)
+        elif time is not None and key.time is not None and numbers.read(time) != numbers.read(key.time):
+            _times_differ(linking, unit, element, key)
+        elif key.time is None:
+            key.time = time
+        for vector in _VECTORS:
+            text = str(element.get(vector) or "").split()
+            if text:
+                _take(linking, unit, layout, part, element, key, vector, text)
+
+
+def _take(
+    linking: Linking,
+    unit: Unit,
+    layout: Layout,
+    part: Part | None,
+    element: Node,
+    key: _Key,
+    vector: str,
+    text: list[str],
+) -> None:
+    total = layout.total(vector)
+    if len(text) > total:
+        linking.sink.error(
+            "keyframe-conflict",
+            f"`{vector}` has {len(text)} numbers, the model has {total}",
+            linking.span(unit, element),
+        )
+        return
+    if len(text) < total and vector in ("mpos", "mquat"):
+        return
+    key.written.add(vector)
+    at = 0
+    for holder, width in _holders(layout, vector):
+        values = text[at : at + width]
+        at += width
+        if len(values) < width:
+            break
+        key.values[vector, holder] = values
+    if part is not None:
+        _carry(part, layout, key, vector)
+
+
+def _holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
+    if vector in ("qpos", "qvel"):
+        return [(slot.element, slot.widths[vector == "qvel"]) for slot in layout.joints]
+    if vector in ("ctrl", "act"):
+        return [(slot.element, slot.widths[vector == "act"]) for slot in layout.actuators]
+    return [(body, 3 if vector == "mpos" else 4) for body in layout.mocaps]
+
+
+def _carry(part: Part, layout: Layout, key: _Key, vector: str) -> None:
+    """Free joints and mocap bodies say where they are in the world: they move with the part."""
+    moved = part.pose_in_world
+    if moved is None or moved.is_identity:
+        return
+    if vector == "qpos":
+        for slot in layout.joints:
+            values = key.values.get((vector, slot.element)) if slot.kind == "free" else None
+            if values:
+                floats = numbers.read(" ".join(values))
+                pose = moved @ Pose((floats[0], floats[1], floats[2]), (floats[3], *floats[4:7]))  # type: ignore[arg-type]
+                key.values[vector, slot.element] = numbers.text([*pose.pos, *pose.quat]).split()
+    elif vector in ("mpos", "mquat"):
+        for body in layout.mocaps:
+            values = key.values.get((vector, body))
+            if values:
+                x = numbers.read(" ".join(values))
+                if vector == "mpos":
+                    new: tuple[float, ...] = (moved @ Pose((x[0], x[1], x[2]))).pos
+                else:
+                    new = (moved @ Pose(quat=(x[0], x[1], x[2], x[3]))).quat
+                key.values[vector, body] = numbers.text(new).split()
+
+
+def _times_differ(linking: Linking, unit: Unit, element: Node, key: _Key) -> None:
+    report = linking.sink.error if linking.conflict == "error" else linking.sink.warning
+    report(
+        "keyframe-conflict",
+        f"the keys `{key.name}` of two parts have different times: {element.get('time')} and {key.time}",
+        linking.span(unit, element),
+        notes=(Note("the other one is here", linking.span(key.unit, key.element)),),
+        help="keep them apart: `keyframes: prefix`",
+    )
+
+
+class _Reference:
+    """The reference configuration of the finished model: what a key holds where no part says anything."""
+
+    def __init__(self, linking: Linking) -> None:
+        self.linking = linking
+        self.classes = Classes(linking.base.root)
+        self.degrees = model_angle(linking) == "degree"
+        self.sequence = linking.base.settings.eulerseq
+
+    def row(self, vector: str, layout: Layout, values: dict[tuple[str, Node], list[str]]) -> list[str]:
+        row: list[str] = []
+        if vector in ("mpos", "mquat"):
+            for body in layout.mocaps:
+                given = values.get((vector, body))
+                if given is None:
+                    pose = self._pose(body)
+                    given = numbers.text(pose.pos if vector == "mpos" else pose.quat).split()
+                row += given
+            return row
+        for slot in layout.joints if vector in ("qpos", "qvel") else layout.actuators:
+            given = values.get((vector, slot.element))
+            if given is None:
+                given = self._qpos(slot) if vector == "qpos" else ["0"] * slot.widths[vector in ("qvel", "act")]
+            row += given
+        return row
+
+    def _qpos(self, slot: Slot) -> list[str]:
+        joint = slot.element
+        if slot.kind == "free":
+            body = joint.getparent()
+            while body is not None and body.tag != "body":
+                body = body.getparent()
+            if body is not None:
+                pose = self._pose(body)
+                return numbers.text([*pose.pos, *pose.quat]).split()
+        if slot.kind == "block":
+            return self.linking.references.get(joint) or ["0"] * slot.widths[0]
+        if slot.kind == "ball":
+            return _IDENTITY["ball"]
+        ref = self.classes.effective(joint, childclass_of(joint), "ref")
+        if ref is None:
+            return ["0"]
+        value = numbers.read(ref)[0]
+        if slot.kind == "hinge" and self.degrees:
+            value = numbers.joint_radians(value)
+        return numbers.text([value]).split()
+
+    def _pose(self, body: Node) -> Pose:
+        outer = body.getparent()
+        inner = read_pose(body, self.degrees, self.sequence)
+        return inner if outer is None else pose_in_world(outer, self.degrees, self.sequence) @ inner

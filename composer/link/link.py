@@ -1,0 +1,53 @@
+"""The linker: parts with a meaning of their own become one flat model in which each still means what it meant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from composer.link.agreement import agreement
+from composer.link.angles import angles
+from composer.link.bodies import bodies
+from composer.link.compiler import check_settings, compiler
+from composer.link.defaults import choose_classes, defaults
+from composer.link.files import files
+from composer.link.inertia import inertia
+from composer.link.keyframes import keyframes, layouts
+from composer.link.linking import Linking
+from composer.link.names import names
+from composer.link.roots import check_planes, roots
+from composer.link.sections import sections
+
+Pass = Callable[[Linking], None]
+
+# In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
+PASSES: tuple[Pass, ...] = (
+    choose_classes,
+    check_settings,
+    inertia,
+    angles,
+    agreement,
+    layouts,
+    roots,
+    files,
+    names,
+    defaults,
+    bodies,
+    check_planes,
+    sections,
+    compiler,
+)
+
+
+def link(linking: Linking) -> None:
+    """Make `linking.base` the flat model; the units of the parts are used up. Stops after a pass that found errors."""
+    for link_pass in PASSES:
+        link_pass(linking)
+        if linking.sink.has_errors and link_pass not in (agreement, roots):
+            return
+
+
+def finish(linking: Linking) -> None:
+    """What must wait until nothing more is added to the model: the keyframes."""
+    keyframes(linking)
+    for part in linking.parts:
+        linking.base.origins.adopt(part.unit.origins)

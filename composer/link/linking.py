@@ -1,0 +1,111 @@
+"""What the linker works on: a base, the parts that hang on it, and the model that comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, Protocol
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.link.layout import Layout
+from composer.pose import Pose
+from composer.tree.names import Names
+from composer.tree.unit import Unit
+
+Policy = Literal["error", "warning", "merge"]
+KeyPolicy = Literal["merge", "prefix", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a part hangs: an element of the model by its final name, and an offset in that element's frame.
+
+    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`.
+    """
+
+    kind: Literal["world", "body", "site", "frame"] = "world"
+    name: str | None = None
+    offset: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint between a place and a part: the tag, its attributes, and where a recipe asks for it."""
+
+    tag: Literal["joint", "freejoint"]
+    attributes: Mapping[str, str]
+
+
+@dataclass(eq=False)
+class Part:
+    """A unit, the prefix that its names get (separator included), and how it hangs on the model."""
+
+    unit: Unit
+    prefix: str
+    place: Place = Place()
+    keyframes: KeyPolicy = "merge"
+    joints: tuple[Joint, ...] = ()
+    weld: bool = False
+    mocap: bool = False
+    span: Span | None = None
+    mount: Node | None = None
+    top_class: str = ""
+    layout: Layout | None = None
+    pose_in_world: Pose | None = None
+
+    @property
+    def floats(self) -> bool:
+        """Whether it moves freely, so that it can only stand in the world."""
+        return self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
+
+
+class Measure(Protocol):
+    """MuJoCo at work on a unit alone: arrays of `mjModel` by name."""
+
+    def __call__(self, unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class FileUse:
+    """An attribute of the model that names a file of the bundle, and where that file's bytes are."""
+
+    element: Node
+    attribute: str
+    path: str
+    source: Path
+    content: bytes | None
+
+
+@dataclass(eq=False)
+class Linking:
+    """The state that the passes share, from parts apart to one flat model.
+
+    `settled` holds the option paths (`option/cone`) that the recipe sets itself: no conflict there.
+    """
+
+    base: Unit
+    parts: list[Part]
+    sink: Sink
+    separator: str = "/"
+    conflict: Policy = "error"
+    settled: frozenset[str] = frozenset()
+    isolate_base: bool = False
+    measure: Measure | None = None
+    names: Names = field(default_factory=Names)
+    base_class: str | None = None
+    base_layout: Layout | None = None
+    files: list[FileUse] = field(default_factory=list)
+    measured: dict[Node, tuple[int, ...]] = field(default_factory=dict)
+    references: dict[Node, list[str]] = field(default_factory=dict)
+    planes: list[tuple[Part, Node]] = field(default_factory=list)
+
+    @property
+    def units(self) -> list[Unit]:
+        return [self.base, *(part.unit for part in self.parts)]
+
+    def span(self, unit: Unit, element: Node) -> Span:
+        return unit.origins.span(element, unit.file)

@@ -1,0 +1,34 @@
+"""Numbers of MJCF attributes: read as MuJoCo reads them, written so that they read back to the same bits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+RADIANS_PER_DEGREE = math.pi / 180
+
+
+def read(text: str) -> list[float]:
+    return [float.fromhex(token) if "x" in token.lower() else float(token) for token in text.split()]
+
+
+def text(values: Iterable[float]) -> str:
+    """Shortest decimal that reads back exactly, whole numbers without a point."""
+    return " ".join(_one(value) for value in values)
+
+
+def _one(value: float) -> str:
+    if value == 0 or not math.isfinite(value):
+        return "-0" if value == 0 and math.copysign(1, value) < 0 else f"{value:g}"
+    whole = repr(value)
+    return whole[:-2] if whole.endswith(".0") else whole
+
+
+def orientation_radians(degrees: float) -> float:
+    """As MuJoCo turns the angles of orientations into radians."""
+    return degrees / 180.0 * math.pi
+
+
+def joint_radians(degrees: float) -> float:
+    """As MuJoCo turns the range and reference of a joint into radians."""
+    return degrees * RADIANS_PER_DEGREE

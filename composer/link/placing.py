@@ -1,0 +1,50 @@
+"""Where things are in the reference configuration, computed from the tree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lxml.etree import _Element as Node
+
+from composer.link import numbers
+from composer.pose import (
+    ORIGIN,
+    Pose,
+    normalise,
+    quat_from_axisangle,
+    quat_from_euler,
+    quat_from_xyaxes,
+    quat_from_zaxis,
+)
+
+
+def read_pose(attributes: Node | Mapping[str, str], degrees: bool, sequence: str) -> Pose:
+    """The pose that `pos` and one orientation attribute give; angles in the model's own unit and sequence."""
+    get = attributes.get
+    pos = numbers.read(str(get("pos") or "")) or list(ORIGIN)
+    quat = (1.0, 0.0, 0.0, 0.0)
+    if get("quat"):
+        w, x, y, z = numbers.read(str(get("quat")))
+        quat = normalise((w, x, y, z))
+    if get("axisangle"):
+        *axis, angle = numbers.read(str(get("axisangle")))
+        quat = quat_from_axisangle(axis, numbers.orientation_radians(angle) if degrees else angle)
+    if get("xyaxes"):
+        quat = quat_from_xyaxes(numbers.read(str(get("xyaxes"))))
+    if get("zaxis"):
+        quat = quat_from_zaxis(numbers.read(str(get("zaxis"))))
+    if get("euler"):
+        angles = numbers.read(str(get("euler")))
+        quat = quat_from_euler(map(numbers.orientation_radians, angles) if degrees else angles, sequence)  # type: ignore[arg-type]
+    return Pose((pos[0], pos[1], pos[2]), quat)
+
+
+def pose_in_world(element: Node, degrees: bool, sequence: str) -> Pose:
+    """The pose of a body, frame or the world, all joints at their reference."""
+    pose = Pose()
+    node: Node | None = element
+    while node is not None and node.tag in ("body", "frame", "replicate"):
+        if node.tag != "replicate":
+            pose = read_pose(node, degrees, sequence) @ pose
+        node = node.getparent()
+    return pose

@@ -1,0 +1,45 @@
+"""Pass: what stands outside the body tree is appended section by section, parts in their order."""
+
+from __future__ import annotations
+
+from lxml.etree import _Element as Node
+
+from composer.link.linking import Linking, Part
+
+_APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom")
+# Read by passes of their own.
+_SETTLED = ("compiler", "option", "size", "statistic", "visual", "default", "worldbody", "keyframe")
+
+
+def sections(linking: Linking) -> None:
+    """Move the remaining sections of every part into the base's."""
+    for part in linking.parts:
+        for section in list(part.unit.root):
+            if section.tag == "extension":
+                _extension(linking, part, section)
+            elif section.tag in _APPENDED:
+                target = linking.base.section(str(section.tag))
+                own = linking.base.origins.owners
+                file = part.unit.file
+                for element in section:
+                    if element not in own:
+                        own[element] = file
+                target.extend(list(section))
+
+
+def _extension(linking: Linking, part: Part, section: Node) -> None:
+    """A plugin that both declare is declared once, with the instances of both."""
+    target = linking.base.section("extension")
+    known = {element.get("plugin"): element for element in linking.base.root.iterfind("extension/plugin")}
+    for plugin in list(section):
+        if not isinstance(plugin.tag, str):
+            continue
+        existing = known.get(plugin.get("plugin"))
+        if existing is None:
+            target.append(plugin)
+            linking.base.origins.own(plugin, part.unit.file)
+            known[plugin.get("plugin")] = plugin
+            continue
+        for instance in list(plugin):
+            existing.append(instance)
+            linking.base.origins.own(instance, part.unit.file)

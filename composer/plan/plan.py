@@ -1,0 +1,95 @@
+"""What a build will do, in order: data that can be printed, compared and carried out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from composer.diagnostics.span import Span
+from composer.document.node import Mapping as Located
+from composer.recipe.attach import Attachment
+from composer.recipe.element import Element
+from composer.sources.resolve import Source
+
+KeyPolicy = Literal["merge", "prefix", "none"]
+Origin = Source | "Plan"
+
+
+@dataclass(frozen=True, slots=True)
+class LoadBase:
+    """Start from a model, or (None) from an empty one."""
+
+    model: Source | Plan | None
+    keyframes: KeyPolicy
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class AttachPart:
+    """Hang a model on a place, its names under `prefix` (separator included)."""
+
+    prefix: str
+    model: Source | Plan
+    attachment: Attachment
+    at: tuple[str | int, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class AddElement:
+    """Put an element under a body, a frame or the world (`to_kind` world, body, frame)."""
+
+    to_kind: Literal["world", "body", "frame"]
+    to: str
+    element: Element
+    to_span: Span
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class SetSingleton:
+    """Set attributes of a section of which a model has one (`option`, `visual`, …)."""
+
+    section: str
+    element: Element
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class SetDefault:
+    """Set a default class, creating it where there is none."""
+
+    name: str
+    parent: str | None
+    element: Element
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class AppendElement:
+    """Append an element to a section."""
+
+    section: str
+    element: Element
+    span: Span
+
+
+Step = LoadBase | AttachPart | AddElement | SetSingleton | SetDefault | AppendElement
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """One model: the recipe it is made from, what holds for the whole recipe, and the steps in order."""
+
+    name: str
+    description: str | None
+    file: str
+    document: Located
+    separator: str
+    conflict: Literal["error", "warning", "merge"]
+    angle: Literal["degree", "radian"] | None
+    eulerseq: str
+    base: LoadBase
+    parts: tuple[AttachPart, ...]
+    steps: tuple[Step, ...]
+    settled: frozenset[str]

@@ -1,0 +1,63 @@
+"""Step: a part of the recipe becomes a part of the linker."""
+
+from __future__ import annotations
+
+from composer.link import numbers
+from composer.link.linking import Joint, Linking, Part, Place
+from composer.plan.plan import AttachPart
+from composer.pose import quat_from_axisangle, quat_from_euler
+from composer.steps.elements import Making, in_radians, joint_attributes
+from composer.tree.unit import Unit
+
+
+def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
+    """The part without its joints, which need the unit of angle that the parts agree on."""
+    return Part(unit, step.prefix, _place(step, making), step.attachment.keyframes, span=step.span)
+
+
+def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -> None:
+    """What stands between the place and the part: nothing, a weld, a mocap body or joints."""
+    joint = step.attachment.joint
+    if joint is None:
+        return
+    if joint == "weld":
+        part.weld = True
+    elif joint == "mocap":
+        part.mocap = True
+    elif joint == "free":
+        part.joints = (Joint("freejoint", {"name": step.prefix}),)
+    elif joint == "ball":
+        part.joints = (Joint("joint", {"name": step.prefix, "type": "ball", "class": "main"}),)
+    elif isinstance(joint, tuple):
+        part.joints = tuple(
+            Joint("joint", {"name": step.prefix + str(each.attributes["name"]), **joint_attributes(each, making)})
+            for each in joint
+        )
+    elif not isinstance(joint, str):
+        part.joints = (Joint("joint", {"name": step.prefix, **joint_attributes(joint, making)}),)
+
+
+def _place(step: AttachPart, making: Making) -> Place:
+    attachment = step.attachment
+    offset: dict[str, str] = {}
+    if attachment.pos is not None:
+        offset["pos"] = numbers.text(map(float, attachment.pos))
+    if attachment.quat is not None:
+        offset["quat"] = numbers.text(map(float, attachment.quat))
+    elif attachment.euler is not None:
+        angles = [in_radians(angle, making) for angle in attachment.euler]
+        offset["quat"] = numbers.text(quat_from_euler(angles, making.eulerseq))
+    elif attachment.axisangle is not None:
+        *axis, angle = attachment.axisangle
+        offset["quat"] = numbers.text(quat_from_axisangle([float(a) for a in axis], in_radians(angle, making)))  # type: ignore[arg-type]
+    elif attachment.xyaxes is not None:
+        offset["xyaxes"] = numbers.text(map(float, attachment.xyaxes))
+    elif attachment.zaxis is not None:
+        offset["zaxis"] = numbers.text(map(float, attachment.zaxis))
+    for kind in ("site", "body", "frame"):
+        name = getattr(attachment, kind)
+        if name == "world" and kind == "body":
+            break
+        if name is not None:
+            return Place(kind, name, offset)  # type: ignore[arg-type]
+    return Place("world", None, offset)

@@ -1,0 +1,131 @@
+"""Carry out a plan: sources become units, parts are linked to a base, and the recipe's own elements are added."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.link.angles import model_angle
+from composer.link.files import add_file
+from composer.link.layout import joint_type
+from composer.link.link import finish, link
+from composer.link.linking import FileUse, Linking, Measure
+from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.sources.resolve import Source
+from composer.steps.add import add
+from composer.steps.attach import add_joints, part_of
+from composer.steps.elements import Making, settle_joints
+from composer.steps.loose_ends import check_names
+from composer.steps.section import append, set_default, set_singleton
+from composer.tree.parse import parse_file
+from composer.tree.unit import Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Composed:
+    """One flat model and the files it names."""
+
+    model: Unit
+    files: tuple[FileUse, ...]
+
+
+@dataclass(slots=True)
+class Composer:
+    """Composes plans; each source file is parsed once and copied for every further use."""
+
+    sink: Sink
+    measure: Measure | None
+    parsed: dict[Path, Unit | None] = field(default_factory=dict)
+    uses: Counter[Path] = field(default_factory=Counter)
+
+    def compose(self, plan: Plan) -> Composed | None:
+        """The model of a plan, or None where there were errors."""
+        self._count(plan)
+        return self._compose(plan)
+
+    def _count(self, plan: Plan) -> None:
+        for model in (plan.base.model, *(part.model for part in plan.parts)):
+            if isinstance(model, Plan):
+                self._count(model)
+            elif model is not None:
+                self.uses[model.path] += 1
+
+    def _compose(self, plan: Plan) -> Composed | None:
+        before = len(self.sink.errors)
+        base = self._unit(plan.base.model) if plan.base.model is not None else _empty(plan)
+        units = [self._unit(step.model) for step in plan.parts]
+        if base is None or any(unit is None for unit in units):
+            return None
+        base.root.set("model", plan.name)
+        if plan.base.keyframes == "none":
+            for section in list(base.root.iterchildren("keyframe")):
+                base.root.remove(section)
+        making = Making(
+            plan.document, plan.file, self.sink, plan.angle, plan.eulerseq,
+            "radian", base.settings.eulerseq, Path(plan.file).parent, base.origins,
+        )  # fmt: skip
+        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True) if unit]
+        linking = Linking(
+            base, parts, self.sink, plan.separator, plan.conflict, plan.settled,
+            isolate_base=any(isinstance(s, SetDefault) and s.name == "main" for s in plan.steps),
+            measure=self.measure,
+        )  # fmt: skip
+        making.model_angle = model_angle(linking)
+        for step, part in zip(plan.parts, parts, strict=True):
+            add_joints(step, part, linking, making)
+        link(linking)
+        if len(self.sink.errors) > before:
+            return None
+        _carry_out(plan, linking, making)
+        finish(linking)
+        if len(self.sink.errors) > before:
+            return None
+        flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
+        return Composed(flat, tuple(linking.files))
+
+    def _unit(self, model: Source | Plan) -> Unit | None:
+        if isinstance(model, Plan):
+            composed = self._compose(model)
+            return composed.model if composed else None
+        if model.path not in self.parsed:
+            self.parsed[model.path] = parse_file(model.path, self.sink, file=model.shown)
+        unit = self.parsed[model.path]
+        self.uses[model.path] -= 1
+        if unit is None or self.uses[model.path] <= 0:
+            return unit
+        return unit.copied()
+
+
+def _empty(plan: Plan) -> Unit:
+    return Unit(etree.Element("mujoco"), plan.file, Path(plan.file).parent, Path(plan.file).stem)
+
+
+def _contents(files: list[FileUse]) -> dict[str, bytes | Path]:
+    return {use.path: use.content if use.content is not None else use.source for use in files}
+
+
+def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
+    for step in plan.steps:
+        if isinstance(step, AddElement):
+            add(step, linking, making)
+        elif isinstance(step, SetSingleton):
+            set_singleton(step, linking, making)
+        elif isinstance(step, SetDefault):
+            set_default(step, linking, making)
+        elif isinstance(step, AppendElement):
+            append(step, linking, making)
+    if making.pending:
+        classes = linking.base.classes
+
+        def kind(joint: Node) -> str:
+            return joint_type(joint, classes)
+
+        settle_joints(making, kind)
+    check_names(linking, making)
+    for node, attribute, name in making.files:
+        add_file(linking, making.directory, node, attribute, name)

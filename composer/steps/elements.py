@@ -1,0 +1,204 @@
+"""Recipe elements to MJCF nodes: numbers in the model's units, references and files in the model's terms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.document.node import Mapping as Located
+from composer.document.node import locate
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.grammar.element import ElementType
+from composer.grammar.format import to_text
+from composer.link import numbers
+from composer.pose import quat_from_euler
+from composer.recipe.element import Angle, Element
+from composer.tree.classes import MAIN
+from composer.tree.origin import Origins
+
+# Attributes that MuJoCo reads in degrees, whatever the compiler says.
+_ALWAYS_DEGREES = frozenset({"fovy", "cutoff", "azimuth", "elevation"})
+_JOINT_ANGLES = ("range", "ref", "springref")
+
+
+@dataclass(slots=True)
+class Making:
+    """What is needed to turn a recipe's elements into nodes of one model, and what has been made so far.
+
+    `angle` is the unit of the recipe's bare angles (None: none may stand), `model_angle` that of the model.
+    `settle_joint` finishes joint angles once the node hangs in the tree, where its class is known.
+    """
+
+    document: Located
+    file: str
+    sink: Sink
+    angle: str | None
+    eulerseq: str
+    model_angle: str
+    model_eulerseq: str
+    directory: Path
+    origins: Origins
+    made: dict[Node, Element] = field(default_factory=dict)
+    registered: list[tuple[Node, str]] = field(default_factory=list)
+    pending: list[tuple[Node, Element, str]] = field(default_factory=list)
+    files: list[tuple[Node, str, str]] = field(default_factory=list)
+
+    def span(self, element: Element, attribute: str | None = None) -> Span:
+        path = element.at if attribute is None else (*element.at, attribute)
+        return locate(self.document, path, key=False)
+
+    def own(self, node: Node, span: Span) -> None:
+        self.origins.own(node, span)
+
+    def register(self, node: Node, section: str, element: Element) -> None:
+        """Note where a new node and all below it come from, and that its names are to be checked."""
+        self.own(node, self.span(element))
+        for inner in node.iter():
+            made = self.made.get(inner)
+            if made is not None:
+                self.own(inner, self.span(made))
+        self.registered.append((node, section))
+
+
+def make(element: Element, kind: ElementType, making: Making) -> Node:
+    """The node of a recipe element and its children."""
+    if element.xml is not None:
+        return _parsed(element, making)
+    node = etree.Element(element.tag)
+    making.made[node] = element
+    for name, value in element.attributes.items():
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            continue
+        _set(node, element, attribute, value, making)
+    for child in element.children:
+        child_kind = kind.children.get(child.tag)
+        if child_kind is not None:
+            node.append(make(child, child_kind, making))
+    return node
+
+
+def update(node: Node, element: Element, kind: ElementType, making: Making) -> None:
+    """Write a recipe element's attributes over those of a node that is there; children the same way."""
+    for name, value in element.attributes.items():
+        attribute = kind.attributes.get(name)
+        if attribute is not None:
+            _set(node, element, attribute, value, making)
+    for child in element.children:
+        child_kind = kind.children[child.tag]
+        existing = next(node.iterchildren(child.tag), None)
+        if existing is None:
+            node.append(make(child, child_kind, making))
+        else:
+            update(existing, child, child_kind, making)
+
+
+def _set(node: Node, element: Element, attribute: Attribute, value: object, making: Making) -> None:
+    name = attribute.name
+    if attribute.angle == "orientation-euler" or attribute.angle == "replicate":
+        _set_euler(node, element, name, value, making)
+    elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
+        *axis, angle = value
+        turned = _turned(angle, making, numbers.orientation_radians)
+        node.set(name, numbers.text([*map(float, axis), turned]))
+    elif attribute.angle == "joint":
+        making.pending.append((node, element, name))
+    else:
+        if attribute.type == "file":
+            making.files.append((node, name, str(value)))
+        node.set(name, to_text(attribute, _plain(value, "degree" if name in _ALWAYS_DEGREES else "radian")))
+
+
+def _set_euler(node: Node, element: Element, name: str, value: object, making: Making) -> None:
+    assert isinstance(value, tuple)
+    if making.eulerseq != making.model_eulerseq and node.tag != "replicate":
+        radians = [_in(angle, making, "radian", numbers.orientation_radians) for angle in value]
+        node.set("quat", numbers.text(quat_from_euler(radians, making.eulerseq)))
+        return
+    node.set(name, numbers.text([_turned(angle, making, numbers.orientation_radians) for angle in value]))
+
+
+def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
+    """Write ranges and references of joints, now that the type of each is known from its class."""
+    for node, element, name in making.pending:
+        value = element.attributes[name]
+        values = value if isinstance(value, tuple) else (value,)
+        kind = joint_type(node)
+        angular = kind == "hinge" or (kind == "ball" and name == "range")
+        if not angular:
+            node.set(name, numbers.text([float(_plain(v, "radian")) for v in values]))  # type: ignore[arg-type]
+            continue
+        bare = [v for v in values if not isinstance(v, Angle) and v != 0]
+        if bare and making.angle is None:
+            making.sink.error(
+                "bare-angle",
+                f"`{name}` of a {kind} is an angle and {bare[0]} has no unit",
+                making.span(element, name),
+                help=f"write `{bare[0]}deg` or `{bare[0]}rad`, or set `angle: degree` at the top of the recipe",
+            )
+        node.set(name, numbers.text([_turned(v, making, numbers.joint_radians) for v in values]))
+    making.pending.clear()
+
+
+def joint_attributes(element: Element, making: Making) -> dict[str, str]:
+    """The attributes of a joint between a place and a part; outside all classes unless it names one."""
+    kind = GRAMMAR.element("body").children["joint"]
+    node = etree.Element("joint", {"class": MAIN})
+    for name, value in element.attributes.items():
+        if name != "name" and name in kind.attributes:
+            _set(node, element, kind.attributes[name], value, making)
+    settle_joints(making, lambda joint: str(joint.get("type") or "hinge"))
+    return {str(name): str(value) for name, value in node.items()}
+
+
+def in_radians(value: object, making: Making) -> float:
+    return _in(value, making, "radian", numbers.orientation_radians)
+
+
+def _turned(value: object, making: Making, radians: Callable[[float], float]) -> float:
+    return _in(value, making, making.model_angle, radians)
+
+
+def _in(value: object, making: Making, unit: str, radians: Callable[[float], float]) -> float:
+    """An angle in `unit`; a bare one is in the recipe's unit."""
+    if isinstance(value, Angle):
+        number, written = value.value, "degree" if value.unit == "deg" else "radian"
+    else:
+        number, written = float(value), making.angle or unit  # type: ignore[arg-type]
+    if written == unit:
+        return number
+    return radians(number) if unit == "radian" else number / numbers.RADIANS_PER_DEGREE
+
+
+def _plain(value: object, unit: str) -> object:
+    """`90deg` on a number that is not a pose: the angle in the unit that MJCF wants there."""
+    if isinstance(value, tuple):
+        return tuple(_plain(item, unit) for item in value)
+    if isinstance(value, Angle):
+        if unit == "degree":
+            return value.value if value.unit == "deg" else value.value / numbers.RADIANS_PER_DEGREE
+        return numbers.joint_radians(value.value) if value.unit == "deg" else value.value
+    return value
+
+
+def _parsed(element: Element, making: Making) -> Node:
+    """A fragment of MJCF as it stands; its angles are in the recipe's unit like everything in the recipe."""
+    parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
+    try:
+        node = etree.fromstring(element.xml or "", parser)
+    except etree.XMLSyntaxError as error:
+        making.sink.error("xml-syntax", f"not well-formed XML: {error.msg}", making.span(element))
+        node = etree.Element(element.tag)
+    making.made[node] = element
+    return node
+
+
+def default_kind(tag: str) -> ElementType:
+    return GRAMMAR.element(f"default/{tag}")

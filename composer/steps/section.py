@@ -1,0 +1,112 @@
+"""Steps: what the recipe writes in MJCF's sections."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from composer.diagnostics.suggest import exists_note
+from composer.grammar import GRAMMAR
+from composer.link.linking import Linking
+from composer.plan.plan import AppendElement, SetDefault, SetSingleton
+from composer.steps.elements import Making, default_kind, make, update
+from composer.tree.classes import MAIN
+
+
+def set_singleton(step: SetSingleton, linking: Linking, making: Making) -> None:
+    """`option`, `visual` and the like: what the recipe says is written last, so that it holds."""
+    node = linking.base.section(step.section)
+    linking.base.root.remove(node)
+    linking.base.root.insert(_place_of(linking, step.section), node)
+    update(node, step.element, GRAMMAR.section(step.section), making)
+
+
+def _place_of(linking: Linking, tag: str) -> int:
+    """Settings stand first, behind those of the same kind."""
+    at = 0
+    for index, child in enumerate(linking.base.root):
+        if child.tag in ("compiler", "option", "size", "statistic", "visual"):
+            at = index + 1
+    return at
+
+
+def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
+    """Set a class, creating it where there is none; `main` is the base's own top class."""
+    name = (linking.base_class or MAIN) if step.name == MAIN else step.name
+    found = linking.names.find("default", name)
+    if found is None and name in (MAIN, linking.base_class):
+        found = _top(linking) if name == MAIN else _class_node(linking, name)
+    if found is None:
+        parent = _parent(step, linking, making)
+        if parent is None:
+            return
+        found = etree.SubElement(parent, "default", {"class": name})
+        linking.names.declared.setdefault("default", {})[name] = found
+        making.own(found, step.span)
+    elif step.parent is not None:
+        making.sink.error(
+            "class-clash",
+            f"the class `{step.name}` exists already, so that `parent` cannot be set",
+            step.span,
+            help="leave `parent` out to change the class, or choose another name",
+        )
+        return
+    for child in step.element.children:
+        kind = default_kind(child.tag)
+        existing = next(found.iterchildren(child.tag), None)
+        if existing is None:
+            # A class's own settings come before the classes nested in it.
+            node = make(child, kind, making)
+            found.insert(len(found) - len(list(found.iterchildren("default"))), node)
+            making.register(node, "default", child)
+        else:
+            update(existing, child, kind, making)
+
+
+def _parent(step: SetDefault, linking: Linking, making: Making) -> etree._Element | None:
+    if step.parent is None or step.parent == MAIN:
+        return _class_node(linking, linking.base_class) if linking.base_class else _top(linking)
+    found = linking.names.find("default", step.parent)
+    if found is None:
+        making.sink.error(
+            "unknown-name",
+            f"there is no default class `{step.parent}`",
+            making.span(step.element, "parent"),
+            notes=(exists_note("class", linking.names.of("default"), step.parent),),
+        )
+    return found
+
+
+def _top(linking: Linking) -> etree._Element:
+    found = None
+    for found in linking.base.root.iterchildren("default"):
+        pass
+    if found is None:
+        found = etree.Element("default")
+        linking.base.root.insert(_place_of(linking, "default"), found)
+    return found
+
+
+def _class_node(linking: Linking, name: str) -> etree._Element:
+    return next(node for node in linking.base.root.iter("default") if node.get("class") == name)
+
+
+def append(step: AppendElement, linking: Linking, making: Making) -> None:
+    """An element of a section in which elements follow one another."""
+    section = linking.base.section(step.section)
+    kind = GRAMMAR.section(step.section)
+    node = make(step.element, kind.children[step.element.tag], making)
+    if step.section == "extension":
+        existing = next(
+            (plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None
+        )
+        if existing is not None:
+            existing.extend(list(node))
+            for instance in existing:
+                if instance in making.made:
+                    making.register(instance, step.section, making.made[instance])
+            return
+    takes_class = "class" in kind.children[step.element.tag].attributes
+    if takes_class and linking.base_class is not None and node.get("class") is None:
+        node.set("class", linking.base_class)
+    section.append(node)
+    making.register(node, step.section, step.element)

@@ -1,0 +1,121 @@
+"""Default classes: which class is in effect where, and what it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from lxml.etree import _Element as Node
+
+MAIN = "main"
+ORIENTATIONS = ("quat", "axisangle", "xyaxes", "zaxis", "euler")
+NESTED = ("body", "frame", "replicate")
+EQUALITIES = ("connect", "weld", "joint", "tendon", "flex", "flexvert", "flexstrain", "distance")
+
+
+@dataclass(slots=True)
+class DefaultClass:
+    """One class: its own settings by element tag; what is not here comes from `parent`."""
+
+    name: str
+    parent: DefaultClass | None
+    elements: dict[str, list[Node]] = field(default_factory=dict)
+
+    def lookup(self, tag: str, attribute: str) -> tuple[str, Node] | None:
+        """The value that reaches an element of `tag` through this class, and the element that writes it."""
+        here: DefaultClass | None = self
+        while here is not None:
+            for element in reversed(here.elements.get(tag, ())):
+                value = element.get(attribute)
+                if value is not None:
+                    return str(value), element
+            here = here.parent
+        return None
+
+    def sets(self, tag: str) -> bool:
+        here: DefaultClass | None = self
+        while here is not None:
+            if any(len(element.attrib) or len(element) for element in here.elements.get(tag, ())):
+                return True
+            here = here.parent
+        return False
+
+
+class Classes:
+    """The class tree of one model."""
+
+    def __init__(self, root: Node) -> None:
+        self.main = DefaultClass(MAIN, None)
+        self.by_name: dict[str, DefaultClass] = {MAIN: self.main}
+        for section in root.iterchildren("default"):
+            self._read(section, self.main)
+
+    def _read(self, section: Node, into: DefaultClass) -> None:
+        for child in section:
+            tag = child.tag
+            if not isinstance(tag, str):
+                continue
+            if tag == "default":
+                nested = DefaultClass(str(child.get("class", "")), into)
+                self.by_name[nested.name] = nested
+                self._read(child, nested)
+            else:
+                into.elements.setdefault(tag, []).append(child)
+
+    def get(self, name: str | None) -> DefaultClass:
+        """The class of that name; the top class for None and for a name that does not exist."""
+        return self.by_name.get(name or MAIN, self.main)
+
+    def effective(self, element: Node, childclass: str | None, attribute: str) -> str | None:
+        """What `attribute` of `element` is, its own value first; `childclass` is the one in force around it."""
+        value = element.get(attribute)
+        if value is not None:
+            return str(value)
+        found = self.get(str(element.get("class") or childclass or MAIN)).lookup(
+            default_tag(element), attribute
+        )
+        return found[0] if found else None
+
+
+def default_tag(element: Node) -> str:
+    """The tag under which a default class holds settings for `element`."""
+    parent = element.getparent()
+    if parent is not None:
+        if parent.tag == "equality":
+            return "equality"
+        if parent.tag == "tendon":
+            return "tendon"
+    return str(element.tag)
+
+
+def childclass_of(element: Node) -> str | None:
+    """The childclass in force for `element`: that of the nearest ancestor that has one."""
+    parent = element.getparent()
+    while parent is not None:
+        value = parent.get("childclass")
+        if value:
+            return str(value)
+        parent = parent.getparent()
+    return None
+
+
+def walk_bodies(root: Node) -> Iterator[tuple[Node, str | None]]:
+    """Every element of the body tree in document order, with the childclass in force around it."""
+    for worldbody in root.iterchildren("worldbody"):
+        yield from _walk(worldbody, None)
+
+
+def _walk(parent: Node, childclass: str | None) -> Iterator[tuple[Node, str | None]]:
+    stack: list[tuple[Iterator[Node], str | None]] = [(iter(parent), childclass)]
+    while stack:
+        children, active = stack[-1]
+        for child in children:
+            tag = child.tag
+            if not isinstance(tag, str):
+                continue
+            yield child, active
+            if tag in NESTED:
+                stack.append((iter(child), str(child.get("childclass") or "") or active))
+                break
+        else:
+            stack.pop()

@@ -1,0 +1,67 @@
+"""The names of a model, by MuJoCo namespace, and who refers to them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from lxml.etree import _Element as Node
+
+from composer.grammar import GRAMMAR
+
+DECLARES, REFERS, REFERS_BY, LISTS, GENERATES = range(5)
+Action = tuple[int, str]
+
+# Elements whose expansion makes names that are written nowhere.
+GENERATORS = frozenset({"replicate", "flexcomp", "composite", "attach", "model"})
+WORLD = "world"
+
+
+@dataclass(slots=True)
+class Names:
+    """Names that are declared and names that are referred to, each with the element that does so first."""
+
+    declared: dict[str, dict[str, Node]] = field(default_factory=dict)
+    referred: dict[str, dict[str, Node]] = field(default_factory=dict)
+
+    def find(self, namespace: str, name: str) -> Node | None:
+        return self.declared.get(namespace, {}).get(name)
+
+    def of(self, namespace: str) -> list[str]:
+        return list(self.declared.get(namespace, ()))
+
+    def dangling(self) -> Iterator[tuple[str, str, Node]]:
+        """References to names that nothing declares: namespace, name, referrer."""
+        for namespace, names in self.referred.items():
+            declared = self.declared.get(namespace, {})
+            for name, element in names.items():
+                if name not in declared and not (namespace == "body" and name == WORLD):
+                    yield namespace, name, element
+
+
+@lru_cache(maxsize=None)
+def naming_table(section: str) -> dict[str, dict[str, Action]]:
+    """For each tag inside a top-level section: which attributes hold names, and what kind of name."""
+    table: dict[str, dict[str, Action]] = {}
+    for tag, element in GRAMMAR.within(section).items():
+        actions: dict[str, Action] = {}
+        for attribute in element.attributes.values():
+            if attribute.declares:
+                actions[attribute.name] = (DECLARES, attribute.declares)
+            elif attribute.refers_by:
+                actions[attribute.name] = (REFERS_BY, attribute.refers_by)
+            elif attribute.type == "references" and attribute.refers:
+                actions[attribute.name] = (LISTS, attribute.refers)
+            elif attribute.refers and not attribute.refers.startswith("attached:"):
+                actions[attribute.name] = (REFERS, attribute.refers)
+        if tag in ("attach", "composite"):
+            actions["prefix"] = (GENERATES, "")
+        if actions:
+            table[tag] = actions
+    return table
+
+
+def object_namespace(element: Node, type_attribute: str) -> str | None:
+    """The namespace that a `objtype`-like attribute names, or None where it is absent or unknown."""
+    return GRAMMAR.objtypes.get(str(element.get(type_attribute, "")))

@@ -1,0 +1,54 @@
+"""What a model's `<compiler>` says: the settings under which its own numbers and files are to be read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from lxml.etree import _Element as Node
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """The compiler settings of one source, as text; the defaults are MuJoCo's.
+
+    Of several `<compiler>` elements the last written value of each attribute counts.
+    """
+
+    angle: str = "degree"
+    eulerseq: str = "xyz"
+    autolimits: str = "true"
+    meshdir: str | None = None
+    texturedir: str | None = None
+    assetdir: str | None = None
+    strippath: str = "false"
+    inertiafromgeom: str = "auto"
+    inertiagrouprange: str = "0 5"
+    balanceinertia: str = "false"
+    boundmass: str = "0"
+    boundinertia: str = "0"
+    settotalmass: str = "-1"
+    fusestatic: str = "false"
+    discardvisual: str = "false"
+    alignfree: str = "false"
+    fitaabb: str = "false"
+
+    @property
+    def mesh_folder(self) -> str:
+        return self.meshdir if self.meshdir is not None else self.assetdir or ""
+
+    @property
+    def texture_folder(self) -> str:
+        return self.texturedir if self.texturedir is not None else self.assetdir or ""
+
+
+_KNOWN = tuple(field.name for field in fields(Settings))
+
+
+def read_settings(root: Node) -> Settings:
+    """The settings that hold for a whole `<mujoco>` tree."""
+    written: dict[str, str] = {}
+    for compiler in root.iterchildren("compiler"):
+        for name, value in compiler.items():
+            if value.strip() and name in _KNOWN:
+                written[str(name)] = value.strip()
+    return Settings(**written)

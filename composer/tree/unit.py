@@ -1,0 +1,61 @@
+"""A unit: one source model as a tree, with everything that must be known to keep its meaning when it moves."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from composer.tree.classes import Classes
+from composer.tree.origin import Origins
+from composer.tree.settings import Settings, read_settings
+
+
+@dataclass(eq=False)
+class Unit:
+    """One parsed `<mujoco>` tree, includes expanded.
+
+    `directory` is the folder of the main file, against which MuJoCo resolves every file of the model; `label` names
+    the unit's folder in a bundle; `contents` has the files that are not found on disk by their written path: their
+    bytes, or where they are. A unit is changed in place by edits and consumed by the linker: `copied()` first to keep it.
+    """
+
+    root: Node
+    file: str
+    directory: Path
+    label: str
+    contents: Mapping[str, bytes | Path] = field(default_factory=dict)
+    origins: Origins = field(default_factory=Origins)
+
+    @cached_property
+    def settings(self) -> Settings:
+        return read_settings(self.root)
+
+    @property
+    def classes(self) -> Classes:
+        """The default classes as they are now (read anew at each call)."""
+        return Classes(self.root)
+
+    @property
+    def model(self) -> str:
+        return str(self.root.get("model") or "")
+
+    def copied(self) -> Unit:
+        """A deep copy that shares nothing but file contents."""
+        root = copy.deepcopy(self.root)
+        origins = self.origins.carried(self.root, root)
+        return Unit(root, self.file, self.directory, self.label, self.contents, origins)
+
+    def section(self, tag: str) -> Node:
+        """The last section of that tag, to which new elements go; made where there is none."""
+        found = None
+        for found in self.root.iterchildren(tag):
+            pass
+        if found is None:
+            found = self.root.makeelement(tag)
+            self.root.append(found)
+        return found

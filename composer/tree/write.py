@@ -1,0 +1,12 @@
+"""A tree to MJCF text."""
+
+from __future__ import annotations
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+
+def write(root: Node) -> bytes:
+    """The text of a `<mujoco>` tree: UTF-8, two spaces a level, one element a line, a final newline."""
+    etree.indent(root)
+    return etree.tostring(root, encoding="utf-8") + b"\n"
