@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
+from pathlib import Path
 
 from composer.diagnostics.sink import Sink
 from composer.link.linking import FileUse
@@ -35,7 +36,7 @@ def _store(
     content = use.content
     if content is None:
         try:
-            content = use.source.read_bytes()
+            content = Path(use.source).read_bytes()
         except OSError as error:
             sink.error(
                 "asset-missing",

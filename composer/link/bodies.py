@@ -96,6 +96,8 @@ def _site_pose(linking: Linking, site: Node) -> dict[str, str]:
     written = {name: str(site.get(name)) for name in _POSE if site.get(name) is not None}
     turned = any(name in written for name in ORIENTATIONS)
     classes = linking.base.classes
+    if "site" not in classes.tags:
+        return written
     name = site.get("class") or childclass_of(site)
     found = classes.get(str(name) if name else None)
     for attribute in _POSE:

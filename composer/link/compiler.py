@@ -12,7 +12,7 @@ from composer.tree.unit import Unit
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 _MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 # Settings of a whole model whose effect on one part cannot be written into that part yet.
-_WHOLE_MODEL = ("fusestatic", "discardvisual", "fitaabb")
+_WHOLE_MODEL = ("fusestatic", "discardvisual")
 _NO_EFFECT = ("coordinate", "usethread", "conflict")
 _DEFAULT = Settings()
 
@@ -48,7 +48,7 @@ def compiler(linking: Linking) -> None:
     for name in _FOLDERS:
         written.pop(name, None)
     if linking.parts:
-        for name in (*_MADE_EXPLICIT, *_NO_EFFECT, *_WHOLE_MODEL, "alignfree"):
+        for name in (*_MADE_EXPLICIT, *_NO_EFFECT, *_WHOLE_MODEL, "alignfree", "fitaabb"):
             written.pop(name, None)
         written["angle"] = model_angle(linking)
         if model_autolimits(linking) == "true":

@@ -6,10 +6,11 @@ move to the class `base/`, because an attribute without a neutral value could no
 
 from __future__ import annotations
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.link.linking import Linking
-from composer.tree.classes import MAIN, NESTED, Classes
+from composer.tree.classes import MAIN, NESTED
 from composer.tree.unit import Unit
 
 # Sections whose elements take a class but stand outside the body tree, where no childclass reaches them.
@@ -21,12 +22,13 @@ _CLASSED = {
     "actuator": None,
 }
 _TREE = ("joint", "geom", "site", "camera", "light")
-_UNCLASSED_ACTUATORS = ("plugin",)
 
 
 def defaults(linking: Linking) -> None:
     """Wrap the top classes, move all classes under the base's, and name the class of what has none."""
     base = linking.base
+    for unit in linking.units:
+        unit.forget_classes()
     if linking.base_class is not None:
         own = _wrap(base, linking.base_class)
         _claim_sections(base, linking.base_class, own)
@@ -45,6 +47,7 @@ def defaults(linking: Linking) -> None:
                 top.append(wrapped)
                 linking.base.origins.own(wrapped, part.unit.file)
             part.unit.root.remove(section)
+    base.forget_classes()
 
 
 def choose_classes(linking: Linking) -> None:
@@ -53,9 +56,7 @@ def choose_classes(linking: Linking) -> None:
     taken = {part.prefix for part in linking.parts}
     for part in linking.parts:
         part.top_class = part.prefix or _free(f"{part.unit.model or part.unit.label}{separator}", taken)
-    main = linking.base.classes.main
-    sets = any(len(found.attrib) or len(found) for kinds in main.elements.values() for found in kinds)
-    if linking.parts and (sets or linking.isolate_base):
+    if linking.parts and (linking.isolate_base or _top_kinds(linking.base.root)):
         linking.base_class = _free(f"base{separator}", taken)
 
 
@@ -66,10 +67,20 @@ def _free(name: str, taken: set[str]) -> str:
     return name
 
 
-def _wrap(unit: Unit, name: str) -> Classes:
-    """Make the unit's top class the nested class `name`; gives the classes as they were."""
-    before = unit.classes
+def _top_kinds(root: Node) -> set[str]:
+    """The tags for which the top class itself sets something."""
+    return {
+        str(element.tag)
+        for section in root.iterchildren("default")
+        for element in section.iterchildren(etree.Element)
+        if element.tag != "default" and (element.attrib or len(element))
+    }
+
+
+def _wrap(unit: Unit, name: str) -> set[str]:
+    """Make the unit's top class the nested class `name`; gives the tags it sets."""
     root = unit.root
+    kinds = _top_kinds(root)
     sections = list(root.iterchildren("default"))
     if not sections:
         sections = [root.makeelement("default")]
@@ -87,12 +98,11 @@ def _wrap(unit: Unit, name: str) -> Classes:
             outer.append(wrapped)
             root.remove(section)
         outer = wrapped
-    return before
+    return kinds
 
 
-def _claim_sections(unit: Unit, name: str, classes: Classes) -> None:
+def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
     """Give the top class by name to elements outside the body tree that have no class of their own."""
-    kinds = set(classes.main.elements)
     if not kinds:
         return
     for section in unit.root:

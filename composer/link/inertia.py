@@ -5,6 +5,8 @@ The model itself always says `inertiafromgeom="auto"` and `inertiagrouprange="0 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from lxml.etree import _Element as Node
 
 from composer.link import numbers
@@ -39,6 +41,24 @@ def inertia(linking: Linking) -> None:
 
 def _bodies(unit: Unit) -> list[Node]:
     return [element for element, _ in walk_bodies(unit.root) if element.tag == "body"]
+
+
+def measure_alone(
+    linking: Linking, unit: Unit, setting: str, arrays: tuple[str, ...]
+) -> Mapping[str, list[float]] | None:
+    """Arrays of the unit compiled alone, in the order of its own elements; tells where that cannot be had."""
+    compiler = next(unit.root.iterchildren("compiler"), unit.root)
+    expanded = next(unit.root.iter(*_EXPANDED), None)
+    if expanded is None and linking.measure is not None:
+        return linking.measure(unit, arrays) or None
+    why = f"`<{expanded.tag}>` is expanded by MuJoCo" if expanded is not None else "MuJoCo is not at hand"
+    linking.sink.error(
+        "compiler-setting",
+        f"{setting} of `{unit.label}` cannot be kept in a composition: {why}",
+        linking.span(unit, compiler),
+        help="remove the setting from the source, or write the values it gives",
+    )
+    return None
 
 
 def _own(body: Node, *tags: str) -> list[Node]:
@@ -102,21 +122,8 @@ def _pose(body: Node) -> dict[str, str]:
 def _measure(linking: Linking, unit: Unit) -> None:
     """Compile the unit alone and write the inertia of every body as MuJoCo has it."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
-    said = " and ".join(f"`{name}`" for name in wanting)
-    compiler = next(unit.root.iterchildren("compiler"), unit.root)
-    span = linking.span(unit, compiler)
-    expanded = next(unit.root.iter(*_EXPANDED), None)
-    if expanded is not None or linking.measure is None:
-        why = f"`<{expanded.tag}>` is expanded by MuJoCo" if expanded is not None else "MuJoCo is not at hand"
-        linking.sink.error(
-            "compiler-setting",
-            f"{said} of `{unit.label}` cannot be kept in a composition: {why}",
-            span,
-            help="remove the setting from the source, or write the masses it gives",
-        )
-        return
-    arrays = linking.measure(unit, ARRAYS)
-    if not arrays:
+    arrays = measure_alone(linking, unit, " and ".join(f"`{name}`" for name in wanting), ARRAYS)
+    if arrays is None:
         return
     for at, body in enumerate(_bodies(unit), start=1):
         for inertial in _own(body, "inertial"):

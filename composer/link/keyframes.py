@@ -16,7 +16,7 @@ from composer.link.layout import Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.pose import Pose
-from composer.tree.classes import Classes, childclass_of
+from composer.tree.classes import childclass_of
 from composer.tree.unit import Unit
 
 _VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
@@ -87,9 +87,8 @@ def _keys(unit: Unit) -> list[Node]:
 
 
 def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
-    measured: dict[Node, tuple[int, ...]] = {}
     try:
-        return lay_out(unit.root, measured)
+        return lay_out(unit, {})
     except Unknown:
         return _measured_layout(linking, unit)
 
@@ -103,7 +102,7 @@ def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
         return None
     linking.measured.update(known)
     try:
-        return lay_out(unit.root, known)
+        return lay_out(unit, known)
     except Unknown as unknown:
         _not_laid_out(linking, unit, unknown)
         return None
@@ -111,10 +110,16 @@ def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
 
 def _final_layout(linking: Linking) -> Layout | None:
     try:
-        return lay_out(linking.base.root, linking.measured)
+        return lay_out(linking.base, {**linking.measured, **_slots(linking)})
     except Unknown as unknown:
         _not_laid_out(linking, linking.base, unknown)
         return None
+
+
+def _slots(linking: Linking) -> dict[Node, Slot]:
+    """What the units already knew of their joints and actuators."""
+    found = [linking.base_layout, *(part.layout for part in linking.parts)]
+    return {slot.element: slot for layout in found if layout for slot in (*layout.joints, *layout.actuators)}
 
 
 def _not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
@@ -234,7 +239,7 @@ class _Reference:
 
     def __init__(self, linking: Linking) -> None:
         self.linking = linking
-        self.classes = Classes(linking.base.root)
+        self.classes = linking.base.classes
         self.degrees = model_angle(linking) == "degree"
         self.sequence = linking.base.settings.eulerseq
 

@@ -7,12 +7,14 @@ order cannot change.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
-from composer.tree.classes import Classes, childclass_of
+from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
+from composer.tree.unit import Unit
 
 _WIDTHS = {"free": (7, 6), "ball": (4, 3), "slide": (1, 1), "hinge": (1, 1)}
 _BLOCKS = ("replicate", "flexcomp", "composite", "attach")
@@ -61,48 +63,102 @@ class Layout:
         return len(self.mocaps) * (3 if vector == "mpos" else 4)
 
 
-BlockWidths = Callable[[Node], tuple[int, int] | None]
+_STATEFUL = ("position", "intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
+_MOCAPS = etree.XPath("worldbody//body[@mocap='true']")
+_LATE_JOINT = etree.XPath("boolean(worldbody//joint[preceding-sibling::body])")
+# Whether any class types joints, or gives actuators a state: if none does, classes need not be looked at.
+_TYPED_CLASS = etree.XPath("boolean(default//joint/@type)")
+_FILTERED_CLASS = etree.XPath("boolean(default//position/@timeconst)")
+_STATEFUL_CLASS = etree.XPath(
+    "boolean(default//general[@dyntype or @actdim or @input] | "
+    + " | ".join(f"default//{tag}[@*]" for tag in _STATEFUL)
+    + ")"
+)
 
 
-def lay_out(root: Node, measured: dict[Node, tuple[int, ...]]) -> Layout:
-    """The layout of a whole model; raises `Unknown` for what neither the tree nor `measured` tells."""
-    classes = Classes(root)
+def lay_out(unit: Unit, known: Mapping[Node, tuple[int, ...] | Slot]) -> Layout:
+    """The layout of a whole model; raises `Unknown` for what neither the tree nor `known` tells."""
     layout = Layout()
+    root = unit.root
+    reader = _Reader(unit, known, *(bool(test(root)) for test in (_TYPED_CLASS, _STATEFUL_CLASS, _FILTERED_CLASS)))
     for worldbody in root.iterchildren("worldbody"):
-        _visit(worldbody, layout, classes, measured)
+        found = list(worldbody.iter("joint", "freejoint", *_BLOCKS))
+        if any(element.tag in _BLOCKS for element in found) or _LATE_JOINT(root):
+            reader.visit(worldbody, layout)
+        else:  # joints stand in the order of their bodies: nothing else needs to be looked at
+            layout.joints.extend(map(reader.joint, found))
+    layout.mocaps.extend(_MOCAPS(root))
     for section in root.iterchildren("actuator"):
-        for actuator in section:
-            if isinstance(actuator.tag, str):
-                layout.actuators.append(_actuator(actuator, classes, measured))
+        layout.actuators.extend(reader.actuator(each) for each in section if isinstance(each.tag, str))
     return layout
 
 
-def _visit(body: Node, layout: Layout, classes: Classes, measured: dict[Node, tuple[int, ...]]) -> None:
-    joints: list[Node] = []
-    inner: list[Node] = []
-    for child in _through_frames(body):
-        if child.tag in ("joint", "freejoint"):
-            joints.append(child)
-        elif child.tag == "body" or child.tag in _BLOCKS:
-            inner.append(child)
-    if body.tag == "body" and body.get("mocap") == "true":
-        layout.mocaps.append(body)
-    for joint in joints:
-        kind = joint_type(joint, classes)
-        layout.joints.append(Slot(joint, kind, _WIDTHS[kind]))
-    for child in inner:
-        if child.tag == "body":
-            _visit(child, layout, classes, measured)
-        else:
-            layout.joints.append(Slot(child, "block", _block(child, classes, measured)))
+@dataclass(frozen=True, slots=True)
+class _Reader:
+    unit: Unit
+    known: Mapping[Node, tuple[int, ...] | Slot]
+    typed: bool
+    stateful: bool
+    filtered: bool
 
+    def visit(self, body: Node, layout: Layout) -> None:
+        """A body's joints, then what is inside it."""
+        inner: list[Node] = []
+        for child in through_frames(body):
+            if child.tag in ("joint", "freejoint"):
+                layout.joints.append(self.joint(child))
+            elif child.tag == "body" or child.tag in _BLOCKS:
+                inner.append(child)
+        for child in inner:
+            if child.tag == "body":
+                self.visit(child, layout)
+            else:
+                layout.joints.append(self.block(child))
 
-def _through_frames(parent: Node) -> Iterator[Node]:
-    for child in parent:
-        if child.tag == "frame":
-            yield from _through_frames(child)
-        elif isinstance(child.tag, str):
-            yield child
+    def joint(self, joint: Node) -> Slot:
+        known = self.known.get(joint)
+        if isinstance(known, Slot):
+            return known
+        kind = joint_type(joint, self.unit.classes) if self.typed else _own_type(joint)
+        return Slot(joint, kind, _WIDTHS[kind])
+
+    def block(self, block: Node) -> Slot:
+        known = self.known.get(block)
+        if known is not None:
+            return known if isinstance(known, Slot) else Slot(block, "block", known)
+        if block.tag != "replicate" or block.xpath("boolean(.//body[@mocap='true'])"):
+            raise Unknown(block)
+        inside = Layout()
+        self.visit(block, inside)
+        count = int(str(block.get("count") or 1))
+        return Slot(block, "block", (count * inside.total("qpos"), count * inside.total("qvel")))
+
+    def actuator(self, actuator: Node) -> Slot:
+        tag = str(actuator.tag)
+        known = self.known.get(actuator)
+        if known is not None:
+            return known if isinstance(known, Slot) else Slot(actuator, tag, known)
+        if tag in _ACTIVATIONS:
+            return Slot(actuator, tag, (1, _ACTIVATIONS[tag]))
+        if tag == "position":
+            inherited = self.filtered and self._class(actuator).lookup("position", "timeconst") is not None
+            if actuator.get("timeconst") is None and not inherited:
+                return Slot(actuator, tag, (1, 0))
+        elif tag == "general" and not (self.stateful and self._inherits_state(actuator)):
+            if actuator.get("dyntype") in (None, "none"):
+                return Slot(actuator, tag, (1, 0))
+            return Slot(actuator, tag, (1, int(str(actuator.get("actdim") or 1))))
+        raise Unknown(actuator)
+
+    def _inherits_state(self, actuator: Node) -> bool:
+        """Whether its class may give it activations or inputs: all actuator tags share one struct."""
+        found = self._class(actuator)
+        return any(found.lookup("general", name) for name in ("dyntype", "actdim", "input")) or any(
+            found.sets(other) for other in _STATEFUL
+        )
+
+    def _class(self, actuator: Node) -> DefaultClass:
+        return self.unit.classes.get(str(actuator.get("class") or "") or None)
 
 
 def joint_type(joint: Node, classes: Classes) -> str:
@@ -111,38 +167,5 @@ def joint_type(joint: Node, classes: Classes) -> str:
     return classes.effective(joint, childclass_of(joint), "type") or "hinge"
 
 
-def _block(block: Node, classes: Classes, measured: dict[Node, tuple[int, ...]]) -> tuple[int, ...]:
-    if block in measured:
-        return measured[block]
-    if block.tag != "replicate":
-        raise Unknown(block)
-    inside = Layout()
-    _visit(block, inside, classes, measured)
-    if inside.mocaps:
-        raise Unknown(block)
-    count = int(str(block.get("count") or 1))
-    return count * inside.total("qpos"), count * inside.total("qvel")
-
-
-def _actuator(actuator: Node, classes: Classes, measured: dict[Node, tuple[int, ...]]) -> Slot:
-    tag = str(actuator.tag)
-    if actuator in measured:
-        return Slot(actuator, tag, measured[actuator])
-    if tag in _ACTIVATIONS:
-        return Slot(actuator, tag, (1, _ACTIVATIONS[tag]))
-    found = classes.get(str(actuator.get("class") or "") or None)
-    if tag == "position":
-        if actuator.get("timeconst") is None and found.lookup("position", "timeconst") is None:
-            return Slot(actuator, tag, (1, 0))
-    if tag == "general":
-        stateful = ("dyntype", "actdim", "input")
-        kinds = ("general", "position", "intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
-        inherited = any(found.lookup(kind, name) for kind in kinds for name in stateful) or any(
-            found.sets(kind) for kind in kinds if kind != "general"
-        )
-        if not inherited:
-            dyntype = actuator.get("dyntype")
-            if dyntype in (None, "none"):
-                return Slot(actuator, tag, (1, 0))
-            return Slot(actuator, tag, (1, int(str(actuator.get("actdim") or 1))))
-    raise Unknown(actuator)
+def _own_type(joint: Node) -> str:
+    return "free" if joint.tag == "freejoint" else str(joint.get("type") or "hinge")

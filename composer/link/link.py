@@ -10,6 +10,7 @@ from composer.link.bodies import bodies
 from composer.link.compiler import check_settings, compiler
 from composer.link.defaults import choose_classes, defaults
 from composer.link.files import files
+from composer.link.fitting import fitting
 from composer.link.inertia import inertia
 from composer.link.keyframes import keyframes, layouts
 from composer.link.linking import Linking
@@ -24,6 +25,7 @@ PASSES: tuple[Pass, ...] = (
     choose_classes,
     check_settings,
     inertia,
+    fitting,
     angles,
     agreement,
     layouts,

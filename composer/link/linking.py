@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Literal, Protocol
 
 from lxml.etree import _Element as Node
@@ -76,7 +75,7 @@ class FileUse:
     element: Node
     attribute: str
     path: str
-    source: Path
+    source: str
     content: bytes | None
 
 

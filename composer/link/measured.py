@@ -31,7 +31,7 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, tuple[int, ...]] | None:
     unknown: list[Node] = []
     while True:
         try:
-            layout = lay_out(unit.root, found)
+            layout = lay_out(unit, found)
             break
         except Unknown as reason:
             if unknown:
@@ -42,7 +42,7 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, tuple[int, ...]] | None:
         nq = int(arrays["nq"][0]) - layout.total("qpos")
         nv = int(arrays["nv"][0]) - layout.total("qvel")
         found[unknown[0]] = (nq, nv)
-        layout = lay_out(unit.root, found)
+        layout = lay_out(unit, found)
     if layout.total("qpos") == int(arrays["nq"][0]):
         _note_references(linking, layout, arrays["qpos0"])
     return found

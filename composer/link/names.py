@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 
 from lxml.etree import _Element as Node
 
@@ -12,16 +13,19 @@ from composer.tree.classes import MAIN
 from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import (
     DECLARES,
-    GENERATES,
     GENERATORS,
     LISTS,
     REFERS,
+    REFERS_BY,
     WORLD,
     Names,
     naming_table,
     object_namespace,
 )
 from composer.tree.unit import Unit
+
+
+_MAY_REPEAT = ("model",)
 
 
 def names(linking: Linking) -> None:
@@ -41,79 +45,70 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str) -> None:
     everything = linking.names.declared
     for namespace, declared in local.declared.items():
         known = everything.setdefault(namespace, {})
-        if known.keys() & declared.keys():
+        if namespace not in _MAY_REPEAT:
             for name in known.keys() & declared.keys():
                 _clash(linking, unit, namespace, name, declared[name], known[name], None)
         known.update(declared)
 
 
 def rename(unit: Unit, prefix: str, top_class: str) -> tuple[Names, list[tuple[str, str, Node]]]:
-    """Prefix a unit in place. Gives its names, and those that are declared twice."""
-    declared: dict[str, dict[str, Node]] = {}
-    referred: dict[str, dict[str, Node]] = {}
+    """Prefix a unit in place. Gives its names, and those that are declared twice.
+
+    This is the one walk over every element of every part: what is not a name costs a dictionary miss here.
+    """
+    declared: defaultdict[str, dict[str, Node]] = defaultdict(dict)
+    referred: defaultdict[str, dict[str, Node]] = defaultdict(dict)
     repeated: list[tuple[str, str, Node]] = []
-    bare = not prefix
     for section in unit.root:
         section_tag = section.tag
-        if not isinstance(section_tag, str):
-            continue
-        table = naming_table(section_tag)
+        table = naming_table(section_tag) if isinstance(section_tag, str) else None
         if not table:
             continue
         in_default = section_tag == "default"
         if section_tag == "asset":
-            _name_assets(section, bare)
+            _name_assets(section, not prefix)
         for element in section.iter():
-            tag = element.tag
-            actions = table.get(tag)  # type: ignore[call-overload]
+            actions = table.get(element.tag)  # type: ignore[call-overload]
             if actions is None:
                 continue
-            if prefix and (tag == "attach" or tag == "composite"):
-                element.set("prefix", prefix + str(element.get("prefix") or ""))
-            for key, value in element.items():
-                action = actions.get(key)  # type: ignore[call-overload]
-                if action is None or not value:
+            for key in element.keys():  # noqa: SIM118 (an element is no mapping)
+                action = actions.get(key)
+                if action is None:
+                    continue
+                value = element.get(key)
+                if not value:
                     continue
                 kind, namespace = action
-                if kind == DECLARES:
-                    if namespace == "default":
-                        if in_default and element.getparent() is unit.root:
-                            continue
-                    name = prefix + value
-                    if not bare:
-                        element.set(key, name)
-                    known = declared.setdefault(namespace, {})
-                    if name in known and not _may_repeat(namespace, element):
-                        repeated.append((namespace, name, element))
-                    else:
-                        known[name] = element
-                elif kind == REFERS:
+                name = prefix + value  # type: ignore[operator]
+                if kind == REFERS:
                     if value == WORLD and namespace == "body":
                         continue
-                    if namespace == "default" and value == MAIN:
-                        if not bare:
-                            element.set(key, top_class)
-                        continue
-                    name = prefix + value
-                    if not bare:
-                        element.set(key, name)
-                    if not in_default:  # a class may name what no element takes from it
-                        referred.setdefault(namespace, {})[name] = element
+                    if value == MAIN and namespace == "default":
+                        name = top_class
+                    elif not in_default:  # a class may name what no element takes from it
+                        referred[namespace][name] = element
+                elif kind == DECLARES:
+                    if (in_default and element is section) or namespace == "key":
+                        continue  # a top class has no name; keys are named when they are laid out
+                    known = declared[namespace]
+                    if name in known and namespace not in _MAY_REPEAT:
+                        repeated.append((namespace, name, element))
+                    known[name] = element
                 elif kind == LISTS:
                     listed = [item if item == WORLD else prefix + item for item in value.split()]
-                    if not bare:
-                        element.set(key, " ".join(listed))
-                    for name in listed:
-                        referred.setdefault(namespace, {})[name] = element
-                elif kind != GENERATES:
+                    for item in listed:
+                        referred[namespace][item] = element
+                    name = " ".join(listed)
+                elif kind == REFERS_BY:
                     target = object_namespace(element, namespace)
                     if value == WORLD and target in (None, "body"):
                         continue
-                    name = prefix + value
-                    if not bare:
-                        element.set(key, name)
                     if target:
-                        referred.setdefault(target, {})[name] = element
+                        referred[target][name] = element
+                if prefix:
+                    element.set(key, name)
+            if prefix and element.tag == "composite" and "prefix" not in element.attrib:
+                element.set("prefix", prefix)
     return Names(declared, referred), repeated
 
 
@@ -126,10 +121,6 @@ def _name_assets(section: Node, bare: bool) -> None:
                 element.set("name", stem(str(file)))
             elif "name" in element.attrib and not bare:
                 del element.attrib["name"]
-
-
-def _may_repeat(namespace: str, element: Node) -> bool:
-    return namespace in ("key", "model")
 
 
 def may_be_generated(name: str, root: Node) -> bool:

@@ -8,16 +8,16 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.link.linking import Linking, Part
-from composer.tree.classes import Classes, childclass_of
+from composer.link.layout import joint_type
+from composer.tree.classes import childclass_of, through_frames
 
 
 def roots(linking: Linking) -> None:
     """Weld what is asked to be welded; refuse what MuJoCo cannot have below a body."""
     for part in linking.parts:
-        classes = part.unit.classes
         for body in list(_at_the_root(part.unit.root, "body")):
             for joint in list(_own_joints(body)):
-                if joint.tag != "freejoint" and classes.effective(joint, childclass_of(joint), "type") != "free":
+                if joint.tag != "freejoint" and joint_type(joint, part.unit.classes) != "free":
                     continue
                 if part.weld:
                     holder = joint.getparent()
@@ -28,25 +28,16 @@ def roots(linking: Linking) -> None:
             if body.get("mocap") == "true" and (part.place.kind != "world" or part.joints or part.mocap):
                 _mocap(linking, part, body)
         if part.place.kind != "world" or part.joints or part.mocap:
-            _planes(linking, part, classes)
+            _planes(linking, part)
 
 
 def _at_the_root(root: Node, tag: str) -> Iterator[Node]:
     for worldbody in root.iterchildren("worldbody"):
-        yield from _through_frames(worldbody, tag)
-
-
-def _through_frames(parent: Node, tag: str) -> Iterator[Node]:
-    for child in parent:
-        if child.tag == "frame":
-            yield from _through_frames(child, tag)
-        elif child.tag == tag:
-            yield child
+        yield from (child for child in through_frames(worldbody) if child.tag == tag)
 
 
 def _own_joints(body: Node) -> Iterator[Node]:
-    yield from _through_frames(body, "freejoint")
-    yield from _through_frames(body, "joint")
+    yield from (child for child in through_frames(body) if child.tag in ("freejoint", "joint"))
 
 
 def _where(part: Part) -> str:
@@ -77,11 +68,9 @@ def _mocap(linking: Linking, part: Part, body: Node) -> None:
     )
 
 
-def _planes(linking: Linking, part: Part, classes: Classes) -> None:
-    if part.place.kind == "world" and not part.joints and not part.mocap:
-        return
+def _planes(linking: Linking, part: Part) -> None:
     for geom in _at_the_root(part.unit.root, "geom"):
-        if classes.effective(geom, childclass_of(geom), "type") == "plane":
+        if part.unit.classes.effective(geom, childclass_of(geom), "type") == "plane":
             linking.planes.append((part, geom))
 
 

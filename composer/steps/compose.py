@@ -106,7 +106,7 @@ def _empty(plan: Plan) -> Unit:
 
 
 def _contents(files: list[FileUse]) -> dict[str, bytes | Path]:
-    return {use.path: use.content if use.content is not None else use.source for use in files}
+    return {use.path: use.content if use.content is not None else Path(use.source) for use in files}
 
 
 def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:

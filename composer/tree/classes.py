@@ -47,6 +47,7 @@ class Classes:
     def __init__(self, root: Node) -> None:
         self.main = DefaultClass(MAIN, None)
         self.by_name: dict[str, DefaultClass] = {MAIN: self.main}
+        self.tags: set[str] = set()
         for section in root.iterchildren("default"):
             self._read(section, self.main)
 
@@ -60,6 +61,7 @@ class Classes:
                 self.by_name[nested.name] = nested
                 self._read(child, nested)
             else:
+                self.tags.add(tag)
                 into.elements.setdefault(tag, []).append(child)
 
     def get(self, name: str | None) -> DefaultClass:
@@ -119,3 +121,12 @@ def _walk(parent: Node, childclass: str | None) -> Iterator[tuple[Node, str | No
                 break
         else:
             stack.pop()
+
+
+def through_frames(parent: Node) -> Iterator[Node]:
+    """The children of a body, and of its frames, which do not count as bodies."""
+    for child in parent:
+        if child.tag == "frame":
+            yield from through_frames(child)
+        elif isinstance(child.tag, str):
+            yield child

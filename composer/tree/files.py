@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import posixpath
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
@@ -19,8 +18,10 @@ NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 
 def join(folder: str, name: str) -> str:
     """`name` in `folder`, shortened as text (`a/../b` is `b` whether or not `a` exists); backslashes part too."""
-    name = name.replace("\\", "/")
-    return posixpath.normpath(name if is_absolute(name) else posixpath.join(folder.replace("\\", "/"), name))
+    if "\\" in name or "\\" in folder:
+        name, folder = name.replace("\\", "/"), folder.replace("\\", "/")
+    path = name if is_absolute(name) or not folder else f"{folder}/{name}"
+    return posixpath.normpath(path) if "./" in path or "//" in path or path.endswith((".", "/")) else path
 
 
 def is_absolute(name: str) -> bool:
@@ -45,15 +46,15 @@ def file_attributes(root: Node) -> Iterator[tuple[Node, str]]:
 def written_path(unit: Unit, element: Node, attribute: str) -> str:
     """The file as MuJoCo would look for it: relative to the unit's directory unless absolute."""
     settings = unit.settings
-    name = str(element.get(attribute)).replace("\\", "/")
+    name = str(element.get(attribute))
     if settings.strippath == "true":
-        name = posixpath.basename(name)
+        name = posixpath.basename(name.replace("\\", "/"))
     folder = settings.texture_folder if element.tag == "texture" else settings.mesh_folder
     return join(folder, name)
 
 
-def disk_path(unit: Unit, written: str) -> Path:
-    return Path(join(str(unit.directory), written))
+def disk_path(unit: Unit, written: str) -> str:
+    return join(str(unit.directory), written)
 
 
 def stem(file: str) -> str:

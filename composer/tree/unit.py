@@ -35,10 +35,13 @@ class Unit:
     def settings(self) -> Settings:
         return read_settings(self.root)
 
-    @property
+    @cached_property
     def classes(self) -> Classes:
-        """The default classes as they are now (read anew at each call)."""
+        """The default classes; values in them are live, `forget_classes` after classes are added or renamed."""
         return Classes(self.root)
+
+    def forget_classes(self) -> None:
+        self.__dict__.pop("classes", None)
 
     @property
     def model(self) -> str:

@@ -7,12 +7,11 @@ from composer.verify.mount import Mount
 
 
 class Coupling:
-    """Bodies of the part, by their ids in the part alone, whose values the rest of the composition may change.
+    """Bodies of a part, by their ids in the part alone, that the rest of the composition acts on.
 
-    ``hosts``     carry geoms of others, which count into their mass and inertia
-    ``carriers``  have something of others on them or below them
-    ``trees``     the root bodies of kinematic trees that something of others is fixed to, or that hang on a moving
-                  body: the inertia seen by their joints is not their own
+    ``hosts`` carry geoms of others, which count into their mass and inertia. ``carriers`` have something of
+    others on them or below them. ``trees`` are the root bodies of kinematic trees that something of others is
+    fixed to, or that hang on a moving body: the inertia seen by their joints is not their own.
     """
 
     def __init__(self, matching: Matching, mount: Mount) -> None:

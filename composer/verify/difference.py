@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TypeAlias
 
-Value: TypeAlias = bool | int | float | str | None | tuple["Value", ...]
+Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
 
 MISSING = "missing"
 EXTRA = "extra"
@@ -15,10 +16,10 @@ EXTRA = "extra"
 class Difference:
     """A field of an element that differs.
 
-    ``kind`` is MJCF's word for the element, ``name`` its name in the composition (in the part alone, where the
-    composition lacks it), ``field`` the array of `mjModel`, with an index where only one entry is shown.
-    ``expected`` is the value in the part alone, ``actual`` the one in the composition; references are names.
-    ``field`` is ``missing`` for an element the composition lacks and ``extra`` for one the part lacks.
+    ``kind`` is MJCF's word for the element, ``name`` its name in the composition; an unnamed one is told by
+    its place. ``field`` is the array of `mjModel`, with an index where only one entry is shown, or
+    ``missing`` for an element the composition lacks, ``extra`` for one the part lacks. ``expected`` is the
+    value in the part alone, ``actual`` the one in the composition; references are names.
     """
 
     kind: str
@@ -26,6 +27,11 @@ class Difference:
     field: str
     expected: Value
     actual: Value
+
+    @property
+    def array(self) -> str:
+        """The array of `mjModel` alone, without index or the element a key's entry is for."""
+        return re.split(r"[\[, ]", self.field, maxsplit=1)[0]
 
     def __str__(self) -> str:
         subject = f"{self.kind} {self.name}" if self.name.startswith("#") else f"{self.kind} `{self.name}`"

@@ -1,7 +1,7 @@
 """What each array of `mjModel` says about one element of a part, and how far it can be held to it.
 
-An array that stands in no table here is *plain*: one row an element, the same alone and composed, bit for bit.
-Everything else has its treatment and the reason for it in ``RULES``.
+An array that stands in no table here is *plain*: one row an element, the same alone and composed, bit for
+bit. Everything else has its treatment and the reason for it in ``RULES``.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ class Treatment(StrEnum):
     SUBTREE = "subtree"
     """Exactly, but not where something of others hangs below."""
     DERIVED = "derived"
-    """Up to rounding where nothing of others hangs on the same kinematic tree and the part stands still, else not
-    at all; what it is computed from is compared."""
+    """Up to rounding where nothing of others hangs on the same kinematic tree and the part stands still,
+    else not at all; what it is computed from is compared."""
     GAIN = "gain"
     """Exactly, or as MuJoCo computes it from the inertia of the whole model."""
 
@@ -48,14 +48,17 @@ ROUNDING = 1e-9
 """Relative and absolute (SI units): a pose through a frame is multiplied out in doubles, 1e-16 a step."""
 
 DERIVED_ROUNDING = 1e-7
-"""Relative: factoring the mass matrix of a larger model rounds elsewhere, and inverse inertias amplify that."""
+"""Relative: the mass matrix of a larger model is factored in another order; inverse inertias amplify that."""
+
+AUTHORED_SLEEP = 3
+"""The first value of `mjtSleepPolicy` that an author wrote; those below follow from the whole tree."""
 
 _TABLE: dict[Treatment, dict[str, str]] = {
     Treatment.SKIPPED: {
         "an address of the whole model; the joints, dofs and geoms themselves are compared": (
             "body_jntadr body_dofadr body_geomadr jnt_qposadr jnt_dofadr dof_Madr"
         ),
-        "the number of geoms on a body; each geom is matched, and others may have put theirs there": "body_geomnum",
+        "a count that takes in the geoms others have put there; each geom is matched": "body_geomnum",
         "follows from the parents and joints, which are compared, and from what the part hangs on": (
             "body_rootid body_weldid body_treeid dof_bodyid dof_jntid dof_parentid dof_treeid"
             " tendon_treenum tendon_treeid"
@@ -86,7 +89,8 @@ _TABLE: dict[Treatment, dict[str, str]] = {
     Treatment.PRESENT: {
         "an id in order of the whole model": "body_mocapid",
         "an address in the state of the whole model": (
-            "jnt_plasticadr tendon_plasticadr flex_plasticadr actuator_actadr actuator_historyadr sensor_historyadr"
+            "jnt_plasticadr tendon_plasticadr flex_plasticadr actuator_actadr actuator_historyadr"
+            " sensor_historyadr"
         ),
         "the address of data an element may lack": (
             "mesh_texcoordadr mesh_graphadr skin_texcoordadr flex_texcoordadr"
@@ -94,11 +98,12 @@ _TABLE: dict[Treatment, dict[str, str]] = {
     },
     Treatment.LINKED: {
         "an id": (
-            "body_parentid body_plugin jnt_bodyid jnt_actuatorid geom_bodyid geom_dataid geom_matid geom_plugin"
-            " site_bodyid site_dataid site_matid cam_bodyid cam_targetbodyid light_bodyid light_targetbodyid"
-            " light_texid mat_texid skin_matid flex_matid tendon_matid tendon_actuatorid actuator_trnid"
-            " actuator_plugin sensor_objid sensor_refid sensor_plugin eq_obj1id eq_obj2id pair_geom1 pair_geom2"
-            " exclude_signature skin_bonebodyid flex_vertbodyid flex_nodebodyid tuple_objid"
+            "body_parentid body_plugin jnt_bodyid jnt_actuatorid geom_bodyid geom_dataid geom_matid"
+            " geom_plugin site_bodyid site_dataid site_matid cam_bodyid cam_targetbodyid light_bodyid"
+            " light_targetbodyid light_texid mat_texid skin_matid flex_matid tendon_matid"
+            " tendon_actuatorid actuator_trnid actuator_plugin sensor_objid sensor_refid sensor_plugin"
+            " eq_obj1id eq_obj2id pair_geom1 pair_geom2 exclude_signature skin_bonebodyid"
+            " flex_vertbodyid flex_nodebodyid tuple_objid"
         ),
     },
     Treatment.DATA: {
@@ -139,7 +144,9 @@ _TABLE: dict[Treatment, dict[str, str]] = {
             "body_mass body_inertia body_ipos body_iquat"
         ),
         "the union over all geoms of the body": "body_contype body_conaffinity body_margin",
-        "whether the frame coincides with the body's or its inertia's": "body_sameframe geom_sameframe site_sameframe",
+        "whether the frame coincides with the body's or its inertia's": (
+            "body_sameframe geom_sameframe site_sameframe"
+        ),
     },
     Treatment.SUBTREE: {
         "summed over everything below": "body_subtreemass",
@@ -150,7 +157,7 @@ _TABLE: dict[Treatment, dict[str, str]] = {
         ),
     },
     Treatment.GAIN: {
-        "`springdamper` and `dampratio` become stiffness and damping through the inertia of the whole model": (
+        "`springdamper` and `dampratio` are turned into gains through the inertia of the whole model": (
             "jnt_stiffness dof_damping actuator_biasprm"
         ),
     },
@@ -178,7 +185,7 @@ NOT_OF_AN_ELEMENT: dict[str, str] = {
     "flexedge_invweight0": "computed from the inertia of the whole model",
     "flexedge_J_rownnz flexedge_J_rowadr flexedge_J_colind": "sparsity of the whole model",
     "ten_J_rownnz ten_J_rowadr ten_J_colind": "sparsity of the whole model",
-    "efm0_dofid efm0_L_rownnz efm0_L_rowadr efm0_L_colind efm0_L efmC_perm": "a factor of the whole mass matrix",
+    "efm0_dofid efm0_L_rownnz efm0_L_rowadr efm0_L_colind efm0_L efmC_perm": "a factor of the mass matrix",
     "B_rownnz B_rowadr B_colind D_rownnz D_rowadr D_colind D_diag M_rownnz M_rowadr M_colind": (
         "sparsity of the whole model"
     ),
@@ -186,6 +193,17 @@ NOT_OF_AN_ELEMENT: dict[str, str] = {
     "names_map": "a hash table of names",
 }
 """Arrays that belong to no single element, and what stands for them here."""
+
+
+BEFORE_CONTROLS: dict[str, Treatment] = {
+    "actuator_ctrllimited": Treatment.PLAIN,
+    "actuator_ctrlrange": Treatment.PLAIN,
+    "actuator_gear": Treatment.PLAIN,
+    "actuator_length0": Treatment.ROUNDED,
+    "actuator_lengthrange": Treatment.ROUNDED,
+    "actuator_acc0": Treatment.DERIVED,
+}
+"""Arrays that have one row an actuator in MuJoCo 3, where an actuator has one control and one output."""
 
 
 def rule(array: str) -> Rule | None:

@@ -1,8 +1,8 @@
 """Stiffness and damping that MuJoCo computes from the inertia of the whole model.
 
-A part that asks for a damping ratio gets another damping when something heavy hangs on it: it is unchanged as long
-as the ratio is the one that was asked for. The compiled model does not keep the ratio, but it follows from the gain
-and from the inertia in the same model.
+A part that asks for a damping ratio gets another damping when something heavy hangs on it: it is unchanged
+as long as the ratio is the one that was asked for. The compiled model does not keep the ratio, but it
+follows from the gain and from the inertia in the same model.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ def _spring(model: Model, joint: int) -> tuple[float, float]:
 
 
 def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) -> bool:
-    """Whether a position servo damps in the same ratio to critical in each model; False where none can be read.
+    """Whether a position servo damps in the same ratio to critical in each model.
 
-    MuJoCo 4 takes the inertia from the inverse weight at the joint or tendon, MuJoCo 3 from the diagonal of the
-    mass matrix: either will do.
+    False where no ratio can be read. MuJoCo 4 takes the inertia from the inverse weight at the joint or
+    tendon, MuJoCo 3 from the diagonal of the mass matrix: either will do.
     """
     if not (_is_damped_servo(alone, actuator) and _is_damped_servo(composed, target)):
         return False
@@ -52,7 +52,10 @@ _WRAP_JOINT = 1
 
 
 def _is_damped_servo(model: Model, actuator: int) -> bool:
-    stiffness, damping = float(model.actuator_gainprm[actuator, 0]), -float(model.actuator_biasprm[actuator, 2])
+    stiffness, damping = (
+        float(model.actuator_gainprm[actuator, 0]),
+        -float(model.actuator_biasprm[actuator, 2]),
+    )
     return (
         int(model.actuator_gaintype[actuator]) == _FIXED
         and int(model.actuator_biastype[actuator]) == _AFFINE
@@ -64,7 +67,10 @@ def _is_damped_servo(model: Model, actuator: int) -> bool:
 
 def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
     """The damping ratio of a servo by the inverse weight and by the mass matrix; None where there is none."""
-    stiffness, damping = float(model.actuator_gainprm[actuator, 0]), -float(model.actuator_biasprm[actuator, 2])
+    stiffness, damping = (
+        float(model.actuator_gainprm[actuator, 0]),
+        -float(model.actuator_biasprm[actuator, 2]),
+    )
     output = int(model.actuator_outadr[actuator]) if hasattr(model, "actuator_outadr") else actuator
     gear = float(model.actuator_gear[output, 0])
     kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])

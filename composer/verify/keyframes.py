@@ -44,7 +44,9 @@ def key_differences(
     found: list[Difference] = []
     if keys is Keys.NONE:
         return found
-    moved = transform if roots is Roots.MOVED and transform is not None and not transform.is_identity else None
+    moved = (
+        transform if roots is Roots.MOVED and transform is not None and not transform.is_identity else None
+    )
     for key, target in _match(matching, keys):
         name = matching.alone.describe("key", key)
         if target == ABSENT:
@@ -53,7 +55,10 @@ def key_differences(
         there = matching.composed.describe("key", target)
         pairs = list(_entries(matching, key, target, moved))
         if keys is Keys.PREFIX:
-            times = matching.alone.model.key_time[key : key + 1], matching.composed.model.key_time[target : target + 1]
+            times = (
+                matching.alone.model.key_time[key : key + 1],
+                matching.composed.model.key_time[target : target + 1],
+            )
             pairs.append(("key_time", *times, 0.0))
         for field, mine, theirs, bound in pairs:
             if mine.shape != theirs.shape or unequal(mine, theirs, max(bound, tolerance)).any():
@@ -63,7 +68,7 @@ def key_differences(
 
 
 def _match(matching: Matching, keys: Keys) -> Iterator[tuple[int, int]]:
-    """Keys of the part and of the composition; unnamed ones by order among what no named key of the part takes."""
+    """Keys of the part and of the composition; unnamed ones by order among those no named key takes."""
     alone, composed = matching.alone, matching.composed
     given = matching.renamed.get("key", {})
     unnamed: list[int] = []
@@ -120,7 +125,12 @@ def _entries(
             continue
         name = matching.composed.describe("actuator", there)
         yield f"key_ctrl of `{name}`", _control(alone, key, actuator), _control(composed, target, there), 0.0
-        yield f"key_act of `{name}`", _activation(alone, key, actuator), _activation(composed, target, there), 0.0
+        yield (
+            f"key_act of `{name}`",
+            _activation(alone, key, actuator),
+            _activation(composed, target, there),
+            0.0,
+        )
     for tendon, there in enumerate(matching.ids["tendon"]):
         if there != ABSENT:
             yield from _plastic(matching, "tendon", "tendon", key, target, tendon, there)

@@ -1,8 +1,9 @@
 """Which element of a composition is which element of a part.
 
-Named elements are found by their name behind the part's prefix. Unnamed ones are found by order: on a body among
-the unnamed of that body, elsewhere among those that refer to nothing but the part. Where the composition has more
-of them than the part, the ones that look most alike are taken first, so that a change shows as a change of a field.
+Named elements are found by their name behind the part's prefix. Unnamed ones are found by order: on a body
+among the unnamed of that body, elsewhere among those that refer to nothing but the part. Where the
+composition has more of them than the part, the ones that look most alike are taken first, so that a change
+shows as a change of a field.
 """
 
 from __future__ import annotations
@@ -11,11 +12,10 @@ import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 
 from composer.pose import Pose
+from composer.verify.likeness import raw, shape, tells_apart, values
 from composer.verify.links import UNORDERED, Link, World, links
 from composer.verify.mount import Mount
 from composer.verify.roster import KINDS, Model, Roster
-from composer.verify.rows import row_key
-from composer.verify.runs import runs
 
 ON_BODIES = {
     "joint": "jnt_bodyid",
@@ -27,7 +27,19 @@ ON_BODIES = {
 """The kinds that stand on a body, and the array that says on which."""
 
 _ASSETS = ("texture", "material", "mesh", "hfield")
-_GLOBAL = ("skin", "flex", "tendon", "equality", "pair", "exclude", "sensor", "actuator", "numeric", "text", "tuple")
+_GLOBAL = (
+    "skin",
+    "flex",
+    "tendon",
+    "equality",
+    "pair",
+    "exclude",
+    "sensor",
+    "actuator",
+    "numeric",
+    "text",
+    "tuple",
+)
 
 ABSENT = -1
 
@@ -72,8 +84,13 @@ class Matching:
         given = self.renamed.get(kind, {}).get(name)
         return self.prefix + name if given is None else given
 
+    def pairs(self, kind: str) -> list[tuple[int, int]]:
+        """The ids, alone and composed, of every element that has a counterpart; the world has none."""
+        first = 1 if kind == "body" else 0
+        return [(i, j) for i, j in enumerate(self.ids[kind]) if j != ABSENT and i >= first]
+
     def targets(self, link: Link) -> set[int]:
-        """The ids a reference of the part may have in the composition; empty if its target is missing there."""
+        """The ids a reference of the part may have in the composition; none if its target is missing."""
         if link.index < 0:
             return {ABSENT}
         if link.kind == "body" and link.index == 0:
@@ -145,7 +162,7 @@ class Matching:
             self._assign("body", children, candidates)
 
     def _match_by_load(self, mine: list[int], theirs: list[int]) -> tuple[list[int], list[int]]:
-        """Unnamed bodies whose named joints, geoms, sites or children tell which they are; returns the others."""
+        """Match unnamed bodies by the named elements on them; returns the others."""
         for index in mine:
             owners = {
                 int(self._owners[kind][1][self.ids[kind][i]])
@@ -194,7 +211,9 @@ class Matching:
                 if target == ABSENT or (kind == "body" and index == 0):
                     continue
                 pairs = zip(
-                    links(self.alone.model, kind, index), links(self.composed.model, kind, target), strict=False
+                    links(self.alone.model, kind, index),
+                    links(self.composed.model, kind, target),
+                    strict=False,
                 )
                 for mine, theirs in pairs:
                     if (
@@ -209,7 +228,7 @@ class Matching:
         self._match_global("plugin")
 
     def _assign(self, kind: str, mine: list[int], theirs: list[int], *, ordered: bool = True) -> None:
-        """Pair the unmatched of ``mine`` with ``theirs``: by order where they are as many, else by likeness."""
+        """Pair ``mine`` with ``theirs``: by order where they are as many, else by likeness."""
         found = self.ids[kind]
         if ordered and len(mine) == len(theirs):
             for i, j in zip(mine, theirs, strict=True):
@@ -218,14 +237,14 @@ class Matching:
         alone, composed = self.alone.model, self.composed.model
         likenesses: tuple[tuple[Callable[[int], Hashable], Callable[[int], Hashable]], ...] = (
             (
-                lambda i: (_values(alone, kind, i), self._translated(kind, i)),
-                lambda j: (_values(composed, kind, j), _raw(composed, kind, j)),
+                lambda i: (values(alone, kind, i), self._translated(kind, i)),
+                lambda j: (values(composed, kind, j), raw(composed, kind, j)),
             ),
             (
-                lambda i: (_shape(alone, kind, i), self._translated(kind, i)),
-                lambda j: (_shape(composed, kind, j), _raw(composed, kind, j)),
+                lambda i: (shape(alone, kind, i), self._translated(kind, i)),
+                lambda j: (shape(composed, kind, j), raw(composed, kind, j)),
             ),
-            (lambda i: _shape(alone, kind, i), lambda j: _shape(composed, kind, j)),
+            (lambda i: shape(alone, kind, i), lambda j: shape(composed, kind, j)),
             (lambda i: None, lambda j: None),
         )
         for of_mine, of_theirs in likenesses:
@@ -235,14 +254,16 @@ class Matching:
             for i in mine:
                 alike = waiting.get(of_mine(i))
                 if alike:
-                    nearest = min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
+                    nearest = (
+                        min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
+                    )
                     alike.remove(nearest)
                     self._take(kind, i, nearest)
             mine = [i for i in mine if found[i] == ABSENT]
             theirs = [j for j in theirs if j not in self.taken[kind]]
 
     def _apart(self, kind: str, index: int, target: int) -> float:
-        """How far the position of ``target`` is from where ``index`` is to be expected, in metres; 0 if unknown."""
+        """How far ``target`` is from where ``index`` is to be expected, in metres; 0 if unknown."""
         positions = f"{KINDS[kind].arrays}_pos"
         if kind not in (*ON_BODIES, "body") or kind == "joint":
             return 0.0
@@ -260,34 +281,9 @@ class Matching:
         targets = [
             (link.kind, min(self.targets(link), default=-2))
             for link in links(self.alone.model, kind, index)
-            if _tells_apart(link)
+            if tells_apart(link)
         ]
         return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
-
-
-def _tells_apart(link: Link) -> bool:
-    return link.kind != "plugin" and link.world is World.WORLD and link.field != "jnt_actuatorid"
-
-
-def _raw(model: Model, kind: str, index: int) -> Hashable:
-    targets = [(link.kind, link.index) for link in links(model, kind, index) if _tells_apart(link)]
-    return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
-
-
-def _values(model: Model, kind: str, index: int) -> Hashable:
-    """Everything an element says of itself, wherever it stands and whatever it refers to."""
-    data = tuple((name, array.tobytes()) for name, array in runs(model, kind, index) if kind != "flex")
-    return row_key(model, kind, index), data
-
-
-def _shape(model: Model, kind: str, index: int) -> Hashable:
-    """What rarely changes of an element: its type; of a body, its joints and how much stands on it."""
-    if kind == "body":
-        first, number = int(model.body_jntadr[index]), int(model.body_jntnum[index])
-        types = tuple(model.jnt_type[first : first + number].tolist()) if number else ()
-        return types, int(model.body_geomnum[index])
-    types_of = getattr(model, f"{KINDS[kind].arrays}_type", None)
-    return None if types_of is None else int(types_of[index])
 
 
 def _children(model: Model) -> dict[int, list[int]]:

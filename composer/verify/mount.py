@@ -12,10 +12,11 @@ AT_ORIGIN = Pose()
 
 @dataclass(frozen=True, slots=True)
 class Mount:
-    """The body that stands for the part's world, by its name in the composition, and the pose of the part in it.
+    """The body that stands for the part's world in a composition, and the pose of the part in it.
 
-    ``body=None`` is the world; a number is the id of a body without a name. ``pose=None`` means that the pose is not known: it is then taken from the first
-    element at the part's root, and all others must have moved with it.
+    ``body`` is a name in the composition, the id of a body without one, or None for the world. ``pose=None``
+    means that the pose is not known: it is then taken from the first element at the part's root, and all
+    others must have moved with it.
     """
 
     body: str | int | None = None

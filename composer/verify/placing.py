@@ -17,8 +17,8 @@ _POSED = {"body": "body", "geom": "geom", "site": "site", "camera": "cam"}
 class Placing:
     """The rigid transform from the part's world to the frame of the body it is mounted on.
 
-    ``transform`` is the mount's pose or, where that is not known, what became of the first root; None for a part
-    with nothing at its root.
+    ``transform`` is the mount's pose or, where that is not known, what became of the first root; None for a
+    part with nothing at its root.
     """
 
     def __init__(self, matching: Matching, mount: Mount) -> None:
@@ -44,7 +44,9 @@ class Placing:
         """The pose of a root's counterpart in the frame of the mount, through bodies in between."""
         model, target = self.matching.composed.model, self.matching.ids[kind][index]
         pose = _pose(model, kind, target)
-        owner = int(model.body_parentid[target] if kind == "body" else getattr(model, ON_BODIES[kind])[target])
+        owner = int(
+            model.body_parentid[target] if kind == "body" else getattr(model, ON_BODIES[kind])[target]
+        )
         return self._frame(owner) @ pose
 
     def _frame(self, body: int) -> Pose:
@@ -105,5 +107,3 @@ def _pose(model: Model, kind: str, index: int) -> Pose:
 
 def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
     return bool(np.allclose(a, b, rtol=bound, atol=bound, equal_nan=True))
-
-

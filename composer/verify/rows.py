@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from functools import cache
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,8 @@ DOF = "dof"
 
 
 @cache
-def _arrays_of(model_type: type) -> dict[str, tuple[str, ...]]:
-    """The attributes of the model class by the word they begin with, which is that of a kind, or ``dof``."""
+def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
+    """The attributes of a class of models by the word they begin with: that of a kind, or ``dof``."""
     words = {kind.arrays: word for word, kind in KINDS.items()} | {DOF: DOF}
     found: dict[str, list[str]] = {}
     for attribute in sorted(dir(model_type)):
@@ -32,18 +33,19 @@ def _arrays_of(model_type: type) -> dict[str, tuple[str, ...]]:
 def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Rule | None]]:
     """The arrays of one kind with one row an element (or a dof), in order of their names."""
     count = len(model.dof_bodyid) if kind == DOF else len(getattr(model, KINDS[kind].addresses))
-    for name in _arrays_of(type(model)).get(kind, ()):
+    for name in _arrays_of(cast("Hashable", type(model))).get(kind, ()):
         array = getattr(model, name)
         if isinstance(array, np.ndarray) and array.ndim and array.shape[0] == count:
             yield name, array, rule(name)
 
 
 def row_key(model: Model, kind: str, index: int) -> bytes:
-    """The plain values of one element as bytes: equal for elements that differ only in place and references."""
-    plain = (array for _, array, how in arrays(model, kind) if how is None)
-    inertial = (Treatment.HOST,) if kind == "body" else ()
-    own = (array for _, array, how in arrays(model, kind) if how is not None and how.treatment in inertial)
-    return b"".join(array[index].tobytes() for group in (plain, own) for array in group)
+    """The plain values of one element as bytes: neither where it stands nor what it refers to."""
+    return b"".join(
+        array[index].tobytes()
+        for _, array, how in arrays(model, kind)
+        if how is None or (kind == "body" and how.treatment is Treatment.HOST)
+    )
 
 
 def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[np.bool_]:
@@ -59,3 +61,13 @@ def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[n
             with np.errstate(invalid="ignore"):
                 different &= ~(np.abs(a - b) <= tolerance * np.maximum(1.0, np.abs(a)))
     return np.asarray(different, dtype=np.bool_)
+
+
+def same_width(a: Array, b: Array) -> tuple[Array, Array]:
+    """Two tables, the narrower filled up with columns of zeros."""
+    width = max(a.shape[1], b.shape[1])
+    return _widened(a, width), _widened(b, width)
+
+
+def _widened(array: Array, width: int) -> Array:
+    return np.pad(array, ((0, 0), (0, width - array.shape[1])))

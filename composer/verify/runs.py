@@ -30,12 +30,16 @@ def _slices(model: Model, first: int, number: int, *arrays: str) -> Iterator[Run
 def _joint(model: Model, index: int) -> Iterator[Run]:
     kind = int(model.jnt_type[index])
     if kind != FREE_JOINT:
-        yield from _slices(model, int(model.jnt_qposadr[index]), JOINT_POSITIONS[kind], "qpos0", "qpos_spring")
+        yield from _slices(
+            model, int(model.jnt_qposadr[index]), JOINT_POSITIONS[kind], "qpos0", "qpos_spring"
+        )
 
 
 def _mesh(model: Model, index: int) -> Iterator[Run]:
     def counted(first: str, number: str, *arrays: str) -> Iterator[Run]:
-        yield from _slices(model, int(getattr(model, first)[index]), int(getattr(model, number)[index]), *arrays)
+        yield from _slices(
+            model, int(getattr(model, first)[index]), int(getattr(model, number)[index]), *arrays
+        )
 
     yield from counted("mesh_vertadr", "mesh_vertnum", "mesh_vert", "mesh_polymapnum")
     yield from counted("mesh_normaladr", "mesh_normalnum", "mesh_normal")

@@ -29,7 +29,7 @@ BASE = """
   <worldbody>
     <body name="{{body}}">
       <frame name="{{frame}}"/>
-      <joint name="{{joint}}"/>
+      <joint name="{{joint}}" type="slide" range="-1 1"/>
       <geom name="{{geom}}" size="0.1" friction="0.5"/>
       <site name="{{site}}"/>
       <camera name="{{camera}}"/>
@@ -57,7 +57,10 @@ BASE = """
     <exclude name="{{exclude}}" body1="{{body}}" body2="other"/>
     {contact}
   </contact>
-  <tendon><fixed name="{{tendon}}"><joint joint="{{joint}}" coef="1"/></fixed>{tendon}</tendon>
+  <tendon>
+    <fixed name="{{tendon}}" range="-1 1"><joint joint="{{joint}}" coef="1"/></fixed>
+    {tendon}
+  </tendon>
   <equality><joint name="{{equality}}" joint1="{{joint}}" joint2="other"/>{equality}</equality>
   <actuator>
     <motor name="{{actuator}}" joint="{{joint}}"/>
@@ -93,6 +96,8 @@ class Place:
     around: str = "@"
     attributes: Attributes = field(default_factory=dict)
     inside: str = ""
+    also: Attributes = field(default_factory=dict)
+    """What else the base must have, by slot."""
 
 
 FLEX = (
@@ -101,6 +106,12 @@ FLEX = (
 RAW_FLEX = {"dim": "2", "body": "{body}", "element": "0 1 2", "vertex": "0 0 0 1 0 0 0 1 0"}
 GRID = '<config key="size" value="7 7"/><config key="fov" value="9 9"/><config key="nchannel" value="1"/>'
 GAMMA = '<config key="gamma" value="0"/>'
+
+BALL = {"worldbody": '<body><joint name="ball" type="ball"/><geom size="0.1"/></body>'}
+BLOCK = {
+    "worldbody": '<body name="solid"><flexcomp name="block" type="grid" dim="3" count="3 3 3" dof="trilinear"'
+    ' spacing="0.1 0.1 0.1" radius="0.01"/></body>'
+}
 
 PLACES: dict[str, Place] = {
     "compiler": Place("compiler"),
@@ -176,6 +187,7 @@ PLACES: dict[str, Place] = {
     "equality/joint": Place("equality", "@"),
     "equality/tendon": Place("equality"),
     "equality/flex": Place("equality"),
+    "equality/flexstrain": Place("equality", "@", {"flex": "block", "cell": "0 0 0"}, also=BLOCK),
     "actuator/orientation": Place("actuator", "@", {"site": "{site}", "refsite": "other"}),
     "actuator/adhesion": Place("actuator", "@", {"body": "{body}", "ctrlrange": "0 1"}),
     "actuator/muscle": Place("actuator", "@", {"tendon": "{tendon}", "lengthrange": "0 1"}),
@@ -188,8 +200,8 @@ PLACES: dict[str, Place] = {
     "sensor/distance": Place("sensor", "@", {"geom1": "{geom}", "geom2": "other"}),
     "sensor/normal": Place("sensor", "@", {"geom1": "{geom}", "geom2": "other"}),
     "sensor/fromto": Place("sensor", "@", {"geom1": "{geom}", "geom2": "other"}),
-    "sensor/ballquat": Place("sensor", "@", {"joint": "ball"}),
-    "sensor/ballangvel": Place("sensor", "@", {"joint": "ball"}),
+    "sensor/ballquat": Place("sensor", "@", {"joint": "ball"}, also=BALL),
+    "sensor/ballangvel": Place("sensor", "@", {"joint": "ball"}, also=BALL),
     "sensor/user": Place("sensor", "@", {"dim": "1"}),
     "sensor/plugin": Place(
         "sensor",
@@ -212,7 +224,9 @@ for _path in GRAMMAR.paths:
         PLACES[_path] = Place("visual", "<visual>@</visual>")
     elif _path.startswith("default/"):
         PLACES[_path] = Place("default", '<default class="another">@</default>')
-PLACES["default/material/layer"] = Place("default", '<default class="another"><material>@</material></default>')
+PLACES["default/dcmotor"] = Place(
+    "default", '<default class="another">@</default>', {"motorconst": "1", "resistance": "1"}
+)
 
 LEFT_OUT = {
     "mujoco": "the base itself",
@@ -265,6 +279,6 @@ def model(
     slots["compiler"] = extra
     if element is not None:
         slots[PLACES[element.path].slot] += write(element, needed(element) if attributes is None else attributes)
-        if "ball" in (attributes or needed(element)).values():
-            slots["worldbody"] += '<body><joint name="ball" type="ball"/><geom size="0.1"/></body>'
+        for slot, text in PLACES[element.path].also.items():
+            slots[slot] += text
     return BASE.format(**slots).format(**(names or NAMES))

@@ -1,0 +1,112 @@
+"""A finished model as plain data: files by their paths."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+MODEL = "model.xml"
+MANIFEST = "manifest.json"
+_DRIVE = re.compile(r"[A-Za-z]:")
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]")
+
+
+class BundleError(ValueError):
+    """A set of files that cannot be a bundle: a path that leads out, or two that are one on some systems."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """The model's MJCF and everything it needs, independent of how it is written down.
+
+    `files` maps relative paths with forward slashes to their bytes; it is sorted and read-only. `model` is the
+    path of the MJCF among them. Raises BundleError for absolute paths, `..`, backslashes and paths that differ
+    only in case, for what is written here must be readable everywhere. Can be pickled.
+    """
+
+    files: Mapping[str, bytes]
+    model: str = MODEL
+    _digests: dict[str, str] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        check_paths(self.files)
+        if self.model not in self.files:
+            raise BundleError(f"the bundle has no `{self.model}`")
+        object.__setattr__(self, "files", MappingProxyType(dict(sorted(self.files.items()))))
+
+    def __reduce__(self) -> tuple[type[Bundle], tuple[dict[str, bytes], str]]:
+        return Bundle, (dict(self.files), self.model)
+
+    def with_files(self, files: Mapping[str, bytes]) -> Bundle:
+        """The same bundle with these files added or replaced."""
+        return Bundle({**self.files, **files}, self.model)
+
+    def digest(self, path: str) -> str:
+        """The sha256 of one file, in hexadecimal."""
+        if path not in self._digests:
+            self._digests[path] = hashlib.sha256(self.files[path]).hexdigest()
+        return self._digests[path]
+
+    @property
+    def sha256(self) -> str:
+        """The identity of the bundle: of all paths and contents, whatever form it is written in."""
+        whole = hashlib.sha256()
+        for path in self.files:
+            whole.update(f"{path}\0{self.digest(path)}\n".encode())
+        return whole.hexdigest()
+
+
+def check_paths(paths: Iterable[str]) -> None:
+    """Raises BundleError for the first path that cannot stand in a bundle beside the ones before it.
+
+    >>> check_paths(["a/b.obj", "a/B.obj"])
+    Traceback (most recent call last):
+        ...
+    composer.bundle.bundle.BundleError: `a/B.obj` and `a/b.obj` are one file where case does not count
+    """
+    files: dict[str, str] = {}
+    folders: dict[str, str] = {}
+    for path in paths:
+        fault = _fault(path)
+        if fault:
+            raise BundleError(f"`{path}` cannot be a path in a bundle: {fault}")
+        key = _folded(path)
+        if key in files:
+            raise BundleError(f"`{path}` and `{files[key]}` are one file where case does not count")
+        if key in folders:
+            raise BundleError(f"`{path}` is a file and, for `{folders[key]}`, a folder")
+        files[key] = path
+        parts = key.split("/")
+        for depth in range(1, len(parts)):
+            folder = "/".join(parts[:depth])
+            if folder in files:
+                raise BundleError(f"`{files[folder]}` is a file and, for `{path}`, a folder")
+            folders.setdefault(folder, path)
+
+
+def _fault(path: str) -> str | None:
+    """What keeps a path from being relative, plain and the same on every system."""
+    if path.startswith("/") or _DRIVE.match(path):
+        return "it is absolute"
+    if "\\" in path:
+        return "it has a backslash"
+    if _CONTROL.search(path):
+        return "it has a control character"
+    parts = path.split("/")
+    if ".." in parts:
+        return "it leads out of the bundle"
+    if "" in parts or "." in parts:
+        return "it has an empty segment"
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        return "it is no Unicode text"
+    return None
+
+
+def _folded(path: str) -> str:
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())

@@ -1,0 +1,109 @@
+"""A bundle as a folder."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+from pathlib import Path
+
+from composer.bundle.bundle import MANIFEST, Bundle
+from composer.bundle.output_error import OutputError, unwritable
+from composer.bundle.staging import parents, real, sibling, write_files
+
+# what others leave in a folder without being asked
+_LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
+_LARGEST_MANIFEST = 64 << 20
+
+
+def write_folder(bundle: Bundle, out: Path) -> None:
+    """Write the bundle's files into the folder `out`, which afterwards holds them and nothing else.
+
+    The folder is built beside `out` and takes its place by renaming. A folder that is already there is
+    replaced only if it is empty or an earlier output with no other files in it. Raises OutputError; then `out`
+    is as it was before.
+    """
+    target = real(out)
+    stage = sibling(target, "tmp")
+    try:
+        _check_replaceable(target, out)
+        with parents(target):
+            try:
+                stage.mkdir()
+                write_files(bundle, stage)
+                _swap(stage, target)
+            finally:
+                shutil.rmtree(stage, ignore_errors=True)
+    except OSError as error:
+        raise unwritable(out, error) from error
+
+
+def _swap(stage: Path, target: Path) -> None:
+    """Put `stage` in the place of `target`; a target that was there is put back if that fails."""
+    if not target.exists():
+        stage.replace(target)
+        return
+    aside = sibling(target, "old")
+    target.replace(aside)
+    try:
+        stage.replace(target)
+    except BaseException:
+        aside.replace(target)
+        raise
+    shutil.rmtree(aside, ignore_errors=True)
+
+
+def _check_replaceable(target: Path, out: Path) -> None:
+    if not target.exists():
+        return
+    if not target.is_dir():
+        raise OutputError(
+            "output-unwritable",
+            f"cannot write the folder `{out}`: a file of that name is there",
+            "choose another name, or remove the file",
+        )
+    present = _files_in(target)
+    if not present:
+        return
+    known = _own_files(target)
+    if known is None:
+        raise OutputError(
+            "output-unwritable",
+            f"the folder `{out}` is not empty and was not made by mjcompose",
+            "choose a new or empty folder",
+        )
+    foreign = sorted(path for path in present - known if path.rsplit("/", 1)[-1] not in _LITTER)
+    if foreign:
+        listed = ", ".join(f"`{path}`" for path in foreign[:3])
+        more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
+        raise OutputError(
+            "output-unwritable",
+            f"replacing the folder `{out}` would delete files that mjcompose did not write: {listed}{more}",
+            "move them elsewhere, or choose another folder",
+        )
+
+
+def _files_in(folder: Path) -> set[str]:
+    """All files below a folder, and all links, as paths with forward slashes."""
+    found = set()
+    for parent, folders, files in os.walk(folder, onerror=_raise):
+        links = [name for name in folders if (Path(parent) / name).is_symlink()]
+        found.update((Path(parent) / name).relative_to(folder).as_posix() for name in [*files, *links])
+    return found
+
+
+def _own_files(folder: Path) -> set[str] | None:
+    """The files an earlier output's manifest lists, with itself; None if there is no such manifest."""
+    file = folder / MANIFEST
+    with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
+        if file.is_symlink() or file.stat().st_size > _LARGEST_MANIFEST:
+            return None
+        manifest = json.loads(file.read_bytes())
+        if isinstance(manifest["mjcompose"], str) and isinstance(manifest["manifest"], int):
+            return {MANIFEST, *(str(entry["path"]) for entry in manifest["files"])}
+    return None
+
+
+def _raise(error: OSError) -> None:
+    raise error

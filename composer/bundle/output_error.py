@@ -1,0 +1,36 @@
+"""An output that cannot be written."""
+
+from __future__ import annotations
+
+import errno
+from os import PathLike
+
+
+class OutputError(Exception):
+    """What the user is told when an output cannot be written; `code` is one of the diagnostics' codes.
+
+    Whoever raises it has put everything back as it was.
+    """
+
+    def __init__(self, code: str, message: str, help: str | None = None) -> None:  # noqa: A002
+        super().__init__(message)
+        self.code = code
+        self.message = message
+        self.help = help
+
+
+_HELP = {
+    errno.EACCES: "choose a place that you may write to",
+    errno.EPERM: "choose a place that you may write to",
+    errno.EROFS: "choose a place that you may write to",
+    errno.ENOSPC: "make room on the disk, or choose another place",
+    errno.ENAMETOOLONG: "choose a shorter name",
+}
+
+
+def unwritable(out: str | PathLike[str], error: OSError) -> OutputError:
+    """The operating system's refusal in the user's terms."""
+    reason = error.strerror or str(error) or type(error).__name__
+    return OutputError(
+        "output-unwritable", f"cannot write `{out}`: {reason.lower()}", _HELP.get(error.errno or 0)
+    )

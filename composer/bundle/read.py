@@ -1,0 +1,118 @@
+"""A bundle from a folder or an archive, which may come from anyone."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import zipfile
+import zlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths
+
+
+@dataclass(frozen=True, slots=True)
+class ReadLimits:
+    """How many files, and how many bytes in all once unpacked, a bundle may have."""
+
+    files: int = 20_000
+    bytes: int = 4 << 30
+
+
+class ReadError(Exception):
+    """Why something is not a bundle that can be read; `code` is one of the diagnostics' codes."""
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+
+
+def read(path: Path, limits: ReadLimits | None = None) -> Bundle:
+    """The bundle in a folder, a zip or an MJZ. Raises ReadError.
+
+    Links, paths that lead out, packed files that exceed the limits and encrypted ones are refused before
+    anything is unpacked. The model is what the manifest says, otherwise `model.xml`, otherwise `STEM.xml`.
+    """
+    limits = limits or ReadLimits()
+    try:
+        if path.is_dir():
+            files = _read_folder(path, limits)
+        elif path.exists():
+            files = _read_archive(path, limits)
+        else:
+            raise ReadError("file-not-found", f"there is no file or folder `{path}`")
+        return Bundle(files, _model(files, path))
+    except BundleError as error:
+        raise ReadError("file-unreadable", f"`{path}` is no bundle: {error}") from error
+    except OSError as error:
+        raise ReadError("file-unreadable", f"cannot read `{path}`: {error.strerror or error}") from error
+
+
+def _read_folder(folder: Path, limits: ReadLimits) -> dict[str, bytes]:
+    sizes: dict[str, int] = {}
+    for parent, folders, names in os.walk(folder, onerror=_raise):
+        for name in [*folders, *names]:
+            file = Path(parent) / name
+            status = file.lstat()
+            if stat.S_ISDIR(status.st_mode):
+                continue
+            path = file.relative_to(folder).as_posix()
+            if not stat.S_ISREG(status.st_mode):
+                kind = "a link" if stat.S_ISLNK(status.st_mode) else "no ordinary file"
+                raise ReadError("file-unreadable", f"`{path}` in `{folder}` is {kind}")
+            sizes[path] = status.st_size
+            _check_size(sizes, folder, limits)
+    return {path: (folder / path).read_bytes() for path in sizes}
+
+
+def _read_archive(file: Path, limits: ReadLimits) -> dict[str, bytes]:
+    try:
+        with zipfile.ZipFile(file) as archive:
+            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+            _check_entries(entries, file, limits)
+            return {entry.filename: archive.read(entry) for entry in entries}
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError) as error:
+        raise ReadError("file-unreadable", f"`{file}` is no readable zip: {error}") from error
+
+
+def _check_entries(entries: list[zipfile.ZipInfo], file: Path, limits: ReadLimits) -> None:
+    sizes: dict[str, int] = {}
+    for entry in entries:
+        path = entry.filename
+        mode = entry.external_attr >> 16
+        if path in sizes:
+            raise ReadError("file-unreadable", f"`{file}` has `{path}` twice")
+        if stat.S_IFMT(mode) not in (0, stat.S_IFREG):
+            raise ReadError("file-unreadable", f"`{path}` in `{file}` is a link or no ordinary file")
+        if entry.flag_bits & 1:
+            raise ReadError("file-unreadable", f"`{path}` in `{file}` is encrypted")
+        sizes[path] = entry.file_size
+        _check_size(sizes, file, limits)
+    check_paths(sizes)
+
+
+def _check_size(sizes: dict[str, int], whole: Path, limits: ReadLimits) -> None:
+    if len(sizes) > limits.files:
+        raise ReadError("file-unreadable", f"`{whole}` has more than {limits.files} files")
+    if sum(sizes.values()) > limits.bytes:
+        raise ReadError("file-unreadable", f"`{whole}` holds more than {limits.bytes} bytes")
+
+
+def _model(files: dict[str, bytes], path: Path) -> str:
+    try:
+        named = json.loads(files[MANIFEST])["model"]
+    except (KeyError, TypeError, ValueError, RecursionError):
+        named = None
+    candidates: Iterable[object] = (named, MODEL, f"{path.stem}.xml")
+    for candidate in candidates:
+        if isinstance(candidate, str) and candidate in files:
+            return candidate
+    raise ReadError("file-unreadable", f"`{path}` has neither `{MODEL}` nor `{path.stem}.xml`")
+
+
+def _raise(error: OSError) -> None:
+    raise error

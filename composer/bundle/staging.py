@@ -1,0 +1,77 @@
+"""Writing beside the target first, so that an output is either complete or not there."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+from collections.abc import Iterator
+from pathlib import Path
+
+from composer.bundle.bundle import Bundle
+from composer.bundle.output_error import OutputError, unwritable
+
+
+def sibling(target: Path, purpose: str) -> Path:
+    """A path beside `target`, on the same file system, that nobody uses."""
+    return target.with_name(f".{target.name}.{purpose}-{secrets.token_hex(6)}")
+
+
+@contextlib.contextmanager
+def staged_file(out: Path) -> Iterator[Path]:
+    """Gives a path to write to; when the block ends well the file moves to `out` in one step.
+
+    Folders on the way to `out` are created. On any failure nothing of it stays and an older `out` is
+    untouched; failures of the file system become OutputError.
+    """
+    target = real(out)
+    if target.is_dir():
+        raise OutputError(
+            "output-unwritable",
+            f"cannot write the file `{out}`: a folder of that name is there",
+            "choose another name, or remove the folder",
+        )
+    stage = sibling(target, "tmp")
+    try:
+        with parents(target):
+            try:
+                yield stage
+                stage.replace(target)
+            finally:
+                stage.unlink(missing_ok=True)
+    except OSError as error:
+        raise unwritable(out, error) from error
+
+
+@contextlib.contextmanager
+def parents(target: Path) -> Iterator[None]:
+    """The folders above `target` exist inside the block; those made here go away again if it fails."""
+    made: list[Path] = []
+    missing = [folder for folder in target.parents if not folder.exists()]
+    try:
+        for folder in reversed(missing):
+            folder.mkdir(exist_ok=True)
+            made.append(folder)
+        yield
+    except BaseException:
+        for folder in reversed(made):
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+        raise
+
+
+def real(out: Path) -> Path:
+    """`out` made absolute, with links followed: what is replaced is what a link points to."""
+    return Path(os.path.realpath(out))
+
+
+def write_files(bundle: Bundle, folder: Path) -> None:
+    """Write the bundle's files below an existing, empty folder. Raises OSError."""
+    made = {folder}
+    for path, content in bundle.files.items():
+        file = folder / path
+        if file.parent not in made:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            made.add(file.parent)
+        with file.open("xb") as stream:
+            stream.write(content)

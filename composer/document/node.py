@@ -1,0 +1,87 @@
+"""The located tree: YAML values, each with the place where it is written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from composer.diagnostics import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A single value.
+
+    `text` is what is written, without quotes and with escapes resolved; `plain` tells that it has neither
+    quotes nor a block style, so that `value` was found by the rules of the YAML 1.2 core schema.
+    """
+
+    value: None | bool | int | float | str
+    span: Span
+    text: str
+    plain: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key of a mapping: always text, as it is written (`1`, `no` and `12:30` are names too)."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Mapping:
+    """Keys and values in the order of the file. Not to be changed once built.
+
+    The span of a mapping over several lines covers what stands on its first line.
+    """
+
+    entries: dict[str, tuple[Key, Node]]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """A list of values. The span of a list over several lines covers what stands on its first line."""
+
+    items: tuple[Node, ...]
+    span: Span
+
+
+Node = Scalar | Mapping | Sequence
+
+
+def to_python(node: Node) -> Any:
+    """Plain dicts, lists and values, without places. Recursive: `load` keeps trees shallow."""
+    if isinstance(node, Scalar):
+        return node.value
+    if isinstance(node, Sequence):
+        return [to_python(item) for item in node.items]
+    return {name: to_python(value) for name, (_, value) in node.entries.items()}
+
+
+def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
+    """The place of what `path` leads to, or of the deepest part of the way that exists.
+
+    A step is the name of a key or the index of an item; one that leads nowhere is left out and the way goes
+    on with the next, which is how a validator's path with the names of chosen alternatives in it, such as
+    `("sensor", "imu", "force", "site")`, finds its node. With `key`, or when the path ends in `"[key]"`, the
+    place of the last key on the way instead of its value's.
+    """
+    span = node.span
+    for position, step in enumerate(path):
+        if isinstance(node, Mapping) and isinstance(step, str):
+            entry = node.entries.get(step)
+            if entry is None:
+                key = key or step == "[key]"
+                continue
+            following = path[position + 1] if position + 1 < len(path) else None
+            if isinstance(entry[1], Scalar) and following in node.entries:
+                continue  # the name of an alternative that happens to be a key as well
+            node = entry[1]
+            span = entry[0].span if key or path[position + 1 :] == ("[key]",) else node.span
+        elif isinstance(node, Sequence) and isinstance(step, int) and -1 < step < len(node.items):
+            node = node.items[step]
+            span = node.span
+    return span

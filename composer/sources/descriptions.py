@@ -1,0 +1,86 @@
+"""Model references into the package `robot_descriptions`, which clones the repositories of the models."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import redirect_stdout
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.sources import licence
+from composer.sources.error import SourceError
+from composer.sources.package import distribution, folders
+from composer.sources.reference import Reference
+from composer.sources.source import Source, has_format
+
+_PACKAGE = "robot_descriptions"
+
+
+def resolve(reference: Reference) -> Source:
+    """The MJCF file of a description, or its URDF file where it has no MJCF. Raises SourceError.
+
+    Importing a description runs the package's code, which clones a repository when it is first asked for.
+    """
+    roots = folders(_PACKAGE)
+    if not roots:
+        raise SourceError(
+            "source-not-found",
+            f"`{reference.text}` needs the Python package `{_PACKAGE}`, which is not installed",
+            help=f"run `pip install {_PACKAGE}`",
+        )
+    names = sorted(
+        file.stem for root in roots for file in root.glob("*_description.py") if not file.name.startswith("_")
+    )
+    if reference.name not in names:
+        raise _unknown(reference.name, names)
+    description = _load(reference)
+    path = _model_file(description, reference)
+    owner = distribution(_PACKAGE)
+    repository = getattr(description, "REPOSITORY_PATH", None)
+    return Source(
+        path,
+        reference.kind,
+        reference.text,
+        package=_PACKAGE,
+        version=owner.version if owner is not None else None,
+        licences=licence.find(path, Path(repository) if repository else None),
+    )
+
+
+def _load(reference: Reference) -> Any:
+    try:
+        # The package reports its progress on standard output, where a model may be on its way.
+        with redirect_stdout(sys.stderr):
+            return import_module(f"{_PACKAGE}.{reference.name}")
+    except Exception as fault:
+        # Whatever git, the network or a missing extra of the package has to say.
+        raise SourceError(
+            "source-not-found", f"`{reference.text}` could not be fetched", notes=(str(fault) or repr(fault),)
+        ) from fault
+
+
+def _model_file(description: Any, reference: Reference) -> Path:
+    for attribute in ("MJCF_PATH", "URDF_PATH"):
+        written = getattr(description, attribute, None)
+        if written is None:
+            continue
+        path = Path(written)
+        if not path.is_file() or not has_format(path):
+            raise SourceError(
+                "source-not-found", f"`{reference.text}` stands for `{path}`, which is no model file"
+            )
+        return path
+    raise SourceError("source-kind", f"`{reference.text}` has neither MJCF nor URDF")
+
+
+def _unknown(name: str, names: list[str]) -> SourceError:
+    likely = [each for each in (f"{name}_mj_description", f"{name}_description") if each in names]
+    likely += closest(name, names, 3)
+    return SourceError(
+        "source-not-found",
+        f"`{_PACKAGE}` has no description `{name}`",
+        notes=(exists_note("description", [*likely, *names]).message,),
+        help=f"write `descriptions:{likely[0]}`" if likely else None,
+    )

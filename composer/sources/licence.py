@@ -1,0 +1,52 @@
+"""The licence files that go with a model file."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+_NAME = re.compile(r"(licen[sc]e|copying|notice)s?([-_. ].*)?", re.IGNORECASE)
+_NOT_TEXT = frozenset(
+    {".py", ".pyc", ".pyi", ".js", ".json", ".xml", ".yaml", ".yml", ".toml", ".sh", ".h", ".png"}
+)
+_LEVELS = 3
+
+
+def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
+    """The licence files in the folder nearest to `model` that has any: its own, or one of the three above it.
+
+    The search leaves neither `base` nor a folder that holds `.git`, and ends below the folder where Python
+    packages are installed. Empty when there are none. Reads folders only, no files.
+    """
+    folder = Path(os.path.realpath(model.parent))
+    top = Path(os.path.realpath(base)) if base is not None else None
+    for _ in range(_LEVELS + 1):
+        if folder.name in ("site-packages", "dist-packages"):
+            break
+        if found := tuple(sorted(_in_folder(folder))):
+            return found
+        if folder in (top, folder.parent) or (folder / ".git").exists():
+            break
+        folder = folder.parent
+    return ()
+
+
+def is_licence(name: str) -> bool:
+    """Whether a file of that name is a licence or a notice. No I/O.
+
+    >>> [name for name in ("LICENSE", "licence-mit.txt", "licenses.py", "NOTICED") if is_licence(name)]
+    ['LICENSE', 'licence-mit.txt']
+    """
+    return _NAME.fullmatch(name) is not None and os.path.splitext(name)[1].lower() not in _NOT_TEXT
+
+
+def _in_folder(folder: Path) -> Iterator[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            yield from (
+                folder / entry.name for entry in entries if is_licence(entry.name) and entry.is_file()
+            )
+    except OSError:
+        return

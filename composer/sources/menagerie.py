@@ -1,0 +1,110 @@
+"""Model references into MuJoCo Menagerie, through the package `mujoco-menagerie`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.sources import licence
+from composer.sources.error import SourceError
+from composer.sources.reference import Reference
+from composer.sources.source import Source
+
+_PACKAGE = "mujoco-menagerie"
+
+
+def resolve(reference: Reference, environment: Mapping[str, str]) -> Source:
+    """An entry of a robot of Menagerie; without one the robot's own model, never its scene.
+
+    The package downloads a robot when it is first asked for and keeps it. `MENAGERIE_ROOT` in the environment
+    is a folder with one subfolder for each robot, which is used instead; then nothing is downloaded.
+    `MENAGERIE_CACHE_DIR` and `MENAGERIE_BASE_URL` mean what they mean to the package. Raises SourceError.
+    """
+    try:
+        library: Any = import_module("mujoco_menagerie")
+    except ImportError:
+        raise SourceError(
+            "source-not-found",
+            f"`{reference.text}` needs the Python package `{_PACKAGE}`, which is not installed",
+            help='run `pip install "mjcompose[menagerie]"`',
+        ) from None
+    robot = _robot(library, reference)
+    entry = _entry(robot, reference)
+    folder = _folder(library, robot, reference, environment)
+    path = folder / entry.file
+    if not path.is_file():
+        raise SourceError(
+            "source-not-found",
+            f"`{folder}` has no `{entry.file}`, which `{reference.text}` stands for",
+            notes=(exists_note("XML file", sorted(each.name for each in folder.glob("*.xml"))).message,),
+        )
+    return Source(
+        path,
+        reference.kind,
+        reference.text,
+        package=_PACKAGE,
+        # The files of a folder that somebody else filled need not be those of the installed version.
+        version=None if environment.get("MENAGERIE_ROOT") else library.__version__,
+        licences=licence.find(path, folder),
+    )
+
+
+def _robot(library: Any, reference: Reference) -> Any:
+    names: list[str] = library.names()
+    if reference.name in names:
+        return library.get(reference.name)
+    within = [name for name in names if reference.name.lower() in name]
+    likely = closest(reference.name, names, 3) + within
+    rest = f"/{reference.path}" if reference.path else ""
+    raise SourceError(
+        "source-not-found",
+        f"MuJoCo Menagerie has no robot `{reference.name}`",
+        notes=(exists_note("robot", [*likely, *names]).message,),
+        help=f"write `menagerie:{likely[0]}{rest}`" if likely else None,
+    )
+
+
+def _entry(robot: Any, reference: Reference) -> Any:
+    wanted = reference.path or robot.default_model
+    for entry in robot.entry_points:
+        if entry.name == wanted:
+            return entry
+    names = [entry.name for entry in robot.entry_points]
+    likely = closest(wanted.removesuffix(".xml"), names)
+    raise SourceError(
+        "source-not-found",
+        f"the robot `{robot.name}` of MuJoCo Menagerie has no entry `{wanted}`",
+        notes=(exists_note("entry", names).message,),
+        help=f"write `menagerie:{robot.name}/{likely[0]}`" if likely else None,
+    )
+
+
+def _folder(library: Any, robot: Any, reference: Reference, environment: Mapping[str, str]) -> Path:
+    """The folder with the robot's files, downloaded first where it has to be."""
+    root = environment.get("MENAGERIE_ROOT")
+    if root:
+        folder = Path(root, robot.name)
+        if folder.is_dir():
+            return folder
+        existing = sorted(each.name for each in Path(root).glob("*/")) if Path(root).is_dir() else []
+        raise SourceError(
+            "source-not-found",
+            f"the robot `{robot.name}` is not in the folder that `MENAGERIE_ROOT` names",
+            notes=(f"looked for `{folder}`", exists_note("folder", existing, near=robot.name).message),
+        )
+    cache = library.Cache(
+        dir=environment.get("MENAGERIE_CACHE_DIR"), base_url=environment.get("MENAGERIE_BASE_URL"), root=None
+    )
+    cache.root = None
+    try:
+        return Path(robot.path(cache))
+    except (library.MenagerieError, OSError) as fault:
+        raise SourceError(
+            "source-not-found",
+            f"`{reference.text}` could not be fetched",
+            notes=(str(fault),),
+            help="without a network, set `MENAGERIE_ROOT` to a folder that holds the robots",
+        ) from fault

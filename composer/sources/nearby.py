@@ -1,0 +1,86 @@
+"""What a person may have meant by a model file that is not there: the model files near to it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path, PurePath
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.sources.error import SourceError
+from composer.sources.source import has_format
+
+_DEPTH = 3
+_ENTRIES = 2000
+
+
+def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
+    """The model files in `folder` and up to `depth` levels below, as paths relative to it, the nearest first.
+
+    Hidden folders are left out, and the search ends after 2000 entries. Empty when the folder is not there.
+    """
+    found: list[str] = []
+    seen = 0
+    level = [""]
+    for _ in range(depth + 1):
+        below: list[str] = []
+        for inner in level:
+            try:
+                entries = sorted(os.scandir(folder / inner), key=lambda entry: entry.name)
+            except OSError:
+                continue
+            for entry in entries:
+                seen += 1
+                if seen > _ENTRIES:
+                    return found
+                relative = f"{inner}/{entry.name}" if inner else entry.name
+                if entry.is_dir(follow_symlinks=False):
+                    if not entry.name.startswith((".", "__")):
+                        below.append(relative)
+                elif has_format(PurePath(entry.name)):
+                    found.append(relative)
+        level = below
+    return found
+
+
+def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | None = None) -> SourceError:
+    """The error for a reference whose file is not there; `existing` are references that lead to a file."""
+    known = list(existing)
+    near = nearest(text, known)
+    shown = [near, *(each for each in known if each != near)] if near else known
+    return SourceError(
+        "source-not-found",
+        f"the model `{text}` is not there",
+        notes=(f"looked for `{wanted}`", exists_note("model file", shown).message),
+        help=f"write `{near}`" if near else hint,
+    )
+
+
+def nearest(text: str, existing: Iterable[str]) -> str | None:
+    """The one of the existing references that was probably meant."""
+    # A dot would count as the end of a prefix, and every `.xml` as the same name with another one.
+    flat = {each.removeprefix("./").replace(".", "_"): each for each in existing}
+    near = closest(text.replace("\\", "/").removeprefix("./").replace(".", "_"), flat)
+    return flat[near[0]] if near else None
+
+
+def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
+    """The error for a reference that does not tell what it refers to by its suffix."""
+    known = list(existing)
+    suffix = PurePath(text).suffix
+    same = [each for each in known if os.path.splitext(each)[0].removeprefix("./") == text.removeprefix("./")]
+    near = same[0] if same else nearest(text, known)
+    if suffix.lower() in (".zip", ".mjz", ".mjb"):
+        problem, fix = (
+            "is a bundle, which cannot be a part",
+            "refer to the recipe or the XML that it was built from",
+        )
+    else:
+        problem = f"ends in `{suffix}`, which is no model file" if suffix else "has no file suffix"
+        fix = "end it in `.yaml` for a recipe, `.xml` for MJCF, `.urdf` for URDF, or write `menagerie:ROBOT`"
+    return SourceError(
+        "source-kind",
+        f"the model reference `{text}` {problem}",
+        notes=(exists_note("model file", known).message,) if known else (),
+        help=f"write `{near}`" if near else fix,
+    )

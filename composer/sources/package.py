@@ -1,0 +1,125 @@
+"""Model references into an installed Python package, which is found without being imported."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from importlib.machinery import ModuleSpec
+from importlib.util import find_spec
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from composer.diagnostics.suggest import closest
+from composer.sources import licence, nearby
+from composer.sources.error import SourceError
+from composer.sources.reference import Reference
+from composer.sources.source import Source, has_format
+
+if TYPE_CHECKING:
+    # Costs as much as the rest of the room together: imported where a package is asked for.
+    from importlib.metadata import Distribution
+
+
+def resolve(reference: Reference) -> Source:
+    """The file inside a package. Runs none of the package's code. Raises SourceError."""
+    inside = PurePosixPath(reference.path)
+    if inside.is_absolute() or ".." in inside.parts:
+        raise SourceError("source-kind", f"the model reference `{reference.text}` leaves the package")
+    roots = folders(reference.name)
+    if not roots:
+        raise _not_installed(reference)
+    if not has_format(inside):
+        raise nearby.without_suffix(reference.text, _existing(reference, roots))
+    for root in roots:
+        wanted = root / inside
+        if os.path.isfile(wanted):
+            return _found(reference, wanted, root)
+    raise nearby.not_found(reference.text, roots[0] / inside, _existing(reference, roots))
+
+
+def folders(name: str) -> list[Path]:
+    """The folders of an installed package, more than one for a namespace package; empty when there is none.
+
+    A dotted name is looked up as folders below its first part, since finding a subpackage imports its parent.
+    """
+    top, *rest = name.split(".")
+    spec = _spec(top)
+    if spec is None or spec.submodule_search_locations is None:
+        return []
+    candidates = (Path(location, *rest) for location in spec.submodule_search_locations)
+    return [folder for folder in candidates if folder.is_dir()]
+
+
+def _spec(top: str) -> ModuleSpec | None:
+    try:
+        return find_spec(top)
+    except (ImportError, ValueError):
+        return None
+
+
+def distribution(name: str) -> Distribution | None:
+    """The distribution that installed the package `name`, as far as its record of files tells."""
+    from importlib import metadata
+
+    top = name.partition(".")[0]
+    try:
+        same_name = metadata.distribution(top)
+    except metadata.PackageNotFoundError:
+        pass
+    else:
+        if any(file.parts[0] == top for file in same_name.files or ()):
+            return same_name
+    owners = metadata.packages_distributions().get(top, [])
+    return metadata.distribution(owners[0]) if owners else None
+
+
+def _found(reference: Reference, path: Path, root: Path) -> Source:
+    owner = distribution(reference.name)
+    licences = licence.find(path, root)
+    if not licences and owner is not None:
+        licences = tuple(sorted(_licences_of(owner)))
+    return Source(
+        path,
+        reference.kind,
+        reference.text,
+        package=owner.metadata["Name"] if owner is not None else reference.name,
+        version=owner.version if owner is not None else None,
+        licences=licences,
+    )
+
+
+def _licences_of(owner: Distribution) -> Iterator[Path]:
+    """The licence files that a distribution keeps beside its metadata."""
+    for file in owner.files or ():
+        if file.parts[0].endswith((".dist-info", ".egg-info")) and licence.is_licence(file.name):
+            path = Path(str(owner.locate_file(file)))
+            if path.is_file():
+                yield path
+
+
+def _existing(reference: Reference, roots: list[Path]) -> list[str]:
+    return [
+        f"package:{reference.name}/{each}" for root in roots for each in nearby.model_files(root, depth=6)
+    ]
+
+
+def _not_installed(reference: Reference) -> SourceError:
+    from importlib import metadata
+
+    name, text = reference.name, reference.text
+    spec = _spec(name.partition(".")[0])
+    if spec is not None and spec.submodule_search_locations is None:
+        return SourceError("source-not-found", f"`{name}` is a Python module without a folder, in `{text}`")
+    known = {top: owners for top, owners in metadata.packages_distributions().items() if top.isidentifier()}
+    # Whoever knows the package by what is typed after `pip install` is told the name that is imported.
+    named = [top for top, owners in known.items() if _normalised(name) in map(_normalised, owners)]
+    near = named or closest(name, (top for top in known if not top.startswith("_")))
+    fix = (
+        f"write `package:{near[0]}/{reference.path}`" if near else "install the package that holds the model"
+    )
+    return SourceError("source-not-found", f"no Python package `{name}` is installed, in `{text}`", help=fix)
+
+
+def _normalised(distribution_name: str) -> str:
+    return re.sub(r"[-_.]+", "_", distribution_name).lower()

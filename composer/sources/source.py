@@ -1,0 +1,45 @@
+"""A model reference that was resolved: a file on this machine, and where it came from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+from typing import Literal
+
+Format = Literal["recipe", "mjcf", "urdf"]
+
+FORMATS: dict[str, Format] = {
+    ".yaml": "recipe",
+    ".yml": "recipe",
+    ".xml": "mjcf",
+    ".mjcf": "mjcf",
+    ".urdf": "urdf",
+}
+"""What a file is, by its suffix in lower case."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The model file that a reference stands for.
+
+    `reference` is as it was written. `package` and `version` name the distribution that the file came with;
+    there is no version where the file need not be the one that the distribution holds. `licences` are the
+    licence files that go with the model, sorted by name, and empty when none was found.
+    """
+
+    path: Path
+    kind: str
+    reference: str
+    package: str | None = None
+    version: str | None = None
+    licences: tuple[Path, ...] = ()
+
+    @property
+    def format(self) -> Format:
+        """What the file is, told from its suffix; a file whose suffix says nothing never becomes a source."""
+        return FORMATS[self.path.suffix.lower()]
+
+
+def has_format(path: PurePath) -> bool:
+    """Whether the suffix says that the file is a recipe, MJCF or URDF. No I/O."""
+    return path.suffix.lower() in FORMATS
