@@ -12,8 +12,14 @@ from composer.diagnostics.sink import Sink
 
 @dataclass(slots=True)
 class Context:
-    """The environment variables, the folder that relative output paths start from, and where faults go."""
+    """The environment variables, the folder that paths are shown from, and where faults go."""
 
     sink: Sink = field(default_factory=Sink)
     environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
     folder: Path = field(default_factory=Path.cwd)
+
+    def shown(self, path: Path) -> str:
+        """A path as messages name it: from the user's folder where it is below that."""
+        absolute = os.path.abspath(self.folder / path)
+        relative = os.path.relpath(absolute, self.folder)
+        return absolute if relative.startswith("..") else relative

@@ -1,9 +1,9 @@
 """A bundle as a zip, which is a valid MJZ: MuJoCo opens it as it is.
 
 The same bundle gives the same bytes, whatever the clock, the time zone, the umask or the folder. How much a
-file is packed depends on its name alone: MJCF and other text as far as is usual; meshes lightly, which for them
-is nearly as small and several times faster; images and archives, which are packed already, not at all. (Packed
-bytes still depend on the zlib that Python was built with; `Bundle.sha256` does not.)
+file is packed depends on its name alone: MJCF and other text as far as is usual; meshes lightly, which for
+them is nearly as small and several times faster; images and archives, which are packed already, not at all.
+(Packed bytes still depend on the zlib that Python was built with; `Bundle.sha256` does not.)
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def write_archive(bundle: Bundle, out: Path, environment: Mapping[str, str]) -> 
     if bundle.model not in (MODEL, f"{out.stem}.xml"):
         raise OutputError(
             "output-kind",
-            f"MuJoCo looks for `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{bundle.model}`",
+            f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{bundle.model}`",
             f"name the archive `{PurePosixPath(bundle.model).stem}{out.suffix}`",
         )
     moment = _moment(environment.get("SOURCE_DATE_EPOCH"))
@@ -67,7 +67,7 @@ def _moment(epoch: str | None) -> tuple[int, int, int, int, int, int]:
         if not (epoch.isascii() and epoch.removeprefix("-").isdigit()):
             raise OutputError(
                 "output-unwritable",
-                f"the environment variable `SOURCE_DATE_EPOCH` is `{epoch}`, which is no whole number of seconds",
+                f"the environment variable `SOURCE_DATE_EPOCH` is `{epoch}`, no whole number of seconds",
                 "unset it, or give it the seconds since 1970-01-01",
             )
         seconds = min(max(int(epoch[:20]), _FIRST_SECOND), _LAST_SECOND)

@@ -23,9 +23,9 @@ class BundleError(ValueError):
 class Bundle:
     """The model's MJCF and everything it needs, independent of how it is written down.
 
-    `files` maps relative paths with forward slashes to their bytes; it is sorted and read-only. `model` is the
-    path of the MJCF among them. Raises BundleError for absolute paths, `..`, backslashes and paths that differ
-    only in case, for what is written here must be readable everywhere. Can be pickled.
+    `files` maps relative paths with forward slashes to their bytes; it is sorted and read-only. `model` is
+    the path of the MJCF among them. Raises BundleError for absolute paths, `..`, backslashes and paths that
+    differ only in case, for what is written here must be readable everywhere. Can be pickled.
     """
 
     files: Mapping[str, bytes]

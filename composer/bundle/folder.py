@@ -21,8 +21,8 @@ def write_folder(bundle: Bundle, out: Path) -> None:
     """Write the bundle's files into the folder `out`, which afterwards holds them and nothing else.
 
     The folder is built beside `out` and takes its place by renaming. A folder that is already there is
-    replaced only if it is empty or an earlier output with no other files in it. Raises OutputError; then `out`
-    is as it was before.
+    replaced only if it is empty or an earlier output with no other files in it. Raises OutputError; then
+    `out` is as it was before.
     """
     target = real(out)
     stage = sibling(target, "tmp")
@@ -86,7 +86,7 @@ def _check_replaceable(target: Path, out: Path) -> None:
 
 def _files_in(folder: Path) -> set[str]:
     """All files below a folder, and all links, as paths with forward slashes."""
-    found = set()
+    found: set[str] = set()
     for parent, folders, files in os.walk(folder, onerror=_raise):
         links = [name for name in folders if (Path(parent) / name).is_symlink()]
         found.update((Path(parent) / name).relative_to(folder).as_posix() for name in [*files, *links])

@@ -15,8 +15,9 @@ def licence_files(
 ) -> dict[str, bytes]:
     """Paths in the bundle and contents: `LICENSES/LABEL/FILE NAME`.
 
-    `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Files of
-    one label with the same name and different content are numbered. Raises OSError when a file cannot be read.
+    `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Files
+    of one label with the same name and different content are numbered. Raises OSError when a file cannot be
+    read.
     """
     found: dict[str, bytes] = {}
     taken: set[str] = set()

@@ -12,7 +12,7 @@ class OutputError(Exception):
     Whoever raises it has put everything back as it was.
     """
 
-    def __init__(self, code: str, message: str, help: str | None = None) -> None:  # noqa: A002
+    def __init__(self, code: str, message: str, help: str | None = None) -> None:
         super().__init__(message)
         self.code = code
         self.message = message

@@ -65,7 +65,9 @@ def _read_folder(folder: Path, limits: ReadLimits) -> dict[str, bytes]:
                 kind = "a link" if stat.S_ISLNK(status.st_mode) else "no ordinary file"
                 raise ReadError("file-unreadable", f"`{path}` in `{folder}` is {kind}")
             sizes[path] = status.st_size
-            _check_size(sizes, folder, limits)
+            if len(sizes) > limits.files:
+                break
+    _check_sizes(sizes, folder, limits)
     return {path: (folder / path).read_bytes() for path in sizes}
 
 
@@ -91,11 +93,11 @@ def _check_entries(entries: list[zipfile.ZipInfo], file: Path, limits: ReadLimit
         if entry.flag_bits & 1:
             raise ReadError("file-unreadable", f"`{path}` in `{file}` is encrypted")
         sizes[path] = entry.file_size
-        _check_size(sizes, file, limits)
+    _check_sizes(sizes, file, limits)
     check_paths(sizes)
 
 
-def _check_size(sizes: dict[str, int], whole: Path, limits: ReadLimits) -> None:
+def _check_sizes(sizes: dict[str, int], whole: Path, limits: ReadLimits) -> None:
     if len(sizes) > limits.files:
         raise ReadError("file-unreadable", f"`{whole}` has more than {limits.files} files")
     if sum(sizes.values()) > limits.bytes:

@@ -69,19 +69,17 @@ def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
     `("sensor", "imu", "force", "site")`, finds its node. With `key`, or when the path ends in `"[key]"`, the
     place of the last key on the way instead of its value's.
     """
+    if path and path[-1] == "[key]":
+        path, key = path[:-1], True
     span = node.span
-    for position, step in enumerate(path):
-        if isinstance(node, Mapping) and isinstance(step, str):
-            entry = node.entries.get(step)
-            if entry is None:
-                key = key or step == "[key]"
-                continue
-            following = path[position + 1] if position + 1 < len(path) else None
-            if isinstance(entry[1], Scalar) and following in node.entries:
+    for step, following in zip(path, (*path[1:], None), strict=True):
+        if isinstance(node, Mapping) and isinstance(step, str) and step in node.entries:
+            found, value = node.entries[step]
+            if isinstance(value, Scalar) and following in node.entries:
                 continue  # the name of an alternative that happens to be a key as well
-            node = entry[1]
-            span = entry[0].span if key or path[position + 1 :] == ("[key]",) else node.span
-        elif isinstance(node, Sequence) and isinstance(step, int) and -1 < step < len(node.items):
+            node = value
+            span = found.span if key else value.span
+        elif isinstance(node, Sequence) and isinstance(step, int) and 0 <= step < len(node.items):
             node = node.items[step]
             span = node.span
     return span

@@ -125,7 +125,7 @@ def _forward(model: Any, mujoco: Any) -> tuple[Any, str | None]:
         mujoco.mj_forward(model, data)
     except Exception as error:
         return data, str(error).strip() or type(error).__name__
-    for name in ("xpos", "xquat", "qacc", "sensordata"):
+    for name in ("xpos", "xquat", "qacc"):
         if not numpy.isfinite(getattr(data, name)).all():
             return data, f"`{name}` is not finite"
     return data, None

@@ -66,7 +66,7 @@ def _hang(linking: Linking, part: Part) -> None:
         part.unit.root.remove(worldbody)
     if len(frame):
         parent.append(frame)
-    if linking.base_layout is not None:
+    if part.layout is not None and part.layout.in_world_coordinates:
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)

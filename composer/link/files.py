@@ -7,7 +7,8 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.link.linking import FileUse, Linking
-from composer.tree.files import disk_path, file_attributes, is_absolute, join, written_path
+from composer.tree.files import asset_folder, file_attributes, is_absolute, is_plain, join, written_path
+from composer.tree.settings import Settings
 from composer.tree.skin_file import BadSkin, rename_bones
 from composer.tree.unit import Unit
 
@@ -17,14 +18,24 @@ ASSETS = "assets"
 def files(linking: Linking) -> None:
     """`assets/LABEL/path` for each file; two units of one label share a folder only while no path clashes."""
     taken: dict[str, tuple[str, bytes | None]] = {}
-    prefixes = [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]
-    for prefix, unit in prefixes:
+    for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
+        directory = str(unit.directory)
+        simple = not unit.contents and unit.settings.strippath != "true"
         for element, attribute in file_attributes(unit.root):
-            written = written_path(unit, element, attribute)
-            known = unit.contents.get(written)
-            source = str(known) if isinstance(known, Path) else disk_path(unit, written)
+            name = element.get(attribute)
+            if simple and is_plain(name) and element.tag != "skin":
+                folder = asset_folder(unit.settings, element)
+                source = join(directory, f"{folder}/{name}") if folder else f"{directory}/{name}"
+                path = f"{ASSETS}/{unit.label}/{name}"
+                if taken.setdefault(path.lower(), (source, None)) == (source, None):
+                    element.set(attribute, path)
+                    linking.files.append(FileUse(element, attribute, path, source, None))
+                    continue
+            written = written_path(unit.settings, element, attribute)
+            known = unit.contents.get(written) if unit.contents else None
+            source = str(known) if isinstance(known, Path) else join(directory, written)
             content = known if isinstance(known, bytes) else None
-            if element.tag == "skin" and prefix:
+            if prefix and element.tag == "skin":
                 content = _skin(linking, unit, element, prefix, source, content)
             path = _free(unit, written, source, content, taken)
             element.set(attribute, path)
@@ -48,33 +59,33 @@ def _skin(
 def _free(
     unit: Unit, written: str, source: str, content: bytes | None, taken: dict[str, tuple[str, bytes | None]]
 ) -> str:
-    if written in unit.contents and written.startswith(f"{ASSETS}/"):  # a composed unit: its paths are settled
-        _, label, inside = written.split("/", 2)
-    else:
-        label, inside = unit.label, _inside(unit, written)
+    inside = _inside(unit.settings, written)
+    path = f"{ASSETS}/{unit.label}/{inside}"
+    if written.startswith(f"{ASSETS}/") and written in unit.contents:  # a composed unit: its paths are settled
+        path = written
+    key = path.lower()
+    if key not in taken:
+        taken[key] = (source, content)
+        return path
+    _, label, inside = path.split("/", 2)
     number = 1
     while True:
-        path = f"{ASSETS}/{label}/{inside}" if number == 1 else f"{ASSETS}/{label}-{number}/{inside}"
         if taken.setdefault(path.lower(), (source, content)) == (source, content):
             return path
         number += 1
+        path = f"{ASSETS}/{label}-{number}/{inside}"
 
 
-def _inside(unit: Unit, written: str) -> str:
-    relative = _relative(unit, written)
-    if ".." in relative or "//" in relative or relative.startswith("/"):
-        return "/".join(step for step in relative.split("/") if step not in ("..", ".", ""))
-    return relative
-
-
-def _relative(unit: Unit, written: str) -> str:
+def _inside(settings: Settings, written: str) -> str:
     """The path below the unit's own asset folder, which need not be repeated in the bundle."""
     if is_absolute(written):
         return written.rsplit("/", 1)[-1]
-    for folder in (unit.settings.mesh_folder, unit.settings.texture_folder):
-        start = folder.replace("\\", "/").strip("/").removeprefix("./") + "/"
-        if len(start) > 1 and written.startswith(start):
-            return written[len(start) :]
+    for folder in (settings.mesh_folder, settings.texture_folder):
+        if folder and written.startswith(start := join("", folder) + "/"):
+            written = written[len(start) :]
+            break
+    if ".." in written:
+        return "/".join(step for step in written.split("/") if step != "..")
     return written
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -38,8 +39,7 @@ class Unknown(Exception):
         self.element = element
 
 
-@dataclass(frozen=True, slots=True)
-class Slot:
+class Slot(NamedTuple):
     """One joint, actuator or mocap body (or block of them) and how many numbers it has in each vector of a key."""
 
     element: Node
@@ -55,6 +55,11 @@ class Layout:
     actuators: list[Slot] = field(default_factory=list)
     mocaps: list[Node] = field(default_factory=list)
 
+    @property
+    def in_world_coordinates(self) -> bool:
+        """Whether a key holds poses in the world: of free joints or mocap bodies."""
+        return bool(self.mocaps) or any(slot.kind == "free" for slot in self.joints)
+
     def total(self, vector: str) -> int:
         if vector in ("qpos", "qvel"):
             return sum(slot.widths[vector == "qvel"] for slot in self.joints)
@@ -63,16 +68,13 @@ class Layout:
         return len(self.mocaps) * (3 if vector == "mpos" else 4)
 
 
-_STATEFUL = ("position", "intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
-_MOCAPS = etree.XPath("worldbody//body[@mocap='true']")
-_LATE_JOINT = etree.XPath("boolean(worldbody//joint[preceding-sibling::body])")
-# Whether any class types joints, or gives actuators a state: if none does, classes need not be looked at.
-_TYPED_CLASS = etree.XPath("boolean(default//joint/@type)")
-_FILTERED_CLASS = etree.XPath("boolean(default//position/@timeconst)")
-_STATEFUL_CLASS = etree.XPath(
-    "boolean(default//general[@dyntype or @actdim or @input] | "
+_STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
+# Everything that makes a layout more than a list of joints in document order, found in one go:
+# mocap bodies, joints written after a child body, classes that type joints or give actuators a state.
+_UNUSUAL = etree.XPath(
+    "worldbody//body[@mocap='true'] | worldbody//joint[preceding-sibling::body] | default//joint[@type]"
+    " | default//position[@timeconst] | default//general[@dyntype or @actdim or @input] | "
     + " | ".join(f"default//{tag}[@*]" for tag in _STATEFUL)
-    + ")"
 )
 
 
@@ -80,16 +82,18 @@ def lay_out(unit: Unit, known: Mapping[Node, tuple[int, ...] | Slot]) -> Layout:
     """The layout of a whole model; raises `Unknown` for what neither the tree nor `known` tells."""
     layout = Layout()
     root = unit.root
-    reader = _Reader(unit, known, *(bool(test(root)) for test in (_TYPED_CLASS, _STATEFUL_CLASS, _FILTERED_CLASS)))
+    unusual = _UNUSUAL(root)
+    in_classes = {element.tag for element in unusual} - {"body"} if unusual else set()
+    reader = _Reader(unit, known, "joint" in in_classes, bool(in_classes - {"joint"}))
     for worldbody in root.iterchildren("worldbody"):
         found = list(worldbody.iter("joint", "freejoint", *_BLOCKS))
-        if any(element.tag in _BLOCKS for element in found) or _LATE_JOINT(root):
+        if "joint" in in_classes or any(element.tag in _BLOCKS for element in found):
             reader.visit(worldbody, layout)
         else:  # joints stand in the order of their bodies: nothing else needs to be looked at
             layout.joints.extend(map(reader.joint, found))
-    layout.mocaps.extend(_MOCAPS(root))
+    layout.mocaps.extend(element for element in unusual if element.tag == "body")
     for section in root.iterchildren("actuator"):
-        layout.actuators.extend(reader.actuator(each) for each in section if isinstance(each.tag, str))
+        layout.actuators.extend(map(reader.actuator, section.iterchildren("*")))
     return layout
 
 
@@ -99,7 +103,6 @@ class _Reader:
     known: Mapping[Node, tuple[int, ...] | Slot]
     typed: bool
     stateful: bool
-    filtered: bool
 
     def visit(self, body: Node, layout: Layout) -> None:
         """A body's joints, then what is inside it."""
@@ -134,14 +137,15 @@ class _Reader:
         return Slot(block, "block", (count * inside.total("qpos"), count * inside.total("qvel")))
 
     def actuator(self, actuator: Node) -> Slot:
-        tag = str(actuator.tag)
+        tag = actuator.tag
         known = self.known.get(actuator)
         if known is not None:
             return known if isinstance(known, Slot) else Slot(actuator, tag, known)
-        if tag in _ACTIVATIONS:
-            return Slot(actuator, tag, (1, _ACTIVATIONS[tag]))
+        activations = _ACTIVATIONS.get(tag)
+        if activations is not None:
+            return Slot(actuator, tag, (1, activations))
         if tag == "position":
-            inherited = self.filtered and self._class(actuator).lookup("position", "timeconst") is not None
+            inherited = self.stateful and self._class(actuator).lookup("position", "timeconst") is not None
             if actuator.get("timeconst") is None and not inherited:
                 return Slot(actuator, tag, (1, 0))
         elif tag == "general" and not (self.stateful and self._inherits_state(actuator)):
@@ -154,7 +158,7 @@ class _Reader:
         """Whether its class may give it activations or inputs: all actuator tags share one struct."""
         found = self._class(actuator)
         return any(found.lookup("general", name) for name in ("dyntype", "actdim", "input")) or any(
-            found.sets(other) for other in _STATEFUL
+            found.sets(other) for other in (*_STATEFUL, "position")
         )
 
     def _class(self, actuator: Node) -> DefaultClass:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 from lxml.etree import _Element as Node
 
@@ -68,8 +68,7 @@ class Measure(Protocol):
     def __call__(self, unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]: ...
 
 
-@dataclass(frozen=True, slots=True)
-class FileUse:
+class FileUse(NamedTuple):
     """An attribute of the model that names a file of the bundle, and where that file's bytes are."""
 
     element: Node

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections.abc import Iterator
+from functools import lru_cache
 
 from lxml.etree import _Element as Node
 
@@ -18,7 +19,6 @@ from composer.tree.names import (
     REFERS,
     REFERS_BY,
     WORLD,
-    Names,
     naming_table,
     object_namespace,
 )
@@ -26,6 +26,7 @@ from composer.tree.unit import Unit
 
 
 _MAY_REPEAT = ("model",)
+_RESERVED = frozenset({"", WORLD, MAIN})
 
 
 def names(linking: Linking) -> None:
@@ -36,80 +37,152 @@ def names(linking: Linking) -> None:
 
 
 def _join(linking: Linking, unit: Unit, prefix: str, top_class: str) -> None:
-    local, repeated = rename(unit, prefix, top_class)
-    for namespace, name, element in repeated:
+    local = rename(unit, prefix, top_class)
+    for namespace, name, element in local.repeated():
         _clash(linking, unit, namespace, name, element, local.declared[namespace][name], unit)
     for namespace, name, element in local.dangling():
-        if not may_be_generated(name, unit.root):
-            _loose_end(linking, unit, namespace, name[len(prefix) :], element, local, prefix)
-    everything = linking.names.declared
+        if not may_be_generated(name, prefix, unit.root):
+            _loose_end(linking, unit, namespace, name, element, local)
     for namespace, declared in local.declared.items():
-        known = everything.setdefault(namespace, {})
-        if namespace not in _MAY_REPEAT:
-            for name in known.keys() & declared.keys():
-                _clash(linking, unit, namespace, name, declared[name], known[name], None)
-        known.update(declared)
+        known = linking.names.declared.setdefault(namespace, {})
+        final = {prefix + name: element for name, element in declared.items()} if prefix else declared
+        if namespace not in _MAY_REPEAT and not known.keys().isdisjoint(final):
+            for name in known.keys() & final.keys():
+                _clash(linking, unit, namespace, name, final[name], known[name], None)
+        known.update(final)
 
 
-def rename(unit: Unit, prefix: str, top_class: str) -> tuple[Names, list[tuple[str, str, Node]]]:
-    """Prefix a unit in place. Gives its names, and those that are declared twice.
+class _Local:
+    """The names of one unit as they are written in it: (name, element) pairs by kind and namespace."""
 
-    This is the one walk over every element of every part: what is not a name costs a dictionary miss here.
+    def __init__(self) -> None:
+        self.pairs: list[list[tuple[str, Node]]] = [[] for _ in _KINDS]
+        self.declared: dict[str, dict[str, Node]] = {}
+
+    def close(self) -> None:
+        """Call once, when all pairs have been noted."""
+        for (kind, namespace), pairs in zip(_KINDS, self.pairs, strict=True):
+            if kind == DECLARES and pairs:
+                self.declared[namespace] = dict(pairs)
+
+    def note(self, kind: int, namespace: str, name: str, element: Node) -> None:
+        index = _kind(kind, namespace)
+        while len(self.pairs) < len(_KINDS):
+            self.pairs.append([])
+        self.pairs[index].append((name, element))
+
+    def repeated(self) -> Iterator[tuple[str, str, Node]]:
+        for namespace, declared in self.declared.items():
+            pairs = self.pairs[_kind(DECLARES, namespace)]
+            if len(pairs) > len(declared) and namespace not in _MAY_REPEAT:
+                seen: set[str] = set()
+                for name, element in pairs:
+                    if name in seen:
+                        yield namespace, name, element
+                    seen.add(name)
+
+    def dangling(self) -> Iterator[tuple[str, str, Node]]:
+        for (kind, namespace), pairs in zip(_KINDS, self.pairs, strict=True):
+            if kind == REFERS and pairs:
+                declared = self.declared.get(namespace, {})
+                wanted = dict(pairs)
+                if not wanted.keys() <= declared.keys():
+                    yield from ((namespace, name, wanted[name]) for name in wanted if name not in declared)
+
+
+# What an attribute holds, as an index into the pairs of a unit; the first two are not noted.
+_SPECIAL, _IGNORED = 0, 1
+_KINDS: list[tuple[int, str]] = [(-1, ""), (-2, "")]
+
+
+def _kind(kind: int, namespace: str) -> int:
+    if (kind, namespace) not in _KINDS:
+        _KINDS.append((kind, namespace))
+    return _KINDS.index((kind, namespace))
+
+
+@lru_cache(maxsize=None)
+def _indices(section: str) -> dict[str, dict[str, int]]:
+    """The naming table of a section with indices; a reference in a class is not looked up, nothing may take it."""
+    table: dict[str, dict[str, int]] = {}
+    for tag, actions in naming_table(section).items():
+        row = table[tag] = {}
+        for name, (kind, namespace) in actions.items():
+            plain = kind in (DECLARES, REFERS) and namespace != "key"
+            ignored = kind == REFERS and section == "default"
+            row[name] = (_IGNORED if ignored else _kind(kind, namespace)) if plain else _SPECIAL
+    return table
+
+
+def rename(unit: Unit, prefix: str, top_class: str) -> _Local:
+    """Prefix a unit in place and give the names it has.
+
+    This is the one walk over every element of every part. Each attribute that holds a name is noted by one
+    append; what is not a name costs a dictionary miss.
     """
-    declared: defaultdict[str, dict[str, Node]] = defaultdict(dict)
-    referred: defaultdict[str, dict[str, Node]] = defaultdict(dict)
-    repeated: list[tuple[str, str, Node]] = []
-    for section in unit.root:
-        section_tag = section.tag
-        table = naming_table(section_tag) if isinstance(section_tag, str) else None
+    sections = [(section, _indices(section.tag)) for section in unit.root.iterchildren("*")]
+    local = _Local()
+    notes = [pairs.append for pairs in local.pairs]
+    for section, table in sections:
         if not table:
             continue
-        in_default = section_tag == "default"
-        if section_tag == "asset":
+        if section.tag == "asset":
             _name_assets(section, not prefix)
-        for element in section.iter():
-            actions = table.get(element.tag)  # type: ignore[call-overload]
+        for element in section.iter("*"):
+            actions = table.get(element.tag)
             if actions is None:
                 continue
             for key in element.keys():  # noqa: SIM118 (an element is no mapping)
-                action = actions.get(key)
-                if action is None:
+                index = actions.get(key)
+                if index is None:
                     continue
                 value = element.get(key)
-                if not value:
+                if not index or value in _RESERVED:
+                    _rename_special(local, element, key, prefix, top_class, section)
                     continue
-                kind, namespace = action
-                name = prefix + value  # type: ignore[operator]
-                if kind == REFERS:
-                    if value == WORLD and namespace == "body":
-                        continue
-                    if value == MAIN and namespace == "default":
-                        name = top_class
-                    elif not in_default:  # a class may name what no element takes from it
-                        referred[namespace][name] = element
-                elif kind == DECLARES:
-                    if (in_default and element is section) or namespace == "key":
-                        continue  # a top class has no name; keys are named when they are laid out
-                    known = declared[namespace]
-                    if name in known and namespace not in _MAY_REPEAT:
-                        repeated.append((namespace, name, element))
-                    known[name] = element
-                elif kind == LISTS:
-                    listed = [item if item == WORLD else prefix + item for item in value.split()]
-                    for item in listed:
-                        referred[namespace][item] = element
-                    name = " ".join(listed)
-                elif kind == REFERS_BY:
-                    target = object_namespace(element, namespace)
-                    if value == WORLD and target in (None, "body"):
-                        continue
-                    if target:
-                        referred[target][name] = element
+                notes[index]((value, element))
                 if prefix:
-                    element.set(key, name)
+                    element.set(key, prefix + value)
             if prefix and element.tag == "composite" and "prefix" not in element.attrib:
                 element.set("prefix", prefix)
-    return Names(declared, referred), repeated
+    local.close()
+    return local
+
+
+def _rename_special(
+    local: _Local, element: Node, key: str, prefix: str, top_class: str, section: Node
+) -> None:
+    """Values that are no plain name of the unit: empty, `world`, `main`, lists, and names typed by a sibling."""
+    kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
+    value = str(element.get(key))
+    name = prefix + value
+    if not value or namespace == "key":
+        return  # keys are named when they are laid out
+    if kind == DECLARES:
+        if element is section:
+            return  # the top class
+        local.note(DECLARES, namespace, value, element)
+    elif kind == REFERS:
+        if value == WORLD and namespace == "body":
+            return
+        if value == MAIN and namespace == "default":
+            name = top_class
+        elif section.tag != "default":
+            local.note(REFERS, namespace, value, element)
+    elif kind == LISTS:
+        names = value.split()
+        for each in names:
+            if each != WORLD:
+                local.note(REFERS, namespace, each, element)
+        name = " ".join(each if each == WORLD else prefix + each for each in names)
+    elif kind == REFERS_BY:
+        target = object_namespace(element, namespace)
+        if value == WORLD and target in (None, "body"):
+            return
+        if target:
+            local.note(REFERS, target, value, element)
+    if prefix:
+        element.set(key, name)
 
 
 def _name_assets(section: Node, bare: bool) -> None:
@@ -123,8 +196,8 @@ def _name_assets(section: Node, bare: bool) -> None:
                 del element.attrib["name"]
 
 
-def may_be_generated(name: str, root: Node) -> bool:
-    """Whether what MuJoCo expands (replicate, flexcomp, …) in that tree can make the name."""
+def may_be_generated(name: str, prefix: str, root: Node) -> bool:
+    """Whether what MuJoCo expands (replicate, flexcomp, …) in that tree, prefixed already, can make the name."""
     for element in root.iter(*GENERATORS):
         if element.tag == "replicate":
             if re.search(r"\d+$", name):
@@ -133,20 +206,19 @@ def may_be_generated(name: str, root: Node) -> bool:
             return True
         else:
             start = str(element.get("name") or element.get("prefix") or "")
-            if name.startswith(start):
+            if (prefix + name).startswith(start):
                 return True
     return False
 
 
 def _loose_end(
-    linking: Linking, unit: Unit, namespace: str, name: str, element: Node, local: Names, prefix: str
+    linking: Linking, unit: Unit, namespace: str, name: str, element: Node, local: _Local
 ) -> None:
-    exist = [other[len(prefix) :] for other in local.of(namespace)]
     linking.sink.error(
         "unknown-name",
         f"`<{element.tag}>` refers to the {namespace} `{name}`, which does not exist",
         linking.span(unit, element),
-        notes=(exists_note(namespace, exist, name),),
+        notes=(exists_note(namespace, local.declared.get(namespace, ()), name),),
     )
 
 

@@ -115,9 +115,7 @@ def _not_installed(reference: Reference) -> SourceError:
     # Whoever knows the package by what is typed after `pip install` is told the name that is imported.
     named = [top for top, owners in known.items() if _normalised(name) in map(_normalised, owners)]
     near = named or closest(name, (top for top in known if not top.startswith("_")))
-    fix = (
-        f"write `package:{near[0]}/{reference.path}`" if near else "install the package that holds the model"
-    )
+    fix = f"write `package:{near[0]}/{reference.path}`" if near else "install the package with the model"
     return SourceError("source-not-found", f"no Python package `{name}` is installed, in `{text}`", help=fix)
 
 

@@ -58,7 +58,7 @@ def _look_up(linking: Linking, making: Making, node: Node, name: str, namespace:
         if linking.base_class is not None:
             node.set(name, linking.base_class)
         return
-    if may_be_generated(value, linking.base.root):
+    if may_be_generated(value, "", linking.base.root):
         return
     near = closest(value, names.of(namespace))
     making.sink.error(

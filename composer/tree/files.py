@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import posixpath
+import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
-if TYPE_CHECKING:
-    from composer.tree.unit import Unit
+from composer.tree.settings import Settings
 
-_MESH = ("mesh", "hfield", "skin", "flexcomp")
+_NOT_PLAIN = re.compile(r"//|/\.|^[./]|/$|[\\:]")
+_TO_SHORTEN = re.compile(r"//|/\.|^\.|/$")
 CUBE = ("fileright", "fileleft", "fileup", "filedown", "filefront", "fileback")
 NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 
@@ -21,11 +21,11 @@ def join(folder: str, name: str) -> str:
     if "\\" in name or "\\" in folder:
         name, folder = name.replace("\\", "/"), folder.replace("\\", "/")
     path = name if is_absolute(name) or not folder else f"{folder}/{name}"
-    return posixpath.normpath(path) if "./" in path or "//" in path or path.endswith((".", "/")) else path
+    return posixpath.normpath(path) if _TO_SHORTEN.search(path) else path
 
 
 def is_absolute(name: str) -> bool:
-    return name.startswith("/") or (len(name) > 2 and name[1] == ":" and name[2] == "/")
+    return name.startswith("/") or name[1:3] == ":/"
 
 
 def file_attributes(root: Node) -> Iterator[tuple[Node, str]]:
@@ -43,18 +43,22 @@ def file_attributes(root: Node) -> Iterator[tuple[Node, str]]:
             yield from ((element, "file") for element in section.iterchildren("skin") if element.get("file"))
 
 
-def written_path(unit: Unit, element: Node, attribute: str) -> str:
-    """The file as MuJoCo would look for it: relative to the unit's directory unless absolute."""
-    settings = unit.settings
+def is_plain(name: str) -> bool:
+    """Whether a path needs no shortening and stands for a file below the folder it is joined to."""
+    return not _NOT_PLAIN.search(name)
+
+
+def asset_folder(settings: Settings, element: Node) -> str:
+    """The folder of the compiler settings that a file of that element is looked up in."""
+    return settings.texture_folder if element.tag == "texture" else settings.mesh_folder
+
+
+def written_path(settings: Settings, element: Node, attribute: str) -> str:
+    """The file as MuJoCo would look for it: relative to the folder of the main file unless absolute."""
     name = str(element.get(attribute))
     if settings.strippath == "true":
         name = posixpath.basename(name.replace("\\", "/"))
-    folder = settings.texture_folder if element.tag == "texture" else settings.mesh_folder
-    return join(folder, name)
-
-
-def disk_path(unit: Unit, written: str) -> str:
-    return join(str(unit.directory), written)
+    return join(asset_folder(settings, element), name)
 
 
 def stem(file: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -20,24 +19,15 @@ WORLD = "world"
 
 @dataclass(slots=True)
 class Names:
-    """Names that are declared and names that are referred to, each with the element that does so first."""
+    """The names that are declared, by namespace, each with the element that does so."""
 
     declared: dict[str, dict[str, Node]] = field(default_factory=dict)
-    referred: dict[str, dict[str, Node]] = field(default_factory=dict)
 
     def find(self, namespace: str, name: str) -> Node | None:
         return self.declared.get(namespace, {}).get(name)
 
     def of(self, namespace: str) -> list[str]:
         return list(self.declared.get(namespace, ()))
-
-    def dangling(self) -> Iterator[tuple[str, str, Node]]:
-        """References to names that nothing declares: namespace, name, referrer."""
-        for namespace, names in self.referred.items():
-            declared = self.declared.get(namespace, {})
-            for name, element in names.items():
-                if name not in declared and not (namespace == "body" and name == WORLD):
-                    yield namespace, name, element
 
 
 @lru_cache(maxsize=None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -117,10 +118,18 @@ def _read(path: Path, what: str, sink: Sink, span: Span | None) -> bytes | None:
     return None
 
 
+_PARSERS = threading.local()
+
+
 def _parser() -> etree.XMLParser:
-    return etree.XMLParser(
-        remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True
-    )
+    """One parser for each thread: making one costs as much as parsing a small model."""
+    parser = getattr(_PARSERS, "parser", None)
+    if parser is None:
+        parser = _PARSERS.parser = etree.XMLParser(
+            remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True
+        )
+    assert isinstance(parser, etree.XMLParser)
+    return parser
 
 
 def _parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:

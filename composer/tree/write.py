@@ -8,5 +8,4 @@ from lxml.etree import _Element as Node
 
 def write(root: Node) -> bytes:
     """The text of a `<mujoco>` tree: UTF-8, two spaces a level, one element a line, a final newline."""
-    etree.indent(root)
-    return etree.tostring(root, encoding="utf-8") + b"\n"
+    return etree.tostring(root, encoding="utf-8", pretty_print=True)

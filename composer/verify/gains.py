@@ -14,17 +14,23 @@ from composer.verify.roster import JOINT_VELOCITIES, Model
 _CLOSE = 1e-6
 
 
-def same_springdamper(alone: Model, composed: Model, joint: int, target: int) -> bool:
-    """Whether stiffness and damping of a joint are the same in units of its inertia in each model."""
-    mine, theirs = _spring(alone, joint), _spring(composed, target)
-    return all(math.isclose(a, b, rel_tol=_CLOSE) for a, b in zip(mine, theirs, strict=True))
+def same_stiffness(alone: Model, composed: Model, joint: int, target: int) -> bool:
+    """Whether the stiffness of a joint, which `springdamper` gives, is the same in units of its inertia."""
+    mine = float(alone.jnt_stiffness[joint]) * _inverse_inertia(alone, joint)
+    theirs = float(composed.jnt_stiffness[target]) * _inverse_inertia(composed, target)
+    return math.isclose(mine, theirs, rel_tol=_CLOSE)
 
 
-def _spring(model: Model, joint: int) -> tuple[float, float]:
+def same_damping(alone: Model, composed: Model, joint: int, target: int) -> bool:
+    """Whether the damping of a joint, which `springdamper` gives, is the same in units of its inertia."""
+    mine = float(alone.dof_damping[alone.jnt_dofadr[joint]]) * _inverse_inertia(alone, joint)
+    theirs = float(composed.dof_damping[composed.jnt_dofadr[target]]) * _inverse_inertia(composed, target)
+    return math.isclose(mine, theirs, rel_tol=_CLOSE)
+
+
+def _inverse_inertia(model: Model, joint: int) -> float:
     first = int(model.jnt_dofadr[joint])
-    last = first + JOINT_VELOCITIES[int(model.jnt_type[joint])]
-    per_inertia = float(model.dof_invweight0[first:last].mean())
-    return float(model.jnt_stiffness[joint]) * per_inertia, float(model.dof_damping[first]) * per_inertia
+    return float(model.dof_invweight0[first : first + JOINT_VELOCITIES[int(model.jnt_type[joint])]].mean())
 
 
 def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) -> bool:

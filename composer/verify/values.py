@@ -14,7 +14,7 @@ from composer.verify.fields import (
     Rule,
     Treatment,
 )
-from composer.verify.gains import same_dampratio, same_springdamper
+from composer.verify.gains import same_damping, same_dampratio, same_stiffness
 from composer.verify.links import links
 from composer.verify.matching import ON_BODIES, Matching
 from composer.verify.roster import JOINT_VELOCITIES, KINDS
@@ -121,9 +121,8 @@ class Values:
             case Treatment.GAIN if kind == "actuator":
                 return same_dampratio(self.alone, self.composed, index, target)
             case Treatment.GAIN:
-                return self._acted_on(kind, index) and same_springdamper(
-                    self.alone, self.composed, index, target
-                )
+                same = same_stiffness if name == "jnt_stiffness" else same_damping
+                return self._acted_on(kind, index) and same(self.alone, self.composed, index, target)
             case Treatment.ROUNDED if name == "eq_data":
                 return moved and any(
                     link.kind == "body" and link.index == 0 for link in links(self.alone, kind, index)

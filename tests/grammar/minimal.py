@@ -58,6 +58,7 @@ BASE = """
     {contact}
   </contact>
   <tendon>
+    <fixed name="second"><joint joint="other" coef="1"/></fixed>
     <fixed name="{{tendon}}" range="-1 1"><joint joint="{{joint}}" coef="1"/></fixed>
     {tendon}
   </tendon>
@@ -128,7 +129,12 @@ PLACES: dict[str, Place] = {
         '<plugin plugin="mujoco.sdf.torus"><instance name="more">@</instance></plugin>',
         {"key": "radius1", "value": "0.4"},
     ),
-    "mesh": Place("asset", "@", {"name": "m", "vertex": "0 0 0 1 0 0 0 1 0 0 0 1"}),
+    "mesh": Place(
+        "asset",
+        "@",
+        {"name": "m", "vertex": "0 0 0 1 0 0 0 1 0 0 0 1"},
+        also={"worldbody": '<geom type="mesh" mesh="m"/>'},  # what a mesh says is read where it is used
+    ),
     "hfield": Place("asset", "@", {"name": "h", "nrow": "3", "ncol": "3"}),
     "skin": Place(
         "asset",
@@ -182,8 +188,8 @@ PLACES: dict[str, Place] = {
         {"divisor": "2"},
     ),
     "fixed/joint": Place("tendon", "<fixed>@</fixed>", {"coef": "1"}),
-    "equality/connect": Place("equality", "@", {"body1": "{body}", "anchor": "0.5 0 0"}),
-    "equality/weld": Place("equality", "@", {"body1": "{body}"}),
+    "equality/connect": Place("equality", "@", {"body1": "other", "anchor": "0.5 0 0"}),
+    "equality/weld": Place("equality", "@", {"body1": "other"}),
     "equality/joint": Place("equality", "@"),
     "equality/tendon": Place("equality"),
     "equality/flex": Place("equality"),

@@ -1,0 +1,204 @@
+"""The manifest: what a bundle was made of, what is in it, and where things are in the compiled model.
+
+It holds no time and no path of the machine it was made on, so that the same input gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from composer import engine
+from composer.bundle.bundle import MANIFEST, Bundle
+from composer.version import __version__
+
+SCHEMA_ID = "https://json-schema.org/draft/2020-12/schema"
+SCHEMA_FILE = Path(__file__).resolve().parents[2] / "schemas" / "manifest.schema.json"
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Recipe(_Part):
+    """The recipe as the build was asked for it."""
+
+    path: str = Field(description="The recipe's path as it was written, with forward slashes.")
+    sha256: str = Field(description="Of the recipe file.")
+
+
+class Input(_Part):
+    """One file or folder that the model was made from."""
+
+    path: str = Field(description="Relative to the recipe, or to the package or repository it came from.")
+    reference: str = Field(description="The model reference as the recipe writes it.")
+    kind: str = Field(description="The kind of reference: file, package, menagerie, git, ...")
+    sha256: str
+    licences: tuple[str, ...] = Field(default=(), description="Its licence files, as paths in this bundle.")
+    package: str | None = Field(default=None, description="The Python package it came from.")
+    version: str | None = Field(default=None, description="The version of that package, or the commit.")
+
+
+class File(_Part):
+    """One file of the bundle; the manifest itself is not listed."""
+
+    path: str
+    sha256: str
+    size: int = Field(ge=0, description="In bytes.")
+
+
+class Joint(_Part):
+    """A joint and its entries in qpos and qvel."""
+
+    name: str
+    type: Literal["free", "ball", "slide", "hinge"]
+    body: str
+    qpos: int = Field(ge=0, description="Where its entries in qpos begin.")
+    qpos_size: int = Field(ge=1)
+    dof: int = Field(ge=0, description="Where its entries in qvel begin.")
+    dof_size: int = Field(ge=1)
+    range: tuple[float, float] | None = Field(
+        default=None, description="In radians or metres; null when the joint is not limited."
+    )
+    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+
+
+class Actuator(_Part):
+    """An actuator and its entries in ctrl and act."""
+
+    name: str
+    ctrl: int = Field(ge=0, description="Where its entries in ctrl begin.")
+    ctrl_size: int = Field(ge=0)
+    act: int | None = Field(default=None, description="Where its entries in act begin; null without any.")
+    act_size: int = Field(default=0, ge=0)
+    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+
+
+class Sensor(_Part):
+    """A sensor and its entries in sensordata."""
+
+    name: str
+    type: str = Field(description="The tag MJCF has for it.")
+    address: int = Field(ge=0, description="Where its entries in sensordata begin.")
+    size: int = Field(ge=0)
+    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+
+
+class Index(_Part):
+    """The order of the compiled model, in which simulators address it. Unnamed things have the name ""."""
+
+    joints: tuple[Joint, ...]
+    actuators: tuple[Actuator, ...]
+    sensors: tuple[Sensor, ...]
+    keyframes: tuple[str, ...]
+
+
+class Draw(_Part):
+    """One value that `randomize` drew."""
+
+    field: str
+    element: str | None = Field(default=None, description="null for a parameter.")
+    attribute: str | None = None
+    value: float | int | str | tuple[float, ...]
+
+
+class Manifest(_Part):
+    """What a bundle was made of, what is in it, and where things are in the compiled model."""
+
+    manifest: Literal[1] = Field(default=1, description="The version of this format.")
+    name: str
+    description: str | None = None
+    model: str = Field(default="model.xml", description="The MJCF file among the files.")
+    mjcompose: str = Field(default=__version__, description="The version of mjcompose that made the bundle.")
+    mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
+    grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
+    recipe: Recipe | None = Field(default=None, description="null for a model that Python composed.")
+    variants: dict[str, str] = Field(default={}, description="The chosen value of every variant.")
+    params: dict[str, Any] = Field(default={}, description="The value of every parameter.")
+    sample: int | None = Field(default=None, ge=0, description="The sample's number; 0 is the nominal model.")
+    draws: tuple[Draw, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    files: tuple[File, ...]
+    index: Index | None = Field(default=None, description="null when the model was not verified.")
+    warnings: tuple[str, ...] = ()
+
+
+def files_of(bundle: Bundle) -> tuple[File, ...]:
+    """The manifest's list of the bundle's files, without the manifest itself."""
+    return tuple(
+        File(path=path, sha256=bundle.digest(path), size=len(content))
+        for path, content in bundle.files.items()
+        if path != MANIFEST
+    )
+
+
+def index_of(index: engine.Index, origins: dict[tuple[str, str], str] | None = None) -> Index:
+    """The manifest's index of a compiled model; `origins` gives `FILE:LINE` by (kind, name)."""
+    known = origins or {}
+    return Index(
+        joints=tuple(
+            Joint(
+                name=joint.name,
+                type=joint.type,  # type: ignore[arg-type]  # pydantic checks the word
+                body=joint.body,
+                qpos=joint.qpos_address,
+                qpos_size=joint.qpos_size,
+                dof=joint.dof_address,
+                dof_size=joint.dof_size,
+                range=joint.range if joint.limited else None,
+                origin=known.get(("joint", joint.name)),
+            )
+            for joint in index.joints
+        ),
+        actuators=tuple(
+            Actuator(
+                name=actuator.name,
+                ctrl=actuator.ctrl_address,
+                ctrl_size=actuator.ctrl_size,
+                act=actuator.act_address if actuator.act_size else None,
+                act_size=actuator.act_size,
+                origin=known.get(("actuator", actuator.name)),
+            )
+            for actuator in index.actuators
+        ),
+        sensors=tuple(
+            Sensor(
+                name=sensor.name,
+                type=sensor.type,
+                address=sensor.address,
+                size=sensor.size,
+                origin=known.get(("sensor", sensor.name)),
+            )
+            for sensor in index.sensors
+        ),
+        keyframes=index.keyframes,
+    )
+
+
+def to_json(manifest: Manifest) -> bytes:
+    """The manifest's text: fields in the order of the schema, two spaces a level, UTF-8, a final newline."""
+    data = manifest.model_dump(mode="json")
+    return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def from_json(text: bytes | str) -> Manifest:
+    """The manifest that a bundle carries. Raises pydantic's ValidationError, a ValueError."""
+    return Manifest.model_validate_json(text)
+
+
+def with_manifest(bundle: Bundle, manifest: Manifest) -> Bundle:
+    """The bundle with this manifest in it."""
+    return bundle.with_files({MANIFEST: to_json(manifest)})
+
+
+def schema() -> str:
+    """The JSON Schema of manifests, as the text of its file."""
+    data = {"$schema": SCHEMA_ID, **Manifest.model_json_schema(mode="serialization")}
+    return json.dumps(data, indent=2, ensure_ascii=False) + "\n"
+
+
+if __name__ == "__main__":
+    SCHEMA_FILE.write_text(schema(), encoding="utf-8", newline="\n")

@@ -1,0 +1,378 @@
+"""From YAML events to the located tree, without recursion and within bounds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    MappingEndEvent,
+    MappingStartEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+)
+
+from composer.diagnostics import Note, Sink, Span
+from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.document.quote import quoted
+from composer.document.scalar import resolve
+
+MAX_DEPTH = 100
+MAX_NODES = 1_000_000
+FREE_EXPANSION = 10_000  # nodes that aliases may add, on top of one for each character of the text
+
+_STANDARD = "tag:yaml.org,2002:"
+_PROPERTIES = re.compile(r"(?:[&!]\S*[ \t]+)+")
+_TAG = re.compile(r"(?:&\S+\s+)?(!<[^>\s]*>|![^\s,\[\]{}]*)")
+_BLOCK_HEADER = re.compile(r"[|>][-+0-9]*")
+_REST_OF_LINE = re.compile(r"[^\r\n]*")
+_SCALAR_TAGS: dict[str, tuple[type, ...]] = {
+    "null": (type(None),),
+    "bool": (bool,),
+    "int": (int,),
+    "float": (int, float),
+}
+# In place of a key whose value is read, for the faults in it, and then left out.
+_DROPPED = Key("", Span("", 0, 0))
+
+
+@dataclass(slots=True)
+class _Frame:
+    """A collection that is being read. Lines and columns from 1."""
+
+    mapping: bool
+    flow: bool
+    line: int
+    column: int
+    total: int
+    """How many nodes the tree had when it began."""
+    first_end: int
+    """Where the last thing on its first line ends."""
+    anchor: str | None = None
+    tag: tuple[str, Span] | None = None
+    is_key: bool = False
+    key: Key | None = None
+    height: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Anchored:
+    node: Node
+    size: int
+    height: int
+
+
+class Builder:
+    """Builds one tree. `text` is what the events' marks point into; faults go to `sink`.
+
+    `restore` turns a scalar's text into what is written in the file; it may raise `UnicodeDecodeError`.
+    """
+
+    def __init__(self, text: str, file: str, sink: Sink, restore: Callable[[str], str] | None = None) -> None:
+        self._text = text
+        self._file = file
+        self._sink = sink
+        self._restore = restore
+        self._stack: list[_Frame] = []
+        self._entries: list[dict[str, tuple[Key, Node]] | list[Node]] = []
+        self._anchors: dict[str, _Anchored] = {}
+        self._total = 0
+        self._expanded = 0
+        self._root: Node | None = None
+
+    @property
+    def in_flow(self) -> bool:
+        """Whether the events broke off inside `[ ]` or `{ }`."""
+        return bool(self._stack) and self._stack[-1].flow
+
+    def build(self, events: Iterable[Any]) -> Node | None:
+        """The tree; None when there is no value, or when reading on would exceed a bound.
+
+        Raises what the reader of the events raises.
+        """
+        stack = self._stack
+        for event in events:
+            kind = type(event)
+            if kind is ScalarEvent:
+                frame = stack[-1] if stack else None
+                if frame is not None and frame.mapping and frame.key is None:
+                    self._scalar_key(event, frame)
+                    continue
+                self._total += 1
+                self._add(self._scalar(event), 0)
+            elif kind is MappingStartEvent or kind is SequenceStartEvent:
+                if not self._begin(event, kind is MappingStartEvent):
+                    return None
+            elif kind is MappingEndEvent or kind is SequenceEndEvent:
+                self._end(event)
+            elif kind is AliasEvent:
+                if not self._alias(event):
+                    return None
+            elif kind is DocumentStartEvent and self._root is not None:
+                self._sink.error(
+                    "yaml-documents",
+                    "a second YAML document begins here; a file holds one",
+                    self._span(event),
+                    help="move what follows `---` into a file of its own, or remove the `---`",
+                )
+                return self._root
+            if self._total > MAX_NODES:
+                self._sink.error(
+                    "yaml-too-large", f"more than {MAX_NODES} values in one file", self._span(event)
+                )
+                return None
+        root = self._root
+        if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
+            self._sink.error(
+                "yaml-empty",
+                f"`{self._file}` holds nothing" + (" but comments" if self._text.strip() else ""),
+                Span(self._file, 1, 1),
+            )
+            return None
+        return root
+
+    def _add(self, node: Node, height: int) -> None:
+        """Put a complete value where the innermost open collection wants it."""
+        if not self._stack:
+            self._root = node
+            return
+        frame = self._stack[-1]
+        span = node.span
+        if span.line == frame.line and span.end_column is not None:
+            frame.first_end = span.end_column
+        if height >= frame.height:
+            frame.height = height + 1
+        into = self._entries[-1]
+        if isinstance(into, list):
+            into.append(node)
+        else:
+            key, frame.key = frame.key, None
+            if key is not None and key is not _DROPPED:
+                into[key.name] = (key, node)
+
+    def _begin(self, event: Any, mapping: bool) -> bool:
+        is_key = False
+        if self._stack:
+            parent = self._stack[-1]
+            if parent.mapping and parent.key is None:
+                self._refuse_key(event, "mapping" if mapping else "list")
+                parent.key = _DROPPED
+                is_key = True
+        if len(self._stack) >= MAX_DEPTH:
+            self._sink.error(
+                "yaml-too-deep", f"more than {MAX_DEPTH} lists and mappings within each other", self._span(event)
+            )
+            return False
+        flow = bool(event.flow_style)
+        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        if event.anchor is not None or event.tag is not None:
+            column += self._properties(event)
+        tag = None if event.tag is None else (event.tag, self._tag_span(event))
+        frame = _Frame(
+            mapping, flow, line, column, self._total, column + 1, event.anchor, tag, is_key
+        )
+        self._stack.append(frame)
+        self._entries.append({} if mapping else [])
+        self._total += 1
+        return True
+
+    def _end(self, event: Any) -> None:
+        frame = self._stack.pop()
+        content = self._entries.pop()
+        end = frame.first_end
+        if frame.flow and event.end_mark.line + 1 == frame.line:
+            end = event.end_mark.column + 1
+        span = Span(self._file, frame.line, frame.column, frame.line, max(end, frame.column + 1))
+        node: Node
+        if isinstance(content, dict):
+            node = Mapping(content, span)
+        else:
+            node = Sequence(tuple(content), span)
+        if frame.tag is not None and frame.tag[0] not in ("!", _STANDARD + ("map" if frame.mapping else "seq")):
+            self._refuse_tag(*frame.tag)
+        if frame.anchor is not None:
+            self._anchors[frame.anchor] = _Anchored(node, self._total - frame.total, frame.height + 1)
+        if not frame.is_key:
+            self._add(node, frame.height + 1)
+
+    def _scalar(self, event: Any) -> Scalar:
+        span = self._span(event)
+        text = event.value
+        if self._restore is not None:
+            try:
+                text = self._restore(text)
+            except UnicodeDecodeError:
+                self._sink.error(
+                    "yaml-syntax",
+                    "an escape here is half of a surrogate pair, which is no character",
+                    span,
+                    help="write both halves, as in `\\ud83d\\ude00`, or the character itself",
+                )
+                text = text.encode("utf-8", "replace").decode("utf-8")
+        plain = not event.style
+        value: None | bool | int | float | str = text
+        if plain or event.tag is not None:
+            try:
+                if event.tag is not None:
+                    value = self._tagged(event, text)
+                elif plain:
+                    value = resolve(text)
+            except OverflowError:
+                shown = text if len(text) <= 40 else f"{text[:40]}…"
+                self._sink.error("out-of-range", f"the number `{shown}` is too large", span)
+        node = Scalar(value, span, text, plain)
+        if event.anchor is not None:
+            self._anchors[event.anchor] = _Anchored(node, 1, 0)
+        return node
+
+    def _scalar_key(self, event: Any, frame: _Frame) -> None:
+        if event.anchor is None and event.tag is None and self._restore is None:
+            self._key(event.value, self._span(event), frame, not event.style)
+            return
+        node = self._scalar(event)
+        self._key(node.text, node.span, frame, node.plain)
+
+    def _key(self, name: str, span: Span, frame: _Frame, plain: bool) -> None:
+        """Take `name` as the key of the value that comes next, or refuse it."""
+        if span.line == frame.line and span.end_column is not None:
+            frame.first_end = span.end_column
+        frame.key = _DROPPED
+        entries = self._entries[-1]
+        assert isinstance(entries, dict)
+        if name == "<<" and plain:
+            self._sink.error(
+                "yaml-merge-key",
+                "the merge key `<<` is not part of the language",
+                span,
+                help="write the keys out, or use `extends` or `variants`, which merge recipes",
+            )
+        elif name in entries:
+            self._sink.error(
+                "yaml-duplicate-key",
+                f"the key `{name}` is written twice in this mapping",
+                span,
+                notes=[Note("it is first written here", entries[name][0].span)],
+                help="keep one of the two, or give one of them another name",
+            )
+        else:
+            frame.key = Key(name, span)
+
+    def _alias(self, event: Any) -> bool:
+        name = event.anchor
+        span = self._span(event)
+        anchored = self._anchors.get(name)
+        if any(frame.anchor == name for frame in self._stack):
+            self._sink.error(
+                "yaml-alias-bomb", f"the alias `*{name}` stands inside of what it names, without end", span
+            )
+            return False
+        if anchored is None:
+            self._sink.error(
+                "yaml-alias",
+                f"`*{name}` is an alias in YAML, and nothing before it is marked `&{name}`",
+                span,
+                help=f"if the text itself is meant, quote it: {quoted('*' + name)}",
+            )
+            anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", True), 1, 0)
+        frame = self._stack[-1] if self._stack else None
+        if frame is not None and frame.mapping and frame.key is None:
+            if isinstance(anchored.node, Scalar):
+                self._key(anchored.node.text, span, frame, False)
+            else:
+                self._refuse_key(event, "alias of a list or mapping")
+                frame.key = _DROPPED
+            return True
+        self._total += anchored.size
+        self._expanded += anchored.size
+        if self._expanded > FREE_EXPANSION + len(self._text) or self._total > MAX_NODES:
+            self._sink.error(
+                "yaml-alias-bomb",
+                f"with `*{name}` the aliases of this file stand for {self._expanded} values, "
+                "far more than are written",
+                span,
+            )
+            return False
+        if len(self._stack) + anchored.height > MAX_DEPTH:
+            self._sink.error(
+                "yaml-too-deep",
+                f"with `*{name}` there are more than {MAX_DEPTH} lists and mappings within each other",
+                span,
+            )
+            return False
+        # What is inside keeps the place where it is written; the value itself stands where the alias does.
+        self._add(replace(anchored.node, span=span), anchored.height)
+        return True
+
+    def _tagged(self, event: Any, text: str) -> None | bool | int | float | str:
+        tag = event.tag
+        if tag in ("!", _STANDARD + "str"):
+            return text
+        allowed = _SCALAR_TAGS.get(tag.removeprefix(_STANDARD)) if tag.startswith(_STANDARD) else None
+        if allowed is None:
+            self._refuse_tag(tag, self._tag_span(event))
+            return text if event.style else resolve(text)
+        value = resolve(text)
+        if not isinstance(value, allowed) or (isinstance(value, bool) and bool not in allowed):
+            self._sink.error(
+                "yaml-tag",
+                f"`{text}` is not what its tag `{_shown(tag)}` says",
+                self._span(event),
+                help=f"remove the tag `{_shown(tag)}`",
+            )
+            return value
+        return float(value) if tag == _STANDARD + "float" and isinstance(value, int) else value
+
+    def _refuse_tag(self, tag: str, span: Span) -> None:
+        self._sink.error(
+            "yaml-tag",
+            f"the tag `{_shown(tag)}` is not part of the language",
+            span,
+            help=f"remove `{_shown(tag)}`; if it is meant as text, quote the whole value",
+        )
+
+    def _refuse_key(self, event: Any, kind: str) -> None:
+        template = kind == "mapping" and self._text.startswith("{{", event.start_mark.index - 1)
+        self._sink.error(
+            "yaml-key",
+            f"a {kind} cannot be a key" if kind[0] != "a" else f"an {kind} cannot be a key",
+            self._span(event),
+            help='text with braces must be quoted; an expression is written "${…}"'
+            if template
+            else "a key is text; quote it if it begins with `[`, `{` or `*`",
+        )
+
+    def _span(self, event: Any) -> Span:
+        """The place of an event, without anchor and tag; of several lines, the first."""
+        start, end = event.start_mark, event.end_mark
+        line, column = start.line + 1, start.column + 1
+        if end.line == start.line:
+            last = end.column + 1
+        else:
+            header = _BLOCK_HEADER if getattr(event, "style", None) in ("|", ">") else _REST_OF_LINE
+            found = header.match(self._text, start.index) or _REST_OF_LINE.match(self._text, start.index)
+            last = column + (len(found.group().rstrip()) if found else 0)
+        if getattr(event, "tag", None) is not None or getattr(event, "anchor", None) is not None:
+            column = min(column + self._properties(event), last)
+        return Span(self._file, line, column, line, last)
+
+    def _properties(self, event: Any) -> int:
+        """How many characters anchor and tag take before the value, if it follows on their line."""
+        found = _PROPERTIES.match(self._text, event.start_mark.index)
+        return len(found.group()) if found else 0
+
+    def _tag_span(self, event: Any) -> Span:
+        found = _TAG.match(self._text, event.start_mark.index)
+        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        if found is None or "\n" in found.group():
+            return Span(self._file, line, column, line, column + 1)
+        column += found.start(1) - found.start()
+        return Span(self._file, line, column, line, column + len(found.group(1)))
+
+
+def _shown(tag: str) -> str:
+    return "!!" + tag.removeprefix(_STANDARD) if tag.startswith(_STANDARD) else tag

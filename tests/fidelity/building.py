@@ -1,0 +1,86 @@
+"""The places where the harness calls mjcompose, and a stand-in for it that is MuJoCo's own attach."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import mujoco
+from fidelity.corpus import Composition
+from fidelity.rival import attached
+
+
+@dataclass(frozen=True)
+class Build:
+    """A model file, or None with the diagnostics that say why there is none."""
+
+    model: Path | None
+    diagnostics: str
+
+    def load(self) -> mujoco.MjModel:
+        if self.model is None:
+            raise ValueError("nothing was built")
+        if self.model.suffix == ".mjb":
+            return mujoco.MjModel.from_binary_path(str(self.model))
+        return mujoco.MjModel.from_xml_path(str(self.model))
+
+
+def is_there() -> bool:
+    """Whether mjcompose can build at all."""
+    try:
+        return find_spec("composer.pipeline") is not None and bool(__import__("composer.pipeline"))
+    except ImportError:
+        return False
+
+
+def build(recipe: Path, out: Path) -> Build:
+    """The recipe built into the folder `out`, in this process and unverified: the harness is the verifier."""
+    from composer.bundle.write import write
+    from composer.context import Context
+    from composer.diagnostics import render
+    from composer.pipeline import build as run
+
+    context = Context(folder=recipe.parent)
+    built = run(recipe, context, verified=False)
+    told = "\n".join(render(found, _source(recipe.parent), False) for found in context.sink.diagnostics)
+    if built is None:
+        return Build(None, told)
+    write(built.bundle, f"{out}{os.sep}", environment=context.environment)
+    return Build(out / built.bundle.model, told)
+
+
+def _source(folder: Path):  # type: ignore[no-untyped-def]
+    def read(file: str) -> str | None:
+        try:
+            return (folder / file).read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return None
+
+    return read
+
+
+def stand_in(composition: Composition, out: Path) -> Build:
+    """What MuJoCo's own attach makes of it, saved as MJB: to see the harness at work without mjcompose."""
+    try:
+        model = attached(composition)
+    except ValueError as error:
+        return Build(None, f"error: {error}")
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / "model.mjb"
+    mujoco.mj_saveModel(model, str(path), None)
+    return Build(path, "")
+
+
+def reread(path: Path) -> bytes:
+    """An MJCF file parsed into mjcompose's tree and written again. Raises ValueError where it is refused."""
+    from composer.diagnostics.sink import Sink
+    from composer.tree.parse import parse_file
+    from composer.tree.write import write
+
+    sink = Sink()
+    unit = parse_file(path, sink)
+    if unit is None:
+        raise ValueError("; ".join(found.message for found in sink.diagnostics))
+    return write(unit.root)

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from composer.sources import SourceError, resolve
+
+
+@pytest.fixture
+def library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A stand-in for robot_descriptions: what it clones is at hand, and it prints as the real one does."""
+    repository = tmp_path / "clones" / "menagerie"
+    package = tmp_path / "site" / "robot_descriptions"
+    for folder in (repository / "arm", package):
+        folder.mkdir(parents=True)
+    (repository / "LICENSE").write_text("Apache")
+    (repository / "arm" / "arm.xml").write_text("<mujoco/>")
+    (repository / "arm" / "arm.urdf").write_text("<robot/>")
+    paths = f"print('Cloning ...')\nREPOSITORY_PATH = {str(repository)!r}\n"
+    modules = {
+        "__init__": "",
+        "arm_mj_description": f"{paths}MJCF_PATH = REPOSITORY_PATH + '/arm/arm.xml'\n",
+        "arm_description": f"{paths}URDF_PATH = REPOSITORY_PATH + '/arm/arm.urdf'\n",
+        "gone_mj_description": f"{paths}MJCF_PATH = REPOSITORY_PATH + '/arm/gone.xml'\n",
+        "macro_description": f"{paths}XACRO_PATH = REPOSITORY_PATH + '/arm/arm.xacro'\n",
+        "offline_mj_description": "raise OSError('no route to host')\n",
+        "_empty_description": "",
+    }
+    for name, text in modules.items():
+        (package / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(str(tmp_path / "site"))
+    _forget()
+    yield repository
+    _forget()
+
+
+def _forget() -> None:
+    for name in [each for each in sys.modules if each.partition(".")[0] == "robot_descriptions"]:
+        del sys.modules[name]
+
+
+def fail(text: str) -> SourceError:
+    with pytest.raises(SourceError) as caught:
+        resolve(text, relative_to=Path(), environment={})
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    ("text", "file", "kind"),
+    [
+        ("descriptions:arm_mj_description", "arm.xml", "mjcf"),
+        ("descriptions:arm_description", "arm.urdf", "urdf"),
+    ],
+)
+def test_finds_a_description(
+    library: Path, capsys: pytest.CaptureFixture[str], text: str, file: str, kind: str
+) -> None:
+    source = resolve(text, relative_to=Path(), environment={})
+    assert source.path == library / "arm" / file
+    assert (source.kind, source.package, source.format) == ("descriptions", "robot_descriptions", kind)
+    assert source.licences == ((library / "LICENSE").resolve(),)
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "message", "fix"),
+    [
+        (
+            "descriptions:arm",
+            "source-not-found",
+            "no description `arm`",
+            "write `descriptions:arm_mj_description`",
+        ),
+        (
+            "descriptions:arm_mj_descripton",
+            "source-not-found",
+            "no description",
+            "write `descriptions:arm_mj_description`",
+        ),
+        ("descriptions:_empty_description", "source-not-found", "no description", None),
+        ("descriptions:offline_mj_description", "source-not-found", "could not be fetched", None),
+        ("descriptions:gone_mj_description", "source-not-found", "which is no model file", None),
+        ("descriptions:macro_description", "source-kind", "neither MJCF nor URDF", None),
+    ],
+)
+@pytest.mark.usefixtures("library")
+def test_what_is_not_there(text: str, code: str, message: str, fix: str | None) -> None:
+    error = fail(text)
+    assert error.code == code
+    assert message in error.message
+    assert error.help == fix
+
+
+@pytest.mark.usefixtures("library")
+def test_says_why_a_fetch_failed() -> None:
+    assert fail("descriptions:offline_mj_description").notes == ("no route to host",)
+
+
+def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("composer.sources.descriptions.folders", lambda _: [])
+    error = fail("descriptions:arm_mj_description")
+    assert error.code == "source-not-found"
+    assert error.help == "run `pip install robot_descriptions`"

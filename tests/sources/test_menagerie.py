@@ -1,0 +1,138 @@
+from __future__ import annotations
+
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from composer.sources import Source, SourceError, resolve
+
+needs_library = pytest.mark.skipif(
+    find_spec("mujoco_menagerie") is None, reason="mujoco-menagerie is missing"
+)
+
+
+def find(text: str, **environment: str | Path) -> Source:
+    strings = {name: str(value) for name, value in environment.items()}
+    return resolve(text, relative_to=Path(), environment=strings)
+
+
+def fail(text: str, **environment: str | Path) -> SourceError:
+    with pytest.raises(SourceError) as caught:
+        find(text, **environment)
+    return caught.value
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    """A Menagerie of two robots, one of them incomplete."""
+    for name in (
+        "robotiq_2f85/2f85.xml",
+        "robotiq_2f85/scene.xml",
+        "robotiq_2f85/LICENSE",
+        "wonik_allegro/LICENSE",
+    ):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("")
+    return tmp_path
+
+
+@needs_library
+@pytest.mark.parametrize(
+    ("text", "file"),
+    [
+        ("menagerie:robotiq_2f85/2f85", "2f85.xml"),
+        ("menagerie:robotiq_2f85/scene", "scene.xml"),
+        ("menagerie:robotiq_2f85", "2f85.xml"),
+    ],
+)
+def test_entries_of_a_robot(root: Path, text: str, file: str) -> None:
+    source = find(text, MENAGERIE_ROOT=root)
+    assert source.path == root / "robotiq_2f85" / file
+    assert (source.kind, source.package) == ("menagerie", "mujoco-menagerie")
+    assert source.licences == ((root / "robotiq_2f85" / "LICENSE").resolve(),)
+
+
+@needs_library
+def test_a_folder_of_ones_own_has_no_version(root: Path) -> None:
+    assert find("menagerie:robotiq_2f85", MENAGERIE_ROOT=root).version is None
+
+
+@needs_library
+def test_the_cache_is_used_without_a_root(tmp_path: Path) -> None:
+    import mujoco_menagerie
+
+    robot = mujoco_menagerie.get("robotiq_2f85")
+    folder = mujoco_menagerie.Cache(dir=tmp_path).model_path(robot)
+    folder.mkdir(parents=True)
+    (folder / ".complete").write_text("{}")
+    (folder / "2f85.xml").write_text("<mujoco/>")
+    source = find("menagerie:robotiq_2f85", MENAGERIE_CACHE_DIR=tmp_path)
+    assert source.path == folder / "2f85.xml"
+    assert source.version == mujoco_menagerie.__version__
+
+
+@needs_library
+def test_a_download_that_fails_is_told(tmp_path: Path) -> None:
+    error = fail(
+        "menagerie:robotiq_2f85",
+        MENAGERIE_CACHE_DIR=tmp_path / "cache",
+        MENAGERIE_BASE_URL=(tmp_path / "no_such_folder").as_uri(),
+    )
+    assert error.code == "source-not-found"
+    assert error.notes
+    assert error.help is not None
+    assert "MENAGERIE_ROOT" in error.help
+
+
+@needs_library
+@pytest.mark.parametrize(
+    ("text", "message", "fix"),
+    [
+        ("menagerie:robotiq_2f58", "no robot `robotiq_2f58`", "write `menagerie:robotiq_2f85`"),
+        ("menagerie:2f85/2f85", "no robot `2f85`", "write `menagerie:robotiq_2f85/2f85`"),
+        ("menagerie:qqq", "no robot `qqq`", None),
+        ("menagerie:robotiq_2f85/2f58", "no entry `2f58`", "write `menagerie:robotiq_2f85/2f85`"),
+        ("menagerie:robotiq_2f85/2f85.xml", "no entry `2f85.xml`", "write `menagerie:robotiq_2f85/2f85`"),
+    ],
+)
+def test_what_menagerie_does_not_have(root: Path, text: str, message: str, fix: str | None) -> None:
+    error = fail(text, MENAGERIE_ROOT=root)
+    assert error.code == "source-not-found"
+    assert message in error.message
+    assert error.help == fix
+
+
+@needs_library
+def test_a_robot_that_the_root_does_not_have(root: Path) -> None:
+    error = fail("menagerie:universal_robots_ur5e", MENAGERIE_ROOT=root)
+    assert error.code == "source-not-found"
+    assert "robotiq_2f85, wonik_allegro" in error.notes[1]
+
+
+@needs_library
+def test_an_entry_that_the_root_does_not_have(root: Path) -> None:
+    assert "left_hand.xml" in fail("menagerie:wonik_allegro", MENAGERIE_ROOT=root).message
+
+
+@needs_library
+def test_a_root_that_is_not_there(tmp_path: Path) -> None:
+    error = fail("menagerie:wonik_allegro", MENAGERIE_ROOT=tmp_path / "gone")
+    assert error.notes[1] == "there are no folders"
+
+
+@needs_library
+def test_real_robots(menagerie_root: Path) -> None:
+    for robot in ("universal_robots_ur5e", "robotiq_2f85"):
+        source = find(f"menagerie:{robot}", MENAGERIE_ROOT=menagerie_root)
+        assert source.path.read_text().lstrip().startswith("<mujoco")
+        assert source.licences
+
+
+def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco_menagerie", None)
+    error = fail("menagerie:robotiq_2f85")
+    assert error.code == "source-not-found"
+    assert "`mujoco-menagerie`, which is not installed" in error.message
+    assert error.help == 'run `pip install "mjcompose[menagerie]"`'

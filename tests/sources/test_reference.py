@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+import pytest
+
+from composer.sources import Kind, Reference, SourceError, parse
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("./parts/table.xml", (Kind.PATH, "", "./parts/table.xml", "")),
+        ("../arm.yaml", (Kind.PATH, "", "../arm.yaml", "")),
+        ("arm.xml", (Kind.PATH, "", "arm.xml", "")),
+        ("/opt/robots/arm.xml", (Kind.PATH, "", "/opt/robots/arm.xml", "")),
+        ("./odd:name.xml", (Kind.PATH, "", "./odd:name.xml", "")),
+        (r"C:\robots\arm.xml", (Kind.PATH, "", r"C:\robots\arm.xml", "")),
+        ("package:robots/arms/a.xml", (Kind.PACKAGE, "robots", "arms/a.xml", "")),
+        ("package:robots.arms/a.xml", (Kind.PACKAGE, "robots.arms", "a.xml", "")),
+        ("menagerie:robotiq_2f85", (Kind.MENAGERIE, "robotiq_2f85", "", "")),
+        ("menagerie:robotiq_2f85/2f85", (Kind.MENAGERIE, "robotiq_2f85", "2f85", "")),
+        ("descriptions:ur5e_mj_description", (Kind.DESCRIPTIONS, "ur5e_mj_description", "", "")),
+        ("git+https://host/a/repo@v1#m/x.xml", (Kind.GIT, "https://host/a/repo", "m/x.xml", "v1")),
+        ("git+https://me@host/repo@fix/one#x.xml", (Kind.GIT, "https://me@host/repo", "x.xml", "fix/one")),
+        ("https://host/a/b.zip#m/x.xml", (Kind.ARCHIVE, "https://host/a/b.zip", "m/x.xml", "")),
+    ],
+)
+def test_takes_apart(text: str, expected: tuple[Kind, str, str, str]) -> None:
+    kind, name, path, revision = expected
+    assert parse(text) == Reference(text, kind, name, path, revision)
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("", "empty"),
+        ("  ", "empty"),
+        ("a\x00.xml", "control character"),
+        ("package:", "the package"),
+        ("package:robots", "the file inside the package"),
+        ("package:robots/", "the file inside the package"),
+        ("package:2robots/a.xml", "cannot be a Python package"),
+        ("menagerie:", "the robot"),
+        ("menagerie:ur5e/", "the entry"),
+        ("descriptions:", "does not name a description"),
+        ("descriptions:a/b", "does not name a description"),
+        ("git+https://host/repo#x.xml", "the revision"),
+        ("git+https://me@host/repo#x.xml", "the revision"),
+        ("git+https://host/repo@v1", "the file inside the repository"),
+        ("git+https://host@v1#x.xml", "the repository"),
+        ("https://host/b.zip", "the file inside the archive"),
+        ("https://host#x.xml", "the archive"),
+    ],
+)
+def test_what_a_form_lacks(text: str, problem: str) -> None:
+    with pytest.raises(SourceError) as caught:
+        parse(text)
+    assert caught.value.code == "source-kind"
+    assert problem in caught.value.message
+
+
+@pytest.mark.parametrize(
+    ("text", "fix"),
+    [
+        ("menagrie:robotiq_2f85", "write `menagerie:robotiq_2f85`"),
+        ("Menagerie:robotiq_2f85", "write `menagerie:robotiq_2f85`"),
+        ("packages:robots/a.xml", "write `package:robots/a.xml`"),
+        ("http://host/b.zip#x.xml", "write `https://host/b.zip#x.xml`"),
+        ("package://robots/a.xml", "write `package:robots/a.xml`"),
+        ("menagerie://robotiq_2f85", "write `menagerie:robotiq_2f85`"),
+        ("odd:name.xml", "if it is a path, write `./odd:name.xml`"),
+        ("file:///opt/a.xml", "write the path alone"),
+    ],
+)
+def test_unknown_kinds_say_what_to_write(text: str, fix: str) -> None:
+    with pytest.raises(SourceError) as caught:
+        parse(text)
+    assert caught.value.code == "source-kind"
+    assert caught.value.help == fix

@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from composer.diagnostics import CODES
+from composer.sources import SourceError, resolve
+
+
+@pytest.mark.parametrize("text", ["git+https://host/repo@v1#arm.xml", "https://host/robots.zip#arm.xml"])
+def test_what_cannot_be_fetched_yet_says_so(text: str) -> None:
+    with pytest.raises(SourceError) as caught:
+        resolve(text, relative_to=Path(), environment={})
+    assert caught.value.code == "not-supported"
+    assert text in caught.value.message
+    assert caught.value.help
+
+
+@pytest.mark.parametrize(
+    "text", ["", "./no.xml", "package:none/a.xml", "menagerie:none", "https://host/a.zip#b.xml"]
+)
+def test_every_code_is_declared(tmp_path: Path, text: str) -> None:
+    with pytest.raises(SourceError) as caught:
+        resolve(text, relative_to=tmp_path, environment={})
+    assert caught.value.code in CODES
+    assert str(caught.value) == caught.value.message
+
+
+def test_the_room_is_light(repository: Path) -> None:
+    heavy = ["mujoco", "numpy", "pydantic", "yaml", "lxml", "click", "mujoco_menagerie", "importlib.metadata"]
+    # Without site: what the .pth files of an environment import is none of the room's doing.
+    code = (
+        f"import sys; sys.path.insert(0, {str(repository)!r}); import composer.sources; "
+        f"print([name for name in {heavy} if name in sys.modules])"
+    )
+    command = [sys.executable, "-I", "-S", "-c", code]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
