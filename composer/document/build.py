@@ -130,7 +130,8 @@ class Builder:
         if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
             self._sink.error(
                 "yaml-empty",
-                f"`{self._file}` holds nothing" + (" but comments" if self._text.strip() else ""),
+                f"`{self._file}` holds nothing"
+                + (" but comments" if self._text.lstrip().startswith("#") else ""),
                 Span(self._file, 1, 1),
             )
             return None
@@ -160,12 +161,14 @@ class Builder:
         if self._stack:
             parent = self._stack[-1]
             if parent.mapping and parent.key is None:
-                self._refuse_key(event, "mapping" if mapping else "list")
+                self._refuse_key(event, "a mapping" if mapping else "a list")
                 parent.key = _DROPPED
                 is_key = True
         if len(self._stack) >= MAX_DEPTH:
             self._sink.error(
-                "yaml-too-deep", f"more than {MAX_DEPTH} lists and mappings within each other", self._span(event)
+                "yaml-too-deep",
+                f"more than {MAX_DEPTH} lists and mappings within each other",
+                self._span(event),
             )
             return False
         flow = bool(event.flow_style)
@@ -173,9 +176,7 @@ class Builder:
         if event.anchor is not None or event.tag is not None:
             column += self._properties(event)
         tag = None if event.tag is None else (event.tag, self._tag_span(event))
-        frame = _Frame(
-            mapping, flow, line, column, self._total, column + 1, event.anchor, tag, is_key
-        )
+        frame = _Frame(mapping, flow, line, column, self._total, column + 1, event.anchor, tag, is_key)
         self._stack.append(frame)
         self._entries.append({} if mapping else [])
         self._total += 1
@@ -193,7 +194,10 @@ class Builder:
             node = Mapping(content, span)
         else:
             node = Sequence(tuple(content), span)
-        if frame.tag is not None and frame.tag[0] not in ("!", _STANDARD + ("map" if frame.mapping else "seq")):
+        if frame.tag is not None and frame.tag[0] not in (
+            "!",
+            _STANDARD + ("map" if frame.mapping else "seq"),
+        ):
             self._refuse_tag(*frame.tag)
         if frame.anchor is not None:
             self._anchors[frame.anchor] = _Anchored(node, self._total - frame.total, frame.height + 1)
@@ -215,7 +219,7 @@ class Builder:
                 )
                 text = text.encode("utf-8", "replace").decode("utf-8")
         plain = not event.style
-        value: None | bool | int | float | str = text
+        value: bool | int | float | str | None = text
         if plain or event.tag is not None:
             try:
                 if event.tag is not None:
@@ -284,7 +288,7 @@ class Builder:
             if isinstance(anchored.node, Scalar):
                 self._key(anchored.node.text, span, frame, False)
             else:
-                self._refuse_key(event, "alias of a list or mapping")
+                self._refuse_key(event, "an alias of a list or mapping")
                 frame.key = _DROPPED
             return True
         self._total += anchored.size
@@ -308,7 +312,7 @@ class Builder:
         self._add(replace(anchored.node, span=span), anchored.height)
         return True
 
-    def _tagged(self, event: Any, text: str) -> None | bool | int | float | str:
+    def _tagged(self, event: Any, text: str) -> bool | int | float | str | None:
         tag = event.tag
         if tag in ("!", _STANDARD + "str"):
             return text
@@ -336,10 +340,10 @@ class Builder:
         )
 
     def _refuse_key(self, event: Any, kind: str) -> None:
-        template = kind == "mapping" and self._text.startswith("{{", event.start_mark.index - 1)
+        template = kind == "a mapping" and self._text.startswith("{{", event.start_mark.index - 1)
         self._sink.error(
             "yaml-key",
-            f"a {kind} cannot be a key" if kind[0] != "a" else f"an {kind} cannot be a key",
+            f"{kind} cannot be a key",
             self._span(event),
             help='text with braces must be quoted; an expression is written "${…}"'
             if template

@@ -67,7 +67,10 @@ def _utf8(source: bytes, file: str, sink: Sink) -> str | None:
     for mark, encoding in _UTF_16_OR_32:
         if source.startswith(mark):
             sink.error(
-                "yaml-not-utf8", f"`{file}` is {encoding} text", Span(file, 1, 1), help="save the file as UTF-8"
+                "yaml-not-utf8",
+                f"`{file}` is {encoding} text",
+                Span(file, 1, 1),
+                help="save the file as UTF-8",
             )
             return None
     try:

@@ -16,7 +16,7 @@ class Scalar:
     quotes nor a block style, so that `value` was found by the rules of the YAML 1.2 core schema.
     """
 
-    value: None | bool | int | float | str
+    value: bool | int | float | str | None
     span: Span
     text: str
     plain: bool

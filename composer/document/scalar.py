@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-_WORDS: dict[str, None | bool | float] = {
+_WORDS: dict[str, bool | float | None] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
     **dict.fromkeys(("true", "True", "TRUE"), True),
     **dict.fromkeys(("false", "False", "FALSE"), False),
@@ -19,7 +19,7 @@ _NUMERIC = frozenset("+-.0123456789")
 _MAX_DIGITS = 1000
 
 
-def resolve(text: str) -> None | bool | int | float | str:
+def resolve(text: str) -> bool | int | float | str | None:
     """The value of a plain scalar.
 
     Raises `OverflowError` for a number that is too large for a float, or has over 1000 digits.

@@ -35,8 +35,8 @@ class Attribute:
     """What MuJoCo reads from one attribute.
 
     Lengths count numbers, keywords, names or (for `chars`) characters; `None` is unbounded. `default` is the
-    value, in the last version covered, of an attribute written nowhere: a scalar where `max_length` is 1, else
-    a tuple; `None` where there is no such value (names, lists without bound) or where MuJoCo computes it.
+    value, in the last version covered, of an attribute written nowhere: a scalar where `max_length` is 1,
+    else a tuple; `None` where there is no such value (names, lists without bound), or MuJoCo computes it.
     """
 
     name: str

@@ -126,9 +126,9 @@ def check_list(attribute: Attribute, value: object) -> str | None:
         if attribute.type == "references" and len(items(word)) != 1:
             return f"expects names without spaces, got `{shorten(word)}`"
         words.append(word)
-    if attribute.type == "references":
-        return None if words else f"expects {expected(attribute)}, got an empty list"
-    return check_words(attribute, words)
+    if not words:
+        return f"expects {expected(attribute)}, got an empty list"
+    return None if attribute.type == "references" else check_words(attribute, words)
 
 
 def check_words(attribute: Attribute, words: Sequence[str]) -> str | None:
@@ -201,6 +201,9 @@ def counted(attribute: Attribute, noun: str) -> str:
 
 def unknown_keyword(attribute: Attribute, word: str) -> str:
     """That a word is none of the keywords; names the one it nearly is, or all of them if they are few."""
+    if not word:
+        choices = either(attribute.keywords) if len(attribute.keywords) <= SHOWN_KEYWORDS else "a keyword"
+        return f"expects {choices}, got nothing"
     near = word.strip().lower()
     for keyword in attribute.keywords:
         if keyword.lower() == near:

@@ -255,7 +255,7 @@ class Grammar:
             since=row.get("since"),
             until=row.get("until"),
             in_default=has_default and bool(row.get("in_default", True)),
-            doc=docs.get(f"{place}/{name}") or docs.get(name, ""),
+            doc=docs.get(f"{place.removeprefix('default/')}/{name}") or docs.get(name, ""),
         )
 
     def _keywords(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
 from composer.link.angles import model_angle
 from composer.link.linking import Linking, Part
@@ -17,15 +18,33 @@ def bodies(linking: Linking) -> None:
     """Hang the parts in their order; a part that hangs on another part waits for it."""
     waiting = list(linking.parts)
     while waiting:
-        ready = [part for part in waiting if _mount(linking, part, waiting)]
-        if not ready:
-            return
+        ready = [part for part in waiting if _mount(linking, part)]
         for part in ready:
             _hang(linking, part)
+        if not ready:
+            for part in waiting:
+                _nowhere(linking, part)
+            return
         waiting = [part for part in waiting if part not in ready]
 
 
-def _mount(linking: Linking, part: Part, waiting: list[Part]) -> bool:
+def _nowhere(linking: Linking, part: Part) -> None:
+    """The place does not exist, or belongs to a part that cannot be hung itself."""
+    if part.mount is not None:
+        return
+    kind, name = part.place.kind, part.place.name or ""
+    names = [each for each in linking.names.of(kind) if not each.startswith(part.prefix or "\0")]
+    near = closest(name, names)
+    linking.sink.error(
+        "attach-place",
+        f"there is no {kind} `{name}` to attach `{part.prefix}` to",
+        part.place.span or part.span,
+        notes=(exists_note(kind, names, name),),
+        help=f"did you mean `{kind}: {near[0]}`?" if near else None,
+    )
+
+
+def _mount(linking: Linking, part: Part) -> bool:
     """Find the element to hang on; it must already be part of the model."""
     if part.place.kind == "world":
         part.mount = linking.base.section("worldbody")

@@ -7,7 +7,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.link.linking import FileUse, Linking
-from composer.tree.files import asset_folder, file_attributes, is_absolute, is_plain, join, written_path
+from composer.tree.files import file_attributes, is_absolute, is_plain, join, written_path
 from composer.tree.settings import Settings
 from composer.tree.skin_file import BadSkin, rename_bones
 from composer.tree.unit import Unit
@@ -20,14 +20,19 @@ def files(linking: Linking) -> None:
     taken: dict[str, tuple[str, bytes | None]] = {}
     for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
         directory = str(unit.directory)
+        mesh_folder = join(directory, unit.settings.mesh_folder)
+        texture_folder = join(directory, unit.settings.texture_folder)
         simple = not unit.contents and unit.settings.strippath != "true"
+        target = f"{ASSETS}/{unit.label}/"
         for element, attribute in file_attributes(unit.root):
             name = element.get(attribute)
-            if simple and is_plain(name) and element.tag != "skin":
-                folder = asset_folder(unit.settings, element)
-                source = join(directory, f"{folder}/{name}") if folder else f"{directory}/{name}"
-                path = f"{ASSETS}/{unit.label}/{name}"
-                if taken.setdefault(path.lower(), (source, None)) == (source, None):
+            tag = element.tag
+            if simple and tag != "skin" and is_plain(name):  # most files: no path to be shortened
+                path = target + name
+                source = f"{texture_folder if tag == 'texture' else mesh_folder}/{name}"
+                key = path.lower()
+                if key not in taken:
+                    taken[key] = (source, None)
                     element.set(attribute, path)
                     linking.files.append(FileUse(element, attribute, path, source, None))
                     continue

@@ -239,7 +239,9 @@ class _Reference:
 
     def __init__(self, linking: Linking) -> None:
         self.linking = linking
-        self.classes = linking.base.classes
+        self.class_refs = any(
+            joint.get("ref") for top in linking.base.root.iterchildren("default") for joint in top.iter("joint")
+        )
         self.degrees = model_angle(linking) == "degree"
         self.sequence = linking.base.settings.eulerseq
 
@@ -273,7 +275,9 @@ class _Reference:
             return self.linking.references.get(joint) or ["0"] * slot.widths[0]
         if slot.kind == "ball":
             return _IDENTITY["ball"]
-        ref = self.classes.effective(joint, childclass_of(joint), "ref")
+        ref = joint.get("ref")
+        if ref is None and self.class_refs:
+            ref = self.linking.base.classes.effective(joint, childclass_of(joint), "ref")
         if ref is None:
             return ["0"]
         value = numbers.read(ref)[0]

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
@@ -69,32 +68,45 @@ class Layout:
 
 
 _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
-# Everything that makes a layout more than a list of joints in document order, found in one go:
-# mocap bodies, joints written after a child body, classes that type joints or give actuators a state.
-_UNUSUAL = etree.XPath(
-    "worldbody//body[@mocap='true'] | worldbody//joint[preceding-sibling::body] | default//joint[@type]"
-    " | default//position[@timeconst] | default//general[@dyntype or @actdim or @input] | "
-    + " | ".join(f"default//{tag}[@*]" for tag in _STATEFUL)
-)
 
 
 def lay_out(unit: Unit, known: Mapping[Node, tuple[int, ...] | Slot]) -> Layout:
     """The layout of a whole model; raises `Unknown` for what neither the tree nor `known` tells."""
     layout = Layout()
     root = unit.root
-    unusual = _UNUSUAL(root)
-    in_classes = {element.tag for element in unusual} - {"body"} if unusual else set()
-    reader = _Reader(unit, known, "joint" in in_classes, bool(in_classes - {"joint"}))
+    reader = _Reader(unit, known, *_class_influence(root))
     for worldbody in root.iterchildren("worldbody"):
         found = list(worldbody.iter("joint", "freejoint", *_BLOCKS))
-        if "joint" in in_classes or any(element.tag in _BLOCKS for element in found):
+        if any(element.tag in _BLOCKS or _is_late(element) for element in found):
             reader.visit(worldbody, layout)
         else:  # joints stand in the order of their bodies: nothing else needs to be looked at
             layout.joints.extend(map(reader.joint, found))
-    layout.mocaps.extend(element for element in unusual if element.tag == "body")
+        layout.mocaps.extend(
+            body for body in through_frames(worldbody) if body.tag == "body" and body.get("mocap") == "true"
+        )
     for section in root.iterchildren("actuator"):
         layout.actuators.extend(map(reader.actuator, section.iterchildren("*")))
     return layout
+
+
+def _is_late(joint: Node) -> bool:
+    """Whether it is written after a child of its body, or in a frame that is."""
+    return next(joint.itersiblings("body", "frame", preceding=True), None) is not None
+
+
+def _class_influence(root: Node) -> tuple[bool, bool]:
+    """Whether any class types joints, and whether any gives actuators a state or inputs."""
+    typed = stateful = False
+    for section in root.iterchildren("default"):
+        for element in section.iter("joint", "position", "general", *_STATEFUL):
+            tag = element.tag
+            if tag == "joint":
+                typed = typed or element.get("type") is not None
+            elif tag == "position":
+                stateful = stateful or element.get("timeconst") is not None
+            elif tag != "general" or any(element.get(name) for name in ("dyntype", "actdim", "input")):
+                stateful = True
+    return typed, stateful
 
 
 @dataclass(frozen=True, slots=True)

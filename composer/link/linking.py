@@ -29,6 +29,7 @@ class Place:
     kind: Literal["world", "body", "site", "frame"] = "world"
     name: str | None = None
     offset: Mapping[str, str] = field(default_factory=dict)
+    span: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.recipe.attach import Attachment
 from composer.recipe.element import Element
-from composer.sources.resolve import Source
+from composer.sources.source import Source
 
 KeyPolicy = Literal["merge", "prefix", "none"]
 Origin = Source | "Plan"
@@ -83,6 +84,7 @@ class Plan:
 
     name: str
     description: str | None
+    path: Path
     file: str
     document: Located
     separator: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from composer.document.node import locate
 from composer.link import numbers
 from composer.link.linking import Joint, Linking, Part, Place
 from composer.plan.plan import AttachPart
@@ -59,5 +60,5 @@ def _place(step: AttachPart, making: Making) -> Place:
         if name == "world" and kind == "body":
             break
         if name is not None:
-            return Place(kind, name, offset)  # type: ignore[arg-type]
+            return Place(kind, name, offset, locate(making.document, (*step.at, kind)))  # type: ignore[arg-type]
     return Place("world", None, offset)

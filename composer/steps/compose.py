@@ -9,14 +9,14 @@ from pathlib import Path
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from composer.diagnostics.sink import Sink
+from composer.context import Context
 from composer.link.angles import model_angle
 from composer.link.files import add_file
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
-from composer.sources.resolve import Source
+from composer.sources.source import Source
 from composer.steps.add import add
 from composer.steps.attach import add_joints, part_of
 from composer.steps.elements import Making, settle_joints
@@ -38,7 +38,7 @@ class Composed:
 class Composer:
     """Composes plans; each source file is parsed once and copied for every further use."""
 
-    sink: Sink
+    context: Context
     measure: Measure | None
     parsed: dict[Path, Unit | None] = field(default_factory=dict)
     uses: Counter[Path] = field(default_factory=Counter)
@@ -56,7 +56,7 @@ class Composer:
                 self.uses[model.path] += 1
 
     def _compose(self, plan: Plan) -> Composed | None:
-        before = len(self.sink.errors)
+        before = len(self.context.sink.errors)
         base = self._unit(plan.base.model) if plan.base.model is not None else _empty(plan)
         units = [self._unit(step.model) for step in plan.parts]
         if base is None or any(unit is None for unit in units):
@@ -66,12 +66,12 @@ class Composer:
             for section in list(base.root.iterchildren("keyframe")):
                 base.root.remove(section)
         making = Making(
-            plan.document, plan.file, self.sink, plan.angle, plan.eulerseq,
-            "radian", base.settings.eulerseq, Path(plan.file).parent, base.origins,
+            plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
+            "radian", base.settings.eulerseq, plan.path.parent, base.origins,
         )  # fmt: skip
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True) if unit]
         linking = Linking(
-            base, parts, self.sink, plan.separator, plan.conflict, plan.settled,
+            base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
             isolate_base=any(isinstance(s, SetDefault) and s.name == "main" for s in plan.steps),
             measure=self.measure,
         )  # fmt: skip
@@ -79,11 +79,11 @@ class Composer:
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making)
         link(linking)
-        if len(self.sink.errors) > before:
+        if len(self.context.sink.errors) > before:
             return None
         _carry_out(plan, linking, making)
         finish(linking)
-        if len(self.sink.errors) > before:
+        if len(self.context.sink.errors) > before:
             return None
         flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
         return Composed(flat, tuple(linking.files))
@@ -93,7 +93,7 @@ class Composer:
             composed = self._compose(model)
             return composed.model if composed else None
         if model.path not in self.parsed:
-            self.parsed[model.path] = parse_file(model.path, self.sink, file=model.shown)
+            self.parsed[model.path] = parse_file(model.path, self.context.sink, file=self.context.shown(model.path))
         unit = self.parsed[model.path]
         self.uses[model.path] -= 1
         if unit is None or self.uses[model.path] <= 0:
@@ -102,7 +102,7 @@ class Composer:
 
 
 def _empty(plan: Plan) -> Unit:
-    return Unit(etree.Element("mujoco"), plan.file, Path(plan.file).parent, Path(plan.file).stem)
+    return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
 
 
 def _contents(files: list[FileUse]) -> dict[str, bytes | Path]:

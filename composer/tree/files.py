@@ -11,7 +11,7 @@ from lxml.etree import _Element as Node
 from composer.tree.settings import Settings
 
 _NOT_PLAIN = re.compile(r"//|/\.|^[./]|/$|[\\:]")
-_TO_SHORTEN = re.compile(r"//|/\.|^\.|/$")
+_TO_SHORTEN = re.compile(r"//|(^|/)\.\.?(/|$)|/$")
 CUBE = ("fileright", "fileleft", "fileup", "filedown", "filefront", "fileback")
 NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 
@@ -48,17 +48,12 @@ def is_plain(name: str) -> bool:
     return not _NOT_PLAIN.search(name)
 
 
-def asset_folder(settings: Settings, element: Node) -> str:
-    """The folder of the compiler settings that a file of that element is looked up in."""
-    return settings.texture_folder if element.tag == "texture" else settings.mesh_folder
-
-
 def written_path(settings: Settings, element: Node, attribute: str) -> str:
     """The file as MuJoCo would look for it: relative to the folder of the main file unless absolute."""
     name = str(element.get(attribute))
     if settings.strippath == "true":
         name = posixpath.basename(name.replace("\\", "/"))
-    return join(asset_folder(settings, element), name)
+    return join(settings.texture_folder if element.tag == "texture" else settings.mesh_folder, name)
 
 
 def stem(file: str) -> str:

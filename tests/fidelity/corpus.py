@@ -73,7 +73,7 @@ def _case(folder: Path) -> Composition:
 
 
 def robots(corpus: Path, number: int) -> Iterator[Composition]:
-    """All ordered pairs of the first `number` robots that the pairs are made of, side by side in the world."""
+    """All ordered pairs of the first robots that the pairs are made of, side by side in the world."""
     found: dict[Path, None] = {}
     for pair in pairs(corpus):
         for path in (pair.parent, *(attachment.child for attachment in pair.attachments)):
@@ -81,7 +81,8 @@ def robots(corpus: Path, number: int) -> Iterator[Composition]:
                 found[path] = None
     for first, second in permutations(list(found)[:number], 2):
         part = Attachment(second, "other/", pos=(2.0, 0.5, 0.25))
-        yield Composition(f"{first.parent.name}/{first.stem} + {second.parent.name}/{second.stem}", first, (part,))
+        name = f"{first.parent.name}/{first.stem} + {second.parent.name}/{second.stem}"
+        yield Composition(name, first, (part,))
 
 
 def models(corpus: Path) -> list[Path]:

@@ -28,7 +28,9 @@ def each(
 
     Where a process raises, crashes or takes longer than `seconds`, `failed` gives the result.
     """
-    processes = multiprocessing.get_context("fork" if "fork" in multiprocessing.get_all_start_methods() else None)
+    processes = multiprocessing.get_context(
+        "fork" if "fork" in multiprocessing.get_all_start_methods() else None
+    )
     running: dict[Connection, tuple[BaseProcess, Argument, float]] = {}
     waiting = iter(arguments)
     more = True

@@ -13,16 +13,17 @@ from pathlib import Path
 from types import ModuleType
 
 import mujoco
+from fidelity.building import Build, build
+from fidelity.corpus import Attachment, Composition
+from fidelity.recipe import write_recipe
+from fidelity.rival import attached
+
 from composer.verify.difference import Difference
 from composer.verify.fields import ROUNDING
 from composer.verify.keyframes import Keys, Roots
 from composer.verify.mount import Mount
 from composer.verify.options import option_differences
 from composer.verify.unchanged import compare
-from fidelity.building import Build, build
-from fidelity.corpus import Attachment, Composition
-from fidelity.recipe import write_recipe
-from fidelity.rival import attached
 
 Builder = Callable[[Composition, Path], Build]
 
@@ -58,7 +59,9 @@ class Verdict:
     def fine(self) -> bool:
         if self.error:
             return False
-        return not self.built and bool(self.diagnostics) if self.refused else self.unchanged and self.like_rival
+        return (
+            not self.built and bool(self.diagnostics) if self.refused else self.unchanged and self.like_rival
+        )
 
     @property
     def first_differences(self) -> list[str]:
@@ -68,7 +71,12 @@ class Verdict:
         if self.built and self.refused:
             found.append(f"was built, and should not: {self.refused}")
         found += [f"{prefix or 'base'}: {told}" for prefix, parts in self.parts.items() for told in parts[:2]]
-        return found + self.counts[:2] + self.facts[:2] + [f"MjSpec: {told}" for told in self.rival_differences[:2]]
+        return (
+            found
+            + self.counts[:2]
+            + self.facts[:2]
+            + [f"MjSpec: {told}" for told in self.rival_differences[:2]]
+        )
 
 
 def by_recipe(composition: Composition, out: Path) -> Build:
@@ -76,7 +84,7 @@ def by_recipe(composition: Composition, out: Path) -> Build:
     return build(write_recipe(composition, out.parent), out)
 
 
-def judge(composition: Composition, builder: Builder = by_recipe) -> Verdict:
+def judge(composition: Composition, builder: Builder = by_recipe, roots: Roots = Roots.MOVED) -> Verdict:
     """Build in a folder of its own, compile, and compare. Raises nothing that MuJoCo or a build raises."""
     verdict = Verdict(composition.id, composition.refused)
     start = time.perf_counter()
@@ -91,17 +99,17 @@ def judge(composition: Composition, builder: Builder = by_recipe) -> Verdict:
                 verdict.error = f"does not compile: {error}".replace("\n", " ")
             else:
                 verdict.compiled = True
-                _compare(composition, composed, verdict)
+                _compare(composition, composed, verdict, roots)
     verdict.seconds = time.perf_counter() - start
     return verdict
 
 
-def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdict) -> None:
+def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdict, roots: Roots) -> None:
     alone = {
         path: mujoco.MjModel.from_xml_path(str(path))
         for path in (composition.parent, *(attachment.child for attachment in composition.attachments))
     }
-    parts = _part_differences(composition, alone, composed, Roots.MOVED)
+    parts = _part_differences(composition, alone, composed, roots)
     verdict.parts = {prefix: [str(found) for found in told] for prefix, told in parts.items()}
     verdict.counts = _counts(composition, alone, composed)
     if composition.expected:
@@ -122,15 +130,17 @@ def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdic
 
 
 _MOVED_IN_KEYS = ("key_qpos", "key_qvel", "key_mpos", "key_mquat")
-"""Attach leaves free bodies of a key where they were alone; each part's own keys are judged with the part."""
+"""Attach leaves free bodies of a key where they were alone; the keys of a part are judged with the part."""
 
 _COUNTED = (
-    "nbody njnt ngeom nsite ncam nlight nmesh ntex nmat nhfield nskin nflex npair nexclude neq ntendon nsensor"
-    " nkey nnumeric ntext ntuple nplugin nmocap nq nv nu na"
+    "nbody njnt ngeom nsite ncam nlight nmesh ntex nmat nhfield nskin nflex npair nexclude neq ntendon"
+    " nsensor nkey nnumeric ntext ntuple nplugin nmocap nq nv nu na"
 ).split()
 
 
-def _counts(composition: Composition, alone: dict[Path, mujoco.MjModel], composed: mujoco.MjModel) -> list[str]:
+def _counts(
+    composition: Composition, alone: dict[Path, mujoco.MjModel], composed: mujoco.MjModel
+) -> list[str]:
     found: list[str] = []
     at_least = composition.expected.get("at_least", {})
     for name in _COUNTED:

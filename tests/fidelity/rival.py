@@ -9,8 +9,8 @@ from fidelity.corpus import Composition
 def attached(composition: Composition) -> mujoco.MjModel:
     """The compiled model. Raises ValueError where MuJoCo refuses.
 
-    Attaching when either side has keys demands that both be compiled first; where neither has, a compile first
-    would do harm: it would fuse the bodies of a URDF for good.
+    Attaching when either side has keys demands that both be compiled first; where neither has, a compile
+    first would do harm: it would fuse the bodies of a URDF for good.
     """
     base = mujoco.MjSpec.from_file(str(composition.parent))
     children = [mujoco.MjSpec.from_file(str(attachment.child)) for attachment in composition.attachments]

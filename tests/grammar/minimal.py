@@ -101,9 +101,7 @@ class Place:
     """What else the base must have, by slot."""
 
 
-FLEX = (
-    '<flexcomp name="x" type="grid" dim="2" count="3 3 1" spacing="0.1 0.1 0.1" radius="0.01">@</flexcomp>'
-)
+FLEX = '<flexcomp name="x" type="grid" dim="2" count="3 3 1" spacing="0.1 0.1 0.1" radius="0.01">@</flexcomp>'
 RAW_FLEX = {"dim": "2", "body": "{body}", "element": "0 1 2", "vertex": "0 0 0 1 0 0 0 1 0"}
 GRID = '<config key="size" value="7 7"/><config key="fov" value="9 9"/><config key="nchannel" value="1"/>'
 GAMMA = '<config key="gamma" value="0"/>'
@@ -184,7 +182,8 @@ PLACES: dict[str, Place] = {
     "spatial/geom": Place("tendon", '<spatial><site site="{site}"/>@<site site="other"/></spatial>'),
     "spatial/pulley": Place(
         "tendon",
-        '<spatial><site site="{site}"/><site site="other"/>@<site site="{site}"/><site site="other"/></spatial>',
+        '<spatial><site site="{site}"/><site site="other"/>@'
+        '<site site="{site}"/><site site="other"/></spatial>',
         {"divisor": "2"},
     ),
     "fixed/joint": Place("tendon", "<fixed>@</fixed>", {"coef": "1"}),
@@ -284,7 +283,8 @@ def model(
     slots = dict.fromkeys(SLOTS, "")
     slots["compiler"] = extra
     if element is not None:
-        slots[PLACES[element.path].slot] += write(element, needed(element) if attributes is None else attributes)
+        written = needed(element) if attributes is None else attributes
+        slots[PLACES[element.path].slot] += write(element, written)
         for slot, text in PLACES[element.path].also.items():
             slots[slot] += text
     return BASE.format(**slots).format(**(names or NAMES))

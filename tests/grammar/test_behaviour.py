@@ -11,6 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+
 from composer.grammar import GRAMMAR, Attribute, ElementType
 from composer.grammar.format import to_text
 
@@ -23,9 +24,9 @@ PLACED = [path for path in GRAMMAR.paths if path in PLACES and GRAMMAR.element(p
 OUTSIDE_DEFAULT = [path for path in PLACED if not path.startswith("default/")]
 
 NOT_ALONE = {
-    # attributes that are legal only together with others, so that their default or an angle cannot be tried alone
-    "cranklength", "builtin", "fullinertia", "focal", "focalpixel", "principal", "principalpixel", "controller",
-    "thermal", "delay", "interval", "cutoff", "actrange", "lmax", "actuatorfrcrange",
+    # legal only together with other attributes, so that their default or an angle cannot be tried alone
+    "cranklength", "builtin", "fullinertia", "focal", "focalpixel", "principal", "principalpixel",
+    "controller", "thermal", "delay", "interval", "cutoff", "actrange", "lmax", "actuatorfrcrange",
 }  # fmt: skip
 
 Arrays = dict[str, np.ndarray[Any, Any]]
@@ -54,7 +55,9 @@ def arrays(xml: str) -> Arrays:
     """Every number of a compiled model; no names."""
     compiled = mujoco.MjSpec.from_string(xml).compile()
     structs = {"": compiled, "opt": compiled.opt, "stat": compiled.stat, "global": compiled.vis.global_}
-    structs |= {name: getattr(compiled.vis, name) for name in ("quality", "headlight", "map", "scale", "rgba")}
+    structs |= {
+        name: getattr(compiled.vis, name) for name in ("quality", "headlight", "map", "scale", "rgba")
+    }
     found = {}
     for prefix, struct in structs.items():
         for name in dir(struct):

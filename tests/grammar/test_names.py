@@ -6,6 +6,7 @@ import re
 
 import mujoco
 import pytest
+
 from composer.grammar import GRAMMAR, ElementType
 
 VERSION = mujoco.__version__
@@ -29,7 +30,7 @@ def printed() -> Schema:
 
 
 def ours(version: str) -> Schema:
-    """The same from the grammar. The printed row `body` stands for the world, bodies, frames and replicates."""
+    """The same from the grammar. The printed row `body` stands for the world, frames and replicates too."""
     schema: Schema = {}
 
     def walk(element: ElementType, path: tuple[str, ...]) -> None:

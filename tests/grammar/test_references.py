@@ -1,7 +1,7 @@
 """Every reference of the grammar against behaviour.
 
-A name declared and referred to is renamed in both places: MuJoCo compiles the same model. Renamed only where it is
-declared: MuJoCo refuses.
+A name declared and referred to is renamed in both places: MuJoCo compiles the same model. Renamed only where
+it is declared: MuJoCo refuses.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+
 from composer.grammar import GRAMMAR
 
 VERSION = mujoco.__version__
@@ -94,6 +95,7 @@ UNTRIED = {
     ("sensor/tactile", "geom"): "needs the geom to be a mesh",
 }
 
+
 @pytest.fixture(autouse=True)
 def quiet() -> Iterator[None]:
     """MuJoCo warns of the cloth of the base, which nothing holds."""
@@ -163,7 +165,7 @@ def test_namespace_is_declared_in_the_base(name: str) -> None:
     ("namespace", "text"),
     [
         ("joint", '<worldbody><body><freejoint name="NAME"/><geom size="0.1"/></body></worldbody>'),
-        ("tendon", '<tendon><spatial name="NAME"><site site="other"/><site site="the_site"/></spatial></tendon>'),
+        ("tendon", '<tendon><fixed name="NAME"><joint joint="other" coef="1"/></fixed></tendon>'),
         ("actuator", '<actuator><position name="NAME" joint="the_joint"/></actuator>'),
         ("sensor", '<sensor><clock name="NAME"/></sensor>'),
         ("equality", '<equality><weld name="NAME" body1="the_body"/></equality>'),
@@ -190,7 +192,8 @@ def test_attached_names(tmp_path: Path) -> None:
         "attached:frame",
     ]
     (tmp_path / "part.xml").write_text(
-        '<mujoco><worldbody><frame name="f"><body name="b"><geom size="1"/></body></frame></worldbody></mujoco>'
+        '<mujoco><worldbody><frame name="f"><body name="b"><geom size="1"/></body></frame></worldbody>'
+        "</mujoco>"
     )
     for kind, name in (("body", "b"), ("frame", "f")):
         xml = (

@@ -1,0 +1,37 @@
+"""A composed model as text without its files, which it then names where they are."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from composer.bundle.output_error import OutputError
+from composer.bundle.staging import staged_file
+from composer.link.linking import FileUse
+from composer.tree.unit import Unit
+from composer.tree.write import write
+
+
+def write_text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes | None:
+    """Write the text to `out`; given back instead where that is `-`.
+
+    Files are named by paths from the folder of the output (from `folder` for `-`) to the sources, so that the text
+    loads where it was written. Raises OutputError for what no file on disk holds.
+    """
+    target = folder / out
+    start = folder if out == "-" else target.parent
+    for use in uses:
+        if use.content is not None:
+            raise OutputError(
+                "output-kind",
+                f"text alone cannot hold `{use.path}`, which was made for this model",
+                f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)",
+            )
+        use.element.set(use.attribute, Path(os.path.relpath(use.source, start)).as_posix())
+    text = write(model.root)
+    if out == "-":
+        return text
+    with staged_file(target) as stage:
+        stage.write_bytes(text)
+    return None

@@ -1,0 +1,93 @@
+"""`mjcompose build`: the model of a recipe, written where the user wants it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
+
+if TYPE_CHECKING:
+    from composer.pipeline import Built
+
+
+@click.command()
+@click.argument("recipe", type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", "out", metavar="OUT",
+    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output) or FILE.mjb;"
+    " default: build/NAME.zip.",
+)  # fmt: skip
+@click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
+@click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
+              help="Seconds that MuJoCo may take.")  # fmt: skip
+@reporting_options
+def command(
+    recipe: Path, out: str | None, no_verify: bool, timeout: float, form: str, as_json: bool
+) -> None:
+    """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.write import Form, form_of
+    from composer.context import Context
+    from composer.engine import Limits
+    from composer.pipeline import build
+
+    form = "json" if as_json else form
+    context = Context()
+    try:
+        kind = Form.TEXT if out in (None, "-") else form_of(str(out))
+    except OutputError as error:
+        context.sink.error(error.code, error.message, help=error.help)
+        report(context, form)
+        sys.exit(USAGE)
+    progress(f"building {recipe}")
+    built = build(recipe, context, verified=not no_verify, limits=Limits(seconds=timeout))
+    if built is None:
+        report(context, form)
+        sys.exit(FINDINGS)
+    target = out or f"build/{built.plan.name}.zip"
+    try:
+        _write(built, target, kind if out else Form.ARCHIVE, context)
+    except OutputError as error:
+        context.sink.error(error.code, error.message, help=error.help)
+    report(context, form)
+    if context.sink.has_errors:
+        sys.exit(FINDINGS)
+    if out != "-":
+        _say(built, target, form)
+
+
+def _write(built: Built, out: str, kind: object, context: object) -> None:
+    from composer.bundle.text_alone import write_text_alone
+    from composer.bundle.write import Form, write
+    from composer.context import Context
+
+    assert isinstance(context, Context)
+    if kind is Form.TEXT:
+        text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
+        if text is not None:
+            click.get_binary_stream("stdout").write(text)
+        return
+    write(built.bundle, out, environment=context.environment)
+
+
+def _say(built: Built, out: str, form: str) -> None:
+    import json
+
+    sizes = built.compiled.sizes if built.compiled else {}
+    if form == "json":
+        told = {"output": out, "name": built.plan.name, "sha256": built.bundle.sha256, "sizes": dict(sizes)}
+        click.echo(json.dumps(told))
+        return
+    click.echo(f"wrote {out}")
+    if sizes:
+        click.echo(
+            f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, "
+            f"{sizes['nbody']} bodies, {sizes['nsensor']} sensors, {sizes['nkey']} keyframes"
+        )
+    else:
+        click.echo("  not verified: MuJoCo has not compiled it")
+    click.echo(f"  sha256 {built.bundle.sha256}")

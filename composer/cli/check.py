@@ -1,0 +1,32 @@
+"""`mjcompose check`: everything a build would find, and nothing written."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from composer.cli.reporting import FINDINGS, progress, report, reporting_options
+
+
+@click.command()
+@click.argument("recipes", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo.")
+@reporting_options
+def command(recipes: tuple[Path, ...], no_verify: bool, form: str, as_json: bool) -> None:
+    """Say whether each of RECIPES is right: read, planned, composed and compiled in MuJoCo, nothing written."""
+    from composer.context import Context
+    from composer.pipeline import build
+
+    form = "json" if as_json else form
+    wrong = False
+    for recipe in recipes:
+        context = Context()
+        progress(f"checking {recipe}")
+        built = build(recipe, context, verified=not no_verify)
+        report(context, form)
+        wrong |= built is None
+        if built is not None and form == "text":
+            click.echo(f"{recipe}: ok")
+    sys.exit(FINDINGS if wrong else 0)

@@ -1,0 +1,68 @@
+"""Diagnostics to the terminal, a JSON reader or GitHub, and the exit code that says how it went."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import click
+
+from composer.context import Context
+from composer.diagnostics import github, json_format, text
+
+FINDINGS, USAGE = 1, 2
+_FORMATS = ("text", "json", "github")
+
+
+def reporting_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--format` for diagnostics; `--json` is short for `--format json`."""
+    command = click.option("--json", "as_json", is_flag=True, help="The same as --format json.")(command)
+    return click.option(
+        "--format", "form", type=click.Choice(_FORMATS), default="text", show_default=True,
+        help="How diagnostics are printed.",
+    )(command)  # fmt: skip
+
+
+def report(context: Context, form: str) -> None:
+    """Print all diagnostics: text to standard error, JSON and GitHub commands to standard output."""
+    found = context.sink.sorted()
+    if form == "json":
+        for diagnostic in found:
+            click.echo(json_format.render(diagnostic))
+        return
+    if form == "github":
+        for diagnostic in found:
+            click.echo(github.render(diagnostic))
+        return
+    color = use_color()
+    read = _reader(context.folder)
+    for diagnostic in found:
+        click.echo(text.render(diagnostic, read, color) + "\n", err=True, color=color)
+    if found:
+        click.echo(text.summary(found), err=True)
+
+
+def use_color() -> bool:
+    """Colours only on a terminal, and never where NO_COLOR is set."""
+    return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
+
+
+def progress(message: str) -> None:
+    """A line on standard error while something takes long; only on a terminal."""
+    if sys.stderr.isatty():
+        click.echo(message, err=True)
+
+
+def _reader(folder: Path) -> text.ReadSource:
+    @lru_cache(maxsize=32)
+    def read(file: str) -> str | None:
+        try:
+            return (folder / file).read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return None
+
+    return read

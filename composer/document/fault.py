@@ -1,0 +1,403 @@
+"""What a YAML reader's complaint means, in words that help to mend it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from composer.diagnostics import Diagnostic, Note, Span
+from composer.document.decode import position
+from composer.document.quote import in_flow, quoted, unquoted_end, unquoted_start
+
+_TIGHT_COLON = re.compile(r"([ \t]*(?:- +)*)([A-Za-z_][\w.-]*):([^\s:/\\][^\r\n]*)")
+_GLOB_CHOICE = re.compile(r"[\w,*?/.:\- ]*")
+_LINE = re.compile(r"[^\r\n]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A syntax fault as a diagnostic.
+
+    `hide` is the stretch of the text that was meant as a plain value: once it is hidden from the reader,
+    reading can go on and find what else there is. None when the reading ends here.
+    """
+
+    diagnostic: Diagnostic
+    hide: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Complaint:
+    """What the reader said. `at` and `since` are indices into `text`: where it broke off, and what it was
+    reading then. `outer` tells whether the break is inside `[ ]` or `{ }` that began on an earlier line."""
+
+    text: str
+    file: str
+    context: str
+    problem: str
+    since: int
+    at: int
+    outer: bool
+
+    def span(self, start: int, end: int | None = None) -> Span:
+        line, column = position(self.text, start)
+        length = 1 if end is None else max(end - start, 1)
+        return Span(self.file, line, column, line, column + length)
+
+    def fault(
+        self, message: str, span: Span, help: str | None = None, code: str = "yaml-syntax", *notes: Note
+    ) -> Fault:
+        return Fault(Diagnostic(code, message, span, notes=notes, help=help))
+
+    def unquoted(self, code: str, start: int, end: int, message: str) -> Fault:
+        """The fault of a text that only lacks its quotes."""
+        help = f"quote it: {quoted(self.text[start:end])}"
+        return Fault(Diagnostic(code, message, self.span(start, end), help=help), (start, end))
+
+    @property
+    def flow(self) -> bool:
+        return in_flow(self.text, self.at, self.outer)
+
+    @property
+    def line(self) -> str:
+        """The line of the break."""
+        return self.line_of(self.at)
+
+    def line_start(self, index: int) -> int:
+        return max(self.text.rfind("\n", 0, index), self.text.rfind("\r", 0, index)) + 1
+
+    def line_of(self, index: int) -> str:
+        found = _LINE.match(self.text, self.line_start(index))
+        return found.group() if found else ""
+
+    @property
+    def same_line(self) -> bool:
+        return self.line_start(self.since) == self.line_start(self.at)
+
+    @property
+    def shown(self) -> str:
+        """What stands where the reading broke off."""
+        if self.at >= len(self.text):
+            return "the end of the file"
+        found = re.compile(r"[\w${*/.-]+|\S").match(self.text, self.at)
+        return f"`{found.group()[:40]}`" if found else "the end of the line"
+
+
+def explain(error: Any, text: str, file: str, outer: bool) -> Fault:
+    """The fault that a reader's `MarkedYAMLError` stands for; `outer` as in `in_flow`."""
+    mark = error.problem_mark or error.context_mark
+    at = min(mark.index, len(text)) if mark else 0
+    since = min(error.context_mark.index, len(text)) if error.context_mark else at
+    complaint = _Complaint(text, file, error.context or "", error.problem or "", since, at, outer)
+    for rule in _RULES:
+        fault = rule(complaint)
+        if fault is not None:
+            return fault
+    return complaint.fault(f"this is not YAML: {complaint.problem} at {complaint.shown}", complaint.span(at))
+
+
+def _template(it: _Complaint) -> Fault | None:
+    if it.at == 0 or not it.text.startswith("${", it.at - 1):
+        return None
+    start = unquoted_start(it.text, it.at - 1)
+    end = unquoted_end(it.text, start, True)
+    shown = it.text[start:end]
+    return it.unquoted(
+        "yaml-template-unquoted", start, end, f"`{shown}` inside `[ ]` or `{{ }}` must be in quotes"
+    )
+
+
+def _alias(it: _Complaint) -> Fault | None:
+    if "scanning an a" not in it.context or it.text[it.since : it.since + 1] not in ("*", "&"):
+        return None
+    end = max(unquoted_end(it.text, it.since, in_flow(it.text, it.since, it.outer)), it.since + 1)
+    sign = it.text[it.since]
+    shown = it.text[it.since : end]
+    if sign == "*":
+        message = f"`{shown}` begins with `*`, which is an alias in YAML"
+        return it.unquoted("yaml-alias", it.since, end, message)
+    return it.unquoted("yaml-syntax", it.since, end, f"`{shown}` begins with `&`, which is an anchor in YAML")
+
+
+def _tab(it: _Complaint) -> Fault | None:
+    if it.text[it.at : it.at + 1] != "\t" or not ("cannot start" in it.problem or "tab" in it.problem):
+        return None
+    end = it.at
+    while it.text[end : end + 1] == "\t":
+        end += 1
+    if it.text[it.line_start(it.at) : it.at].strip():
+        return it.fault("a tab cannot stand here", it.span(it.at, end), "write spaces instead")
+    count = sum(line.startswith("\t") for line in it.text.splitlines())
+    notes = [Note(f"{count} lines of this file begin with a tab")] if count > 1 else []
+    return it.fault(
+        "a tab cannot indent YAML",
+        it.span(it.at, end),
+        "indent with spaces, two for each level",
+        "yaml-syntax",
+        *notes,
+    )
+
+
+def _reserved_start(it: _Complaint) -> Fault | None:
+    if "cannot start" not in it.problem or it.at >= len(it.text):
+        return None
+    end = max(unquoted_end(it.text, it.at, it.flow), it.at + 1)
+    sign = it.text[it.at]
+    message = f"an unquoted value cannot begin with {'a backquote' if sign == '`' else f'`{sign}`'}"
+    return it.unquoted("yaml-syntax", it.at, end, message)
+
+
+def _glob_choice(it: _Complaint) -> Fault | None:
+    """`{left,right}/*_link`: text that YAML reads as a list or mapping with something behind it."""
+    before, after = it.text[it.at - 1 : it.at], it.text[it.at : it.at + 1]
+    if before not in ("]", "}") or not before or not after or after in "[]{},:# \t\r\n":
+        return None
+    opening = "[" if before == "]" else "{"
+    start = it.text.rfind(opening, it.line_start(it.at), it.at)
+    if start < 0 or not _GLOB_CHOICE.fullmatch(it.text, start + 1, it.at - 1):
+        return None
+    end = unquoted_end(it.text, start, in_flow(it.text, start, it.outer))
+    shown = it.text[start:end]
+    message = (
+        f"`{shown}` begins with `{opening}`, which is a {'list' if opening == '[' else 'mapping'} in YAML"
+    )
+    return it.unquoted("yaml-syntax", start, end, message)
+
+
+def _mapping_not_allowed(it: _Complaint) -> Fault | None:
+    if "mapping values are not allowed" not in it.problem:
+        return None
+    begin = it.line_start(it.at)
+    above_begin = it.line_start(begin - 1) if begin else 0
+    above = it.line_of(above_begin) if begin else ""
+    lead = it.text[begin : it.at]
+    span = it.span(it.at)
+    for where, line in ((begin, it.line), (above_begin, above)):
+        tight = _TIGHT_COLON.match(line)
+        if tight and where + tight.end(2) < it.at:
+            colon = where + tight.end(2)
+            key, value = tight.group(2), tight.group(3).rstrip()
+            return it.fault(
+                f"the colon after `{key}` needs a space after it", it.span(colon), f"write `{key}: {value}`"
+            )
+    first = re.match(r"[ \t]*(?:- +)*([^:\r\n]*[^:\s]): +(?=\S)", lead)
+    if first:
+        value = it.text[begin + first.end() :]
+        value = value[: len(_LINE.match(value).group())].rstrip()  # type: ignore[union-attr]
+        return it.fault(
+            "a second `: ` in one line: the value itself cannot be a mapping here",
+            span,
+            f"if it is text, quote it: {first.group(1)}: {quoted(value)}",
+        )
+    if above.strip() and not lead.lstrip().startswith("-"):
+        return _below_value(it, lead, above_begin, above)
+    return it.fault("a key cannot stand here", span, "quote the text if the colon is part of it")
+
+
+def _below_value(it: _Complaint, lead: str, above_begin: int, above: str) -> Fault:
+    """A key where the value of the line above still goes on."""
+    key = lead.strip()
+    place = Note("the line above is this", _line_span(it, above_begin, above))
+    begin = it.line_start(it.at)
+    span = it.span(begin + len(lead) - len(lead.lstrip()), it.at)
+    holder = re.match(r"[ \t]*(?:- +)*([^:\r\n]*[^:\s]): +(\S.*)", above)
+    if holder:
+        return it.fault(
+            f"`{key}` is indented as if it belonged to `{holder.group(1)}`, which already has a value",
+            span,
+            f"put `{key}` in the column of `{holder.group(1)}`, or remove that value",
+            "yaml-syntax",
+            place,
+        )
+    return it.fault(
+        f"`{key}` cannot be a key here, because the line above is neither a key nor complete",
+        span,
+        "a line of a mapping has the form `key: value`",
+        "yaml-syntax",
+        place,
+    )
+
+
+def _line_span(it: _Complaint, begin: int, line: str) -> Span:
+    lead = len(line) - len(line.lstrip())
+    return it.span(begin + lead, begin + len(line.rstrip()))
+
+
+def _no_colon(it: _Complaint) -> Fault | None:
+    if "could not find expected ':'" not in it.problem:
+        return None
+    end = max(unquoted_end(it.text, it.since, False), it.since + 1)
+    key = it.text[it.since : end]
+    tight = _TIGHT_COLON.match(key)
+    if tight:
+        help = f"put a space after the colon: {tight.group(2)}: {tight.group(3)}"
+    elif end - it.since > 1024:
+        return it.fault("a key has more than 1024 characters", it.span(it.since))
+    else:
+        help = "a line among the keys of a mapping has the form `key: value`"
+    return it.fault(f"`{key[:60]}` is neither a key nor part of a value", it.span(it.since, end), help)
+
+
+def _list_in_line(it: _Complaint) -> Fault | None:
+    if "sequence entries are not allowed" not in it.problem:
+        return None
+    return it.fault(
+        "a list with `-` cannot begin on the line of its key",
+        it.span(it.at),
+        "begin it on a line of its own, or write it as `[a, b]`",
+    )
+
+
+def _open_quote(it: _Complaint) -> Fault | None:
+    if "quoted scalar" not in it.context or not re.search("end of stream|document indicator", it.problem):
+        return None
+    sign = it.text[it.since : it.since + 1]
+    return it.fault(f"the quote `{sign}` is never closed", it.span(it.since), f"add the closing `{sign}`")
+
+
+def _escape(it: _Complaint) -> Fault | None:
+    if "quoted scalar" not in it.context:
+        return None
+    start = it.text.rfind("\\", 0, it.at + 1)
+    if start < it.since:
+        return None
+    shown = it.text[start : start + 2]
+    if shown.endswith(("x", "u", "U")):
+        digits = {"x": 2, "u": 4, "U": 8}[shown[1]]
+        return it.fault(
+            f"`{shown}` must be followed by the {digits} hexadecimal digits of a character",
+            it.span(start, start + 2),
+            f"for a backslash that is meant as such, write `\\{shown}`, or use single quotes",
+        )
+    return it.fault(
+        f"`{shown}` is not an escape that YAML has" if shown.strip() == shown else "a lone backslash",
+        it.span(start, start + 2),
+        "in single quotes a backslash is itself: write '…' instead of \"…\", or double the backslash",
+    )
+
+
+def _flow(it: _Complaint) -> Fault | None:
+    if "flow sequence" not in it.context and "flow mapping" not in it.context:
+        return None
+    if it.text[it.since : it.since + 1] not in ("[", "{"):
+        return None
+    opening = it.text[it.since]
+    closing = "]" if opening == "[" else "}"
+    if it.at >= len(it.text) or not it.same_line:
+        place = Note("it was expected before this", it.span(it.at)) if it.at < len(it.text) else None
+        return it.fault(
+            f"this `{opening}` has no `{closing}`",
+            it.span(it.since),
+            f"add the `{closing}`, or a comma where one is missing",
+            "yaml-syntax",
+            *([place] if place else []),
+        )
+    return it.fault(
+        f"expected `,` or `{closing}` before {it.shown}",
+        it.span(it.at),
+        "if both are one text, quote it as a whole",
+        "yaml-syntax",
+        Note(f"the `{opening}` is here", it.span(it.since)),
+    )
+
+
+def _block(it: _Complaint) -> Fault | None:
+    if "block mapping" not in it.context and "block collection" not in it.context:
+        return None
+    begin = it.line_start(it.at)
+    lead = it.text[begin : it.at]
+    if lead.strip():
+        quote = lead.rstrip()[-1:]
+        if quote in ("'", '"'):
+            return it.fault(
+                f"{it.shown} follows a closing quote",
+                it.span(it.at),
+                "put the whole value in one pair of quotes",
+            )
+        return it.fault(f"{it.shown} cannot follow a complete value", it.span(it.at), "quote the value")
+    in_mapping = "block mapping" in it.context
+    opened = Note(f"the {'mapping' if in_mapping else 'list'} is here", it.span(it.since))
+    if len(lead) > it.since - it.line_start(it.since):
+        message = "the indentation of this line is that of no line above"
+        help = "indent keys of one mapping, and items of one list, alike"
+    elif in_mapping:
+        message = (
+            "a list item stands among the keys of a mapping"
+            if it.shown[1] == "-"
+            else (f"{it.shown} is no key, and stands among the keys of a mapping")
+        )
+        help = "give the list a key of its own, or write `key: value`"
+    else:
+        message = "a line without `-` stands among the items of a list"
+        help = "begin it with `- `, or indent it so that it belongs to the item above"
+    return it.fault(message, it.span(it.at), help, "yaml-syntax", opened)
+
+
+def _no_content(it: _Complaint) -> Fault | None:
+    if "node content" not in it.problem:
+        return None
+    return it.fault(f"a value is missing before {it.shown}", it.span(it.at))
+
+
+def _after_end(it: _Complaint) -> Fault | None:
+    if "document start" not in it.problem:
+        return None
+    return it.fault(f"{it.shown} stands after the end of the document", it.span(it.at))
+
+
+def _tag(it: _Complaint) -> Fault | None:
+    if "tag" not in it.context and "tag" not in it.problem:
+        return None
+    start = it.since if it.text[it.since : it.since + 1] == "!" else it.at
+    found = re.compile(r"[^\s,\[\]{}]*").match(it.text, start)
+    end = found.end() if found else start + 1
+    return it.fault(
+        f"`{it.text[start:end]}` begins with `!`, which is a tag in YAML",
+        it.span(start, end),
+        "the language has no tags; if it is text, quote it",
+        "yaml-tag",
+    )
+
+
+def _directive(it: _Complaint) -> Fault | None:
+    if "directive" not in it.context and "YAML document" not in it.problem:
+        return None
+    return it.fault(
+        "a line that begins with `%` is a YAML directive, and this one is not known",
+        it.span(it.since),
+        "remove the line",
+    )
+
+
+def _block_text(it: _Complaint) -> Fault | None:
+    if "block scalar" not in it.context:
+        return None
+    sign = it.text[it.since : it.since + 1]
+    return it.fault(
+        f"`{sign}` begins a text block, and its text begins on the next line",
+        it.span(it.at),
+        f"if the value is text that begins with `{sign}`, quote it",
+    )
+
+
+_RULES: tuple[Callable[[_Complaint], Fault | None], ...] = (
+    _template,
+    _alias,
+    _tab,
+    _reserved_start,
+    _glob_choice,
+    _mapping_not_allowed,
+    _no_colon,
+    _list_in_line,
+    _open_quote,
+    _escape,
+    _flow,
+    _block_text,
+    _block,
+    _no_content,
+    _after_end,
+    _tag,
+    _directive,
+)

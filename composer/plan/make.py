@@ -1,0 +1,211 @@
+"""A recipe to a plan: references resolved, nested recipes planned, every step in its order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from composer.context import Context
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
+from composer.document import load
+from composer.document.node import Mapping, locate
+from composer.plan.plan import (
+    AddElement,
+    AppendElement,
+    AttachPart,
+    LoadBase,
+    Plan,
+    SetDefault,
+    SetSingleton,
+    Step,
+)
+from composer.recipe.recipe import Recipe
+from composer.recipe.validate import validate
+from composer.sources.error import SourceError
+from composer.sources.resolve import resolve
+from composer.sources.source import Source
+
+
+def make_plan(recipe: Path, context: Context) -> Plan | None:
+    """What a build of the recipe will do; None where it or what it refers to is at fault."""
+    before = len(context.sink.errors)
+    plan = _Planner(context).plan(context.folder / recipe, ())
+    return plan if len(context.sink.errors) == before else None
+
+
+class _Planner:
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        self.sink = context.sink
+
+    def plan(self, path: Path, outer: tuple[tuple[Path, Span | None], ...], span: Span | None = None) -> Plan | None:
+        """The plan of one recipe; `outer` are the recipes it is nested in, outermost first."""
+        key = path.resolve()
+        if any(each == key for each, _ in outer):
+            ring = [each.name for each, _ in outer[[each for each, _ in outer].index(key) :]]
+            self.sink.error(
+                "source-cycle",
+                "recipes contain one another: " + " → ".join([*ring, path.name]),
+                span,
+                help="a recipe cannot be a part of itself: take one of these references out",
+            )
+            return None
+        read = self._read(path)
+        if read is None:
+            return None
+        recipe, document = read
+        inside = (*outer, (key, span))
+        base = self._base(recipe, document, path, inside)
+        parts = tuple(self._parts(recipe, document, path, inside))
+        self._places(parts)
+        if base is None:
+            return None
+        steps = tuple(_steps(recipe, document))
+        return Plan(
+            name=recipe.name or path.stem,
+            description=recipe.description,
+            path=path,
+            file=self.context.shown(path),
+            document=document,
+            separator=recipe.separator,
+            conflict=recipe.conflict,
+            angle=recipe.angle,
+            eulerseq=recipe.eulerseq,
+            base=base,
+            parts=parts,
+            steps=steps,
+            settled=frozenset(_settled(steps)),
+        )
+
+    def _read(self, path: Path) -> tuple[Recipe, Mapping] | None:
+        shown = self.context.shown(path)
+        try:
+            text = path.read_bytes()
+        except FileNotFoundError:
+            self.sink.error("file-not-found", f"there is no recipe `{shown}`")
+            return None
+        except OSError as error:
+            self.sink.error("file-unreadable", f"`{shown}` cannot be read: {(error.strerror or '').lower()}")
+            return None
+        before = len(self.sink.errors)
+        node = load(text, shown, self.sink)
+        if node is None or len(self.sink.errors) > before:
+            return None
+        found = validate(node, self.sink)
+        return (found, node) if found is not None and isinstance(node, Mapping) else None
+
+    def _base(
+        self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]
+    ) -> LoadBase | None:
+        if recipe.base is None:
+            return LoadBase(None, "merge", None)
+        span = locate(document, ("base", "model"))
+        model = self._model(recipe.base.model, span, path, inside)
+        return None if model is None else LoadBase(model, recipe.base.keyframes, span)
+
+    def _parts(
+        self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]
+    ) -> Iterator[AttachPart]:
+        taken: dict[str, Span] = {}
+        for key, attachment in recipe.attach.items():
+            at = ("attach", key)
+            span = locate(document, at, key=True)
+            own = key if attachment.prefix is None else attachment.prefix
+            prefix = own + recipe.separator if own else ""
+            if prefix in taken:
+                self.sink.error(
+                    "name-clash",
+                    f"two parts have the prefix `{prefix}`",
+                    locate(document, (*at, "prefix")),
+                    notes=(Note("the other part", taken[prefix]),),
+                )
+            taken[prefix] = span
+            model = self._model(attachment.model, locate(document, (*at, "model")), path, inside, recipe)
+            if model is not None:
+                yield AttachPart(prefix, model, attachment, at, span)
+
+    def _model(
+        self,
+        reference: str,
+        span: Span,
+        path: Path,
+        inside: tuple[tuple[Path, Span | None], ...],
+        outer: Recipe | None = None,
+    ) -> Source | Plan | None:
+        try:
+            source = resolve(reference, relative_to=path.parent, environment=self.context.environment)
+        except SourceError as error:
+            notes = tuple(Note(note) for note in error.notes)
+            self.sink.error(error.code, error.message, span, notes=notes, help=error.help)
+            return None
+        if source.format == "urdf":
+            self.sink.error("not-supported", f"URDF cannot be composed yet: `{reference}`", span,
+                            help="convert it to MJCF once, with MuJoCo's `compile` or `MjSpec`")  # fmt: skip
+            return None
+        if source.format != "recipe":
+            return source
+        plan = self.plan(source.path, inside, span)
+        if plan is not None and outer is not None and plan.separator != outer.separator:
+            self.sink.error(
+                "separator-mismatch",
+                f"`{reference}` separates names with `{plan.separator}`, this recipe with `{outer.separator}`",
+                span,
+                help=f"give both the same: `separator: \"{plan.separator}\"`",
+            )
+        return plan
+
+    def _places(self, parts: tuple[AttachPart, ...]) -> None:
+        """Parts that hang on one another in a ring hang on nothing."""
+        hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
+        told: set[str] = set()
+        for part in parts:
+            ring = [part.prefix]
+            while (mount := hangs_on.get(ring[-1])) is not None and mount not in ring:
+                ring.append(mount)
+            if mount == part.prefix and part.prefix not in told:
+                told.update(ring)
+                names = " on ".join(f"`{prefix}`" for prefix in [*ring, mount])
+                self.sink.error(
+                    "attach-cycle",
+                    f"parts hang on one another: {names}",
+                    part.span,
+                    help="one of them must hang on the base or on the world",
+                )
+
+
+def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
+    """The prefix of the part that this one hangs on, the longest that fits; None for the base and the world."""
+    attachment = part.attachment
+    place = attachment.site or attachment.body or attachment.frame or ""
+    fitting = [other.prefix for other in parts if other.prefix and place.startswith(other.prefix)]
+    return max(fitting, key=len, default=None)
+
+
+def _steps(recipe: Recipe, document: Mapping) -> Iterator[Step]:
+    """`add` first, then the sections in the order in which MuJoCo's reference has them."""
+    for item in recipe.add:
+        to_span = locate(document, (*item.at, "to"))
+        yield AddElement(item.to_kind, item.to, item.element, to_span, locate(document, item.element.at))
+    for section, element in recipe.singletons():
+        yield SetSingleton(section, element, locate(document, element.at))
+    for name, parent, element in recipe.default_classes():
+        yield SetDefault(name, parent, element, locate(document, element.at, key=True))
+    for section, element in recipe.elements():
+        yield AppendElement(section, element, locate(document, element.at))
+
+
+def _settled(steps: tuple[Step, ...]) -> Iterator[str]:
+    """The paths of the values that the recipe sets itself (`option/cone`)."""
+
+    def walk(element: object, path: str) -> Iterator[str]:
+        from composer.recipe.element import Element
+
+        assert isinstance(element, Element)
+        yield from (f"{path}/{name}" for name in element.attributes)
+        for child in element.children:
+            yield from walk(child, f"{path}/{child.tag}")
+
+    for step in steps:
+        if isinstance(step, SetSingleton):
+            yield from walk(step.element, step.section)

@@ -1,0 +1,102 @@
+"""Parse, write, compile: a model that mjcompose has read and written again is the same model, bit for bit."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from fidelity.building import reread
+
+
+@dataclass
+class Trip:
+    """`loads` is whether MuJoCo loads the file itself; only then is there anything to be the same as."""
+
+    id: str
+    loads: bool = True
+    different: tuple[str, ...] = ()
+    error: str = ""
+    seconds: float = 0.0
+
+    @property
+    def fine(self) -> bool:
+        return not self.loads or not (self.different or self.error)
+
+
+def travel(path: Path, corpus: Path) -> Trip:
+    """The round trip of one file, in a mirror of the corpus where only that file is new."""
+    trip = Trip(path.relative_to(corpus).as_posix())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            before = mujoco.MjModel.from_xml_path(str(path))
+        except ValueError:
+            trip.loads = False
+            return trip
+        start = time.perf_counter()
+        try:
+            text = reread(path)
+            with tempfile.TemporaryDirectory() as folder:
+                copy = _mirror(path, corpus, Path(folder))
+                copy.write_bytes(text)
+                after = mujoco.MjModel.from_xml_path(str(copy))
+        except ValueError as error:
+            trip.error = str(error).replace("\n", " ")
+        else:
+            trip.different = tuple(unlike(before, after))
+        trip.seconds = time.perf_counter() - start
+    return trip
+
+
+_OF_PATHS = frozenset(
+    "paths npaths nbuffer mesh_pathadr skin_pathadr hfield_pathadr tex_pathadr tex_contenttypeadr".split()
+)
+"""What MuJoCo keeps of the files it read: the mirror stands elsewhere."""
+
+
+def unlike(before: mujoco.MjModel, after: mujoco.MjModel) -> list[str]:
+    """The attributes of two models that are not the same: arrays bit for bit, sizes, names, settings."""
+    found = _unlike("", before, after)
+    for group in ("opt", "stat"):
+        found += _unlike(f"{group}.", getattr(before, group), getattr(after, group))
+    for group in ("global_", "quality", "headlight", "map", "scale", "rgba"):
+        found += _unlike(f"vis.{group}.", getattr(before.vis, group), getattr(after.vis, group))
+    return found
+
+
+def _unlike(prefix: str, before: object, after: object) -> list[str]:
+    found = []
+    for name in dir(before):
+        if name.startswith("_") or name in _OF_PATHS:
+            continue
+        a, b = getattr(before, name), getattr(after, name)
+        if isinstance(a, np.ndarray):
+            same = a.shape == b.shape and a.tobytes() == b.tobytes()
+        elif isinstance(a, (bool, int, float, bytes)):
+            same = a == b
+        else:
+            continue
+        if not same:
+            found.append(prefix + name)
+    return found
+
+
+def _mirror(path: Path, root: Path, folder: Path) -> Path:
+    """Where `path` would be in a copy of `root` in `folder`, made of links, and itself left out."""
+    place = folder
+    above = root
+    for part in path.relative_to(root).parts[:-1]:
+        for entry in above.iterdir():
+            if entry.name != part:
+                (place / entry.name).symlink_to(entry)
+        above, place = above / part, place / part
+        place.mkdir()
+    for entry in above.iterdir():
+        if entry != path:
+            (place / entry.name).symlink_to(entry)
+    return place / path.name

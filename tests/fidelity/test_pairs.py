@@ -1,0 +1,50 @@
+"""A sample of the corpus's pairs and all its feature cases, built by mjcompose and judged.
+
+The whole sets are for `python tests/fidelity/run.py`.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from fidelity import corpus as corpora
+from fidelity.building import is_there
+from fidelity.corpus import Composition
+from fidelity.judging import judge
+
+SAMPLE = (
+    "dev-ur5e+2f85",
+    "dev-iiwa+allegroL",
+    "dev-panda-hand+d435i",
+    "dev-g1+allegro2",
+    "dev-scene+cassie",
+    "dev-chain-scene+ur5e+2f85",
+    "dev-scene+motorfinger",
+    "dev-floating-on-moving",
+)
+FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
+PAIRS = [pair for pair in corpora.pairs(Path(FOLDER)) if pair.id in SAMPLE] if FOLDER else []
+CASES = corpora.cases(Path(FOLDER)) if FOLDER else []
+
+pytestmark = [
+    pytest.mark.skipif(not FOLDER, reason="MJCOMPOSE_CORPUS names no corpus"),
+    pytest.mark.skipif(not is_there(), reason="composer.pipeline cannot be imported"),
+]
+
+
+def test_the_sample_is_in_the_corpus() -> None:
+    assert sorted(pair.id for pair in PAIRS) == sorted(SAMPLE)
+
+
+@pytest.mark.parametrize("pair", PAIRS, ids=lambda pair: pair.id)
+def test_pair(pair: Composition) -> None:
+    verdict = judge(pair)
+    assert verdict.fine, "\n".join(verdict.first_differences)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_feature_case(case: Composition) -> None:
+    verdict = judge(case)
+    assert verdict.fine, "\n".join(verdict.first_differences)
