@@ -44,6 +44,9 @@ def _store(
                 model.origins.span(use.element, model.file),
             )
             return None
+    if not use.shared:
+        files[use.path] = content
+        return use.path
     suffix = use.path.rsplit(".", 1)[-1]
     path = stored.setdefault((suffix, hashlib.sha256(content).digest()), use.path)
     if path == use.path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,6 +17,7 @@ from yaml.events import (
 )
 
 from composer.diagnostics import Note, Sink, Span
+from composer.document.marks import Marks
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.document.quote import quoted
 from composer.document.scalar import resolve
@@ -27,15 +27,11 @@ MAX_NODES = 1_000_000
 FREE_EXPANSION = 10_000  # nodes that aliases may add, on top of one for each character of the text
 
 _STANDARD = "tag:yaml.org,2002:"
-_PROPERTIES = re.compile(r"(?:[&!]\S*[ \t]+)+")
-_TAG = re.compile(r"(?:&\S+\s+)?(!<[^>\s]*>|![^\s,\[\]{}]*)")
-_BLOCK_HEADER = re.compile(r"[|>][-+0-9]*")
-_REST_OF_LINE = re.compile(r"[^\r\n]*")
 _SCALAR_TAGS: dict[str, tuple[type, ...]] = {
-    "null": (type(None),),
-    "bool": (bool,),
-    "int": (int,),
-    "float": (int, float),
+    _STANDARD + "null": (type(None),),
+    _STANDARD + "bool": (bool,),
+    _STANDARD + "int": (int,),
+    _STANDARD + "float": (int, float),
 }
 # In place of a key whose value is read, for the faults in it, and then left out.
 _DROPPED = Key("", Span("", 0, 0))
@@ -45,7 +41,8 @@ _DROPPED = Key("", Span("", 0, 0))
 class _Frame:
     """A collection that is being read. Lines and columns from 1."""
 
-    mapping: bool
+    entries: dict[str, tuple[Key, Node]] | None
+    items: list[Node] | None
     flow: bool
     line: int
     column: int
@@ -76,10 +73,10 @@ class Builder:
     def __init__(self, text: str, file: str, sink: Sink, restore: Callable[[str], str] | None = None) -> None:
         self._text = text
         self._file = file
+        self._marks = Marks(text, file)
         self._sink = sink
         self._restore = restore
         self._stack: list[_Frame] = []
-        self._entries: list[dict[str, tuple[Key, Node]] | list[Node]] = []
         self._anchors: dict[str, _Anchored] = {}
         self._total = 0
         self._expanded = 0
@@ -95,16 +92,29 @@ class Builder:
 
         Raises what the reader of the events raises.
         """
-        stack = self._stack
+        stack, file, marks, restore = self._stack, self._file, self._marks, self._restore
         for event in events:
             kind = type(event)
             if kind is ScalarEvent:
+                start, end = event.start_mark, event.end_mark
+                line = start.line + 1
+                # Nearly every event is a scalar on one line without properties: its way is kept short.
+                simple = end.line + 1 == line and event.anchor is None and event.tag is None
+                span = (
+                    Span(file, line, start.column + 1, line, end.column + 1) if simple else marks.span(event)
+                )
+                text = event.value if restore is None else self._restored(event.value, span)
                 frame = stack[-1] if stack else None
-                if frame is not None and frame.mapping and frame.key is None:
-                    self._scalar_key(event, frame)
+                if frame is not None and frame.entries is not None and frame.key is None:
+                    self._key(event, text, span, frame)
                     continue
                 self._total += 1
-                self._add(self._scalar(event), 0)
+                if not simple:
+                    self._add(self._scalar(event, text, span), 0)
+                elif event.style:
+                    self._add(Scalar(text, span, text, False), 0)
+                else:
+                    self._add(Scalar(self._resolved(text, span), span, text, True), 0)
             elif kind is MappingStartEvent or kind is SequenceStartEvent:
                 if not self._begin(event, kind is MappingStartEvent):
                     return None
@@ -117,13 +127,13 @@ class Builder:
                 self._sink.error(
                     "yaml-documents",
                     "a second YAML document begins here; a file holds one",
-                    self._span(event),
+                    self._marks.span(event),
                     help="move what follows `---` into a file of its own, or remove the `---`",
                 )
                 return self._root
             if self._total > MAX_NODES:
                 self._sink.error(
-                    "yaml-too-large", f"more than {MAX_NODES} values in one file", self._span(event)
+                    "yaml-too-large", f"more than {MAX_NODES} values in one file", self._marks.span(event)
                 )
                 return None
         root = self._root
@@ -148,19 +158,18 @@ class Builder:
             frame.first_end = span.end_column
         if height >= frame.height:
             frame.height = height + 1
-        into = self._entries[-1]
-        if isinstance(into, list):
-            into.append(node)
-        else:
-            key, frame.key = frame.key, None
-            if key is not None and key is not _DROPPED:
-                into[key.name] = (key, node)
+        if frame.items is not None:
+            frame.items.append(node)
+        elif frame.entries is not None and frame.key is not None:
+            if frame.key is not _DROPPED:
+                frame.entries[frame.key.name] = (frame.key, node)
+            frame.key = None
 
     def _begin(self, event: Any, mapping: bool) -> bool:
         is_key = False
         if self._stack:
             parent = self._stack[-1]
-            if parent.mapping and parent.key is None:
+            if parent.entries is not None and parent.key is None:
                 self._refuse_key(event, "a mapping" if mapping else "a list")
                 parent.key = _DROPPED
                 is_key = True
@@ -168,99 +177,105 @@ class Builder:
             self._sink.error(
                 "yaml-too-deep",
                 f"more than {MAX_DEPTH} lists and mappings within each other",
-                self._span(event),
+                self._marks.span(event),
             )
             return False
-        flow = bool(event.flow_style)
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         if event.anchor is not None or event.tag is not None:
-            column += self._properties(event)
-        tag = None if event.tag is None else (event.tag, self._tag_span(event))
-        frame = _Frame(mapping, flow, line, column, self._total, column + 1, event.anchor, tag, is_key)
-        self._stack.append(frame)
-        self._entries.append({} if mapping else [])
+            column += self._marks.properties(event)
+        tag = None if event.tag is None else (event.tag, self._marks.tag(event))
+        self._stack.append(
+            _Frame(
+                {} if mapping else None,
+                None if mapping else [],
+                bool(event.flow_style),
+                line,
+                column,
+                self._total,
+                column + 1,
+                event.anchor,
+                tag,
+                is_key,
+            )
+        )
         self._total += 1
         return True
 
     def _end(self, event: Any) -> None:
         frame = self._stack.pop()
-        content = self._entries.pop()
         end = frame.first_end
         if frame.flow and event.end_mark.line + 1 == frame.line:
             end = event.end_mark.column + 1
         span = Span(self._file, frame.line, frame.column, frame.line, max(end, frame.column + 1))
         node: Node
-        if isinstance(content, dict):
-            node = Mapping(content, span)
+        if frame.entries is not None:
+            node, standard = Mapping(frame.entries, span), _STANDARD + "map"
         else:
-            node = Sequence(tuple(content), span)
-        if frame.tag is not None and frame.tag[0] not in (
-            "!",
-            _STANDARD + ("map" if frame.mapping else "seq"),
-        ):
+            node, standard = Sequence(tuple(frame.items or ()), span), _STANDARD + "seq"
+        if frame.tag is not None and frame.tag[0] not in ("!", standard):
             self._refuse_tag(*frame.tag)
         if frame.anchor is not None:
             self._anchors[frame.anchor] = _Anchored(node, self._total - frame.total, frame.height + 1)
         if not frame.is_key:
             self._add(node, frame.height + 1)
 
-    def _scalar(self, event: Any) -> Scalar:
-        span = self._span(event)
-        text = event.value
-        if self._restore is not None:
-            try:
-                text = self._restore(text)
-            except UnicodeDecodeError:
-                self._sink.error(
-                    "yaml-syntax",
-                    "an escape here is half of a surrogate pair, which is no character",
-                    span,
-                    help="write both halves, as in `\\ud83d\\ude00`, or the character itself",
-                )
-                text = text.encode("utf-8", "replace").decode("utf-8")
-        plain = not event.style
+    def _restored(self, text: str, span: Span) -> str:
+        """The text of a scalar as the file means it."""
+        try:
+            return text if self._restore is None else self._restore(text)
+        except UnicodeDecodeError:
+            self._sink.error(
+                "yaml-syntax",
+                "an escape here is half of a surrogate pair, which is no character",
+                span,
+                help="write both halves, as in `\\ud83d\\ude00`, or the character itself",
+            )
+            return text.encode("utf-8", "replace").decode("utf-8")
+
+    def _resolved(self, text: str, span: Span) -> bool | int | float | str | None:
+        try:
+            return resolve(text)
+        except OverflowError:
+            shown = text if len(text) <= 40 else f"{text[:40]}…"
+            self._sink.error("out-of-range", f"the number `{shown}` is too large", span)
+            return text
+
+    def _scalar(self, event: Any, text: str, span: Span) -> Scalar:
         value: bool | int | float | str | None = text
-        if plain or event.tag is not None:
-            try:
-                if event.tag is not None:
-                    value = self._tagged(event, text)
-                elif plain:
-                    value = resolve(text)
-            except OverflowError:
-                shown = text if len(text) <= 40 else f"{text[:40]}…"
-                self._sink.error("out-of-range", f"the number `{shown}` is too large", span)
-        node = Scalar(value, span, text, plain)
+        if event.tag is not None:
+            value = self._tagged(event, text, span)
+        elif not event.style:
+            value = self._resolved(text, span)
+        node = Scalar(value, span, text, not event.style)
         if event.anchor is not None:
             self._anchors[event.anchor] = _Anchored(node, 1, 0)
         return node
 
-    def _scalar_key(self, event: Any, frame: _Frame) -> None:
-        if event.anchor is None and event.tag is None and self._restore is None:
-            self._key(event.value, self._span(event), frame, not event.style)
-            return
-        node = self._scalar(event)
-        self._key(node.text, node.span, frame, node.plain)
-
-    def _key(self, name: str, span: Span, frame: _Frame, plain: bool) -> None:
+    def _key(self, event: Any, name: str, span: Span, frame: _Frame) -> None:
         """Take `name` as the key of the value that comes next, or refuse it."""
         if span.line == frame.line and span.end_column is not None:
             frame.first_end = span.end_column
         frame.key = _DROPPED
-        entries = self._entries[-1]
-        assert isinstance(entries, dict)
-        if name == "<<" and plain:
+        if type(event) is ScalarEvent:
+            if event.tag not in (None, "!", _STANDARD + "str"):
+                self._refuse_tag(event.tag, self._marks.tag(event))
+            if event.anchor is not None:
+                self._anchors[event.anchor] = _Anchored(Scalar(name, span, name, False), 1, 0)
+        entries = frame.entries if frame.entries is not None else {}
+        found = entries.get(name)
+        if name == "<<" and type(event) is ScalarEvent and not event.style:
             self._sink.error(
                 "yaml-merge-key",
                 "the merge key `<<` is not part of the language",
                 span,
                 help="write the keys out, or use `extends` or `variants`, which merge recipes",
             )
-        elif name in entries:
+        elif found is not None:
             self._sink.error(
                 "yaml-duplicate-key",
                 f"the key `{name}` is written twice in this mapping",
                 span,
-                notes=[Note("it is first written here", entries[name][0].span)],
+                notes=[Note("it is first written here", found[0].span)],
                 help="keep one of the two, or give one of them another name",
             )
         else:
@@ -268,7 +283,7 @@ class Builder:
 
     def _alias(self, event: Any) -> bool:
         name = event.anchor
-        span = self._span(event)
+        span = self._marks.span(event)
         anchored = self._anchors.get(name)
         if any(frame.anchor == name for frame in self._stack):
             self._sink.error(
@@ -284,9 +299,9 @@ class Builder:
             )
             anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", True), 1, 0)
         frame = self._stack[-1] if self._stack else None
-        if frame is not None and frame.mapping and frame.key is None:
+        if frame is not None and frame.entries is not None and frame.key is None:
             if isinstance(anchored.node, Scalar):
-                self._key(anchored.node.text, span, frame, False)
+                self._key(event, anchored.node.text, span, frame)
             else:
                 self._refuse_key(event, "an alias of a list or mapping")
                 frame.key = _DROPPED
@@ -312,24 +327,22 @@ class Builder:
         self._add(replace(anchored.node, span=span), anchored.height)
         return True
 
-    def _tagged(self, event: Any, text: str) -> bool | int | float | str | None:
+    def _tagged(self, event: Any, text: str, span: Span) -> bool | int | float | str | None:
+        """The value of a scalar with a tag: the standard ones are heeded, all others refused."""
         tag = event.tag
         if tag in ("!", _STANDARD + "str"):
             return text
-        allowed = _SCALAR_TAGS.get(tag.removeprefix(_STANDARD)) if tag.startswith(_STANDARD) else None
-        if allowed is None:
-            self._refuse_tag(tag, self._tag_span(event))
-            return text if event.style else resolve(text)
-        value = resolve(text)
-        if not isinstance(value, allowed) or (isinstance(value, bool) and bool not in allowed):
+        value = text if event.style and tag not in _SCALAR_TAGS else self._resolved(text, span)
+        if tag not in _SCALAR_TAGS:
+            self._refuse_tag(tag, self._marks.tag(event))
+        elif type(value) not in _SCALAR_TAGS[tag]:
             self._sink.error(
                 "yaml-tag",
                 f"`{text}` is not what its tag `{_shown(tag)}` says",
-                self._span(event),
+                span,
                 help=f"remove the tag `{_shown(tag)}`",
             )
-            return value
-        return float(value) if tag == _STANDARD + "float" and isinstance(value, int) else value
+        return value
 
     def _refuse_tag(self, tag: str, span: Span) -> None:
         self._sink.error(
@@ -344,38 +357,11 @@ class Builder:
         self._sink.error(
             "yaml-key",
             f"{kind} cannot be a key",
-            self._span(event),
+            self._marks.span(event),
             help='text with braces must be quoted; an expression is written "${…}"'
             if template
             else "a key is text; quote it if it begins with `[`, `{` or `*`",
         )
-
-    def _span(self, event: Any) -> Span:
-        """The place of an event, without anchor and tag; of several lines, the first."""
-        start, end = event.start_mark, event.end_mark
-        line, column = start.line + 1, start.column + 1
-        if end.line == start.line:
-            last = end.column + 1
-        else:
-            header = _BLOCK_HEADER if getattr(event, "style", None) in ("|", ">") else _REST_OF_LINE
-            found = header.match(self._text, start.index) or _REST_OF_LINE.match(self._text, start.index)
-            last = column + (len(found.group().rstrip()) if found else 0)
-        if getattr(event, "tag", None) is not None or getattr(event, "anchor", None) is not None:
-            column = min(column + self._properties(event), last)
-        return Span(self._file, line, column, line, last)
-
-    def _properties(self, event: Any) -> int:
-        """How many characters anchor and tag take before the value, if it follows on their line."""
-        found = _PROPERTIES.match(self._text, event.start_mark.index)
-        return len(found.group()) if found else 0
-
-    def _tag_span(self, event: Any) -> Span:
-        found = _TAG.match(self._text, event.start_mark.index)
-        line, column = event.start_mark.line + 1, event.start_mark.column + 1
-        if found is None or "\n" in found.group():
-            return Span(self._file, line, column, line, column + 1)
-        column += found.start(1) - found.start()
-        return Span(self._file, line, column, line, column + len(found.group(1)))
 
 
 def _shown(tag: str) -> str:

@@ -50,9 +50,9 @@ def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
 
 
 def position(text: str, index: int) -> tuple[int, int]:
-    """The line and the column, both from 1, of the character at `index`.
+    r"""The line and the column, both from 1, of the character at `index`.
 
-    >>> position("ab\\r\\ncd", 5)
+    >>> position("ab\r\ncd", 5)
     (2, 2)
     """
     line, begin = 1, 0

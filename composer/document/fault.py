@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
-from composer.diagnostics import Diagnostic, Note, Span
-from composer.document.decode import position
+from composer.diagnostics import Note, Span
+from composer.document.complaint import Complaint, Fault
 from composer.document.quote import in_flow, quoted, unquoted_end, unquoted_start
 
 _TIGHT_COLON = re.compile(r"([ \t]*(?:- +)*)([A-Za-z_][\w.-]*):([^\s:/\\][^\r\n]*)")
@@ -16,81 +15,12 @@ _GLOB_CHOICE = re.compile(r"[\w,*?/.:\- ]*")
 _LINE = re.compile(r"[^\r\n]*")
 
 
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """A syntax fault as a diagnostic.
-
-    `hide` is the stretch of the text that was meant as a plain value: once it is hidden from the reader,
-    reading can go on and find what else there is. None when the reading ends here.
-    """
-
-    diagnostic: Diagnostic
-    hide: tuple[int, int] | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class _Complaint:
-    """What the reader said. `at` and `since` are indices into `text`: where it broke off, and what it was
-    reading then. `outer` tells whether the break is inside `[ ]` or `{ }` that began on an earlier line."""
-
-    text: str
-    file: str
-    context: str
-    problem: str
-    since: int
-    at: int
-    outer: bool
-
-    def span(self, start: int, end: int | None = None) -> Span:
-        line, column = position(self.text, start)
-        length = 1 if end is None else max(end - start, 1)
-        return Span(self.file, line, column, line, column + length)
-
-    def fault(
-        self, message: str, span: Span, help: str | None = None, code: str = "yaml-syntax", *notes: Note
-    ) -> Fault:
-        return Fault(Diagnostic(code, message, span, notes=notes, help=help))
-
-    def unquoted(self, code: str, start: int, end: int, message: str) -> Fault:
-        """The fault of a text that only lacks its quotes."""
-        help = f"quote it: {quoted(self.text[start:end])}"
-        return Fault(Diagnostic(code, message, self.span(start, end), help=help), (start, end))
-
-    @property
-    def flow(self) -> bool:
-        return in_flow(self.text, self.at, self.outer)
-
-    @property
-    def line(self) -> str:
-        """The line of the break."""
-        return self.line_of(self.at)
-
-    def line_start(self, index: int) -> int:
-        return max(self.text.rfind("\n", 0, index), self.text.rfind("\r", 0, index)) + 1
-
-    def line_of(self, index: int) -> str:
-        found = _LINE.match(self.text, self.line_start(index))
-        return found.group() if found else ""
-
-    @property
-    def same_line(self) -> bool:
-        return self.line_start(self.since) == self.line_start(self.at)
-
-    @property
-    def shown(self) -> str:
-        """What stands where the reading broke off."""
-        if self.at >= len(self.text):
-            return "the end of the file"
-        found = re.compile(r"[\w${*/.-]+|\S").match(self.text, self.at)
-        return f"`{found.group()[:40]}`" if found else "the end of the line"
-
-
 def explain(error: Any, text: str, file: str, outer: bool) -> Fault:
     """The fault that a reader's `MarkedYAMLError` stands for; `outer` as in `in_flow`."""
     mark = error.problem_mark or error.context_mark
     at = min(mark.index, len(text)) if mark else 0
     since = min(error.context_mark.index, len(text)) if error.context_mark else at
-    complaint = _Complaint(text, file, error.context or "", error.problem or "", since, at, outer)
+    complaint = Complaint(text, file, error.context or "", error.problem or "", since, at, outer)
     for rule in _RULES:
         fault = rule(complaint)
         if fault is not None:
@@ -98,7 +28,7 @@ def explain(error: Any, text: str, file: str, outer: bool) -> Fault:
     return complaint.fault(f"this is not YAML: {complaint.problem} at {complaint.shown}", complaint.span(at))
 
 
-def _template(it: _Complaint) -> Fault | None:
+def _template(it: Complaint) -> Fault | None:
     if it.at == 0 or not it.text.startswith("${", it.at - 1):
         return None
     start = unquoted_start(it.text, it.at - 1)
@@ -109,7 +39,7 @@ def _template(it: _Complaint) -> Fault | None:
     )
 
 
-def _alias(it: _Complaint) -> Fault | None:
+def _alias(it: Complaint) -> Fault | None:
     if "scanning an a" not in it.context or it.text[it.since : it.since + 1] not in ("*", "&"):
         return None
     end = max(unquoted_end(it.text, it.since, in_flow(it.text, it.since, it.outer)), it.since + 1)
@@ -121,7 +51,7 @@ def _alias(it: _Complaint) -> Fault | None:
     return it.unquoted("yaml-syntax", it.since, end, f"`{shown}` begins with `&`, which is an anchor in YAML")
 
 
-def _tab(it: _Complaint) -> Fault | None:
+def _tab(it: Complaint) -> Fault | None:
     if it.text[it.at : it.at + 1] != "\t" or not ("cannot start" in it.problem or "tab" in it.problem):
         return None
     end = it.at
@@ -140,7 +70,7 @@ def _tab(it: _Complaint) -> Fault | None:
     )
 
 
-def _reserved_start(it: _Complaint) -> Fault | None:
+def _reserved_start(it: Complaint) -> Fault | None:
     if "cannot start" not in it.problem or it.at >= len(it.text):
         return None
     end = max(unquoted_end(it.text, it.at, it.flow), it.at + 1)
@@ -149,7 +79,7 @@ def _reserved_start(it: _Complaint) -> Fault | None:
     return it.unquoted("yaml-syntax", it.at, end, message)
 
 
-def _glob_choice(it: _Complaint) -> Fault | None:
+def _glob_choice(it: Complaint) -> Fault | None:
     """`{left,right}/*_link`: text that YAML reads as a list or mapping with something behind it."""
     before, after = it.text[it.at - 1 : it.at], it.text[it.at : it.at + 1]
     if before not in ("]", "}") or not before or not after or after in "[]{},:# \t\r\n":
@@ -166,7 +96,7 @@ def _glob_choice(it: _Complaint) -> Fault | None:
     return it.unquoted("yaml-syntax", start, end, message)
 
 
-def _mapping_not_allowed(it: _Complaint) -> Fault | None:
+def _mapping_not_allowed(it: Complaint) -> Fault | None:
     if "mapping values are not allowed" not in it.problem:
         return None
     begin = it.line_start(it.at)
@@ -196,7 +126,7 @@ def _mapping_not_allowed(it: _Complaint) -> Fault | None:
     return it.fault("a key cannot stand here", span, "quote the text if the colon is part of it")
 
 
-def _below_value(it: _Complaint, lead: str, above_begin: int, above: str) -> Fault:
+def _below_value(it: Complaint, lead: str, above_begin: int, above: str) -> Fault:
     """A key where the value of the line above still goes on."""
     key = lead.strip()
     place = Note("the line above is this", _line_span(it, above_begin, above))
@@ -220,12 +150,12 @@ def _below_value(it: _Complaint, lead: str, above_begin: int, above: str) -> Fau
     )
 
 
-def _line_span(it: _Complaint, begin: int, line: str) -> Span:
+def _line_span(it: Complaint, begin: int, line: str) -> Span:
     lead = len(line) - len(line.lstrip())
     return it.span(begin + lead, begin + len(line.rstrip()))
 
 
-def _no_colon(it: _Complaint) -> Fault | None:
+def _no_colon(it: Complaint) -> Fault | None:
     if "could not find expected ':'" not in it.problem:
         return None
     end = max(unquoted_end(it.text, it.since, False), it.since + 1)
@@ -240,7 +170,7 @@ def _no_colon(it: _Complaint) -> Fault | None:
     return it.fault(f"`{key[:60]}` is neither a key nor part of a value", it.span(it.since, end), help)
 
 
-def _list_in_line(it: _Complaint) -> Fault | None:
+def _list_in_line(it: Complaint) -> Fault | None:
     if "sequence entries are not allowed" not in it.problem:
         return None
     return it.fault(
@@ -250,14 +180,14 @@ def _list_in_line(it: _Complaint) -> Fault | None:
     )
 
 
-def _open_quote(it: _Complaint) -> Fault | None:
+def _open_quote(it: Complaint) -> Fault | None:
     if "quoted scalar" not in it.context or not re.search("end of stream|document indicator", it.problem):
         return None
     sign = it.text[it.since : it.since + 1]
     return it.fault(f"the quote `{sign}` is never closed", it.span(it.since), f"add the closing `{sign}`")
 
 
-def _escape(it: _Complaint) -> Fault | None:
+def _escape(it: Complaint) -> Fault | None:
     if "quoted scalar" not in it.context:
         return None
     start = it.text.rfind("\\", 0, it.at + 1)
@@ -278,7 +208,7 @@ def _escape(it: _Complaint) -> Fault | None:
     )
 
 
-def _flow(it: _Complaint) -> Fault | None:
+def _flow(it: Complaint) -> Fault | None:
     if "flow sequence" not in it.context and "flow mapping" not in it.context:
         return None
     if it.text[it.since : it.since + 1] not in ("[", "{"):
@@ -303,7 +233,7 @@ def _flow(it: _Complaint) -> Fault | None:
     )
 
 
-def _block(it: _Complaint) -> Fault | None:
+def _block(it: Complaint) -> Fault | None:
     if "block mapping" not in it.context and "block collection" not in it.context:
         return None
     begin = it.line_start(it.at)
@@ -335,19 +265,19 @@ def _block(it: _Complaint) -> Fault | None:
     return it.fault(message, it.span(it.at), help, "yaml-syntax", opened)
 
 
-def _no_content(it: _Complaint) -> Fault | None:
+def _no_content(it: Complaint) -> Fault | None:
     if "node content" not in it.problem:
         return None
     return it.fault(f"a value is missing before {it.shown}", it.span(it.at))
 
 
-def _after_end(it: _Complaint) -> Fault | None:
+def _after_end(it: Complaint) -> Fault | None:
     if "document start" not in it.problem:
         return None
     return it.fault(f"{it.shown} stands after the end of the document", it.span(it.at))
 
 
-def _tag(it: _Complaint) -> Fault | None:
+def _tag(it: Complaint) -> Fault | None:
     if "tag" not in it.context and "tag" not in it.problem:
         return None
     start = it.since if it.text[it.since : it.since + 1] == "!" else it.at
@@ -361,7 +291,7 @@ def _tag(it: _Complaint) -> Fault | None:
     )
 
 
-def _directive(it: _Complaint) -> Fault | None:
+def _directive(it: Complaint) -> Fault | None:
     if "directive" not in it.context and "YAML document" not in it.problem:
         return None
     return it.fault(
@@ -371,7 +301,7 @@ def _directive(it: _Complaint) -> Fault | None:
     )
 
 
-def _block_text(it: _Complaint) -> Fault | None:
+def _block_text(it: Complaint) -> Fault | None:
     if "block scalar" not in it.context:
         return None
     sign = it.text[it.since : it.since + 1]
@@ -382,7 +312,7 @@ def _block_text(it: _Complaint) -> Fault | None:
     )
 
 
-_RULES: tuple[Callable[[_Complaint], Fault | None], ...] = (
+_RULES: tuple[Callable[[Complaint], Fault | None], ...] = (
     _template,
     _alias,
     _tab,

@@ -64,24 +64,24 @@ def _skin(
 def _free(
     unit: Unit, written: str, source: str, content: bytes | None, taken: dict[str, tuple[str, bytes | None]]
 ) -> str:
-    inside = _inside(unit.settings, written)
-    path = f"{ASSETS}/{unit.label}/{inside}"
+    below = inside(unit.settings, written)
+    path = f"{ASSETS}/{unit.label}/{below}"
     if written.startswith(f"{ASSETS}/") and written in unit.contents:  # a composed unit: its paths are settled
         path = written
     key = path.lower()
     if key not in taken:
         taken[key] = (source, content)
         return path
-    _, label, inside = path.split("/", 2)
+    _, label, below = path.split("/", 2)
     number = 1
     while True:
         if taken.setdefault(path.lower(), (source, content)) == (source, content):
             return path
         number += 1
-        path = f"{ASSETS}/{label}-{number}/{inside}"
+        path = f"{ASSETS}/{label}-{number}/{below}"
 
 
-def _inside(settings: Settings, written: str) -> str:
+def inside(settings: Settings, written: str) -> str:
     """The path below the unit's own asset folder, which need not be repeated in the bundle."""
     if is_absolute(written):
         return written.rsplit("/", 1)[-1]

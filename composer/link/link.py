@@ -13,10 +13,12 @@ from composer.link.files import files
 from composer.link.fitting import fitting
 from composer.link.inertia import inertia
 from composer.link.keyframes import keyframes, layouts
+from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
 from composer.link.roots import check_planes, roots
 from composer.link.sections import sections
+from composer.link.submodels import submodels
 
 Pass = Callable[[Linking], None]
 
@@ -26,11 +28,13 @@ PASSES: tuple[Pass, ...] = (
     check_settings,
     inertia,
     fitting,
+    lengthranges,
     angles,
     agreement,
     layouts,
     roots,
     files,
+    submodels,
     names,
     defaults,
     bodies,

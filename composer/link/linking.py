@@ -70,13 +70,17 @@ class Measure(Protocol):
 
 
 class FileUse(NamedTuple):
-    """An attribute of the model that names a file of the bundle, and where that file's bytes are."""
+    """An attribute of the model that names a file of the bundle, and where that file's bytes are.
+
+    A file that is not `shared` must stand under its own path, whatever other file has the same bytes.
+    """
 
     element: Node
     attribute: str
     path: str
     source: str
     content: bytes | None
+    shared: bool = True
 
 
 @dataclass(eq=False)

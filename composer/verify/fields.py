@@ -83,6 +83,9 @@ _TABLE: dict[Treatment, dict[str, str]] = {
         ),
         "an address in the state or the sensor data of the whole model": "sensor_adr plugin_stateadr",
         "the body ids of a pair once more; its geoms are compared": "pair_signature",
+        "the neighbours of a flex's vertices (in MuJoCo 3); its edges are compared": (
+            "flex_evpairadr flex_vertedgeadr flex_vertedgenum flex_vertedge"
+        ),
         "the bounding volumes of a flex, built from its vertices in the world's frame": "flex_bvhnum",
         "one time for a whole key, which may be of several parts": "key_time",
     },
@@ -114,7 +117,8 @@ _TABLE: dict[Treatment, dict[str, str]] = {
             " skin_bonebindquat skin_bonevertid skin_bonevertweight numeric_data text_data tuple_objtype"
             " tuple_objprm plugin_attr"
             " flex_vertcell flex_edge flex_edgeflap flex_elem flex_elemtexcoord flex_elemedge flex_elemlayer"
-            " flex_shell flex_vert flex_vert0 flex_node flex_node0 flex_stiffness flex_bending flex_texcoord"
+            " flex_shell flex_evpair flex_vertmetric flex_vert flex_vert0 flex_node flex_node0 flex_stiffness"
+            " flex_bending flex_texcoord"
         ),
         "one row a control, not an actuator (in MuJoCo 4)": "actuator_ctrllimited actuator_ctrlrange",
         "one row a force output, not an actuator (in MuJoCo 4)": (
@@ -180,6 +184,7 @@ NOT_OF_AN_ELEMENT: dict[str, str] = {
     "bvh_depth bvh_child bvh_nodeid bvh_aabb": "built from geoms and meshes, which are compared",
     "oct_depth oct_child oct_aabb oct_coeff": "compared by mesh",
     "tree_bodyadr tree_bodynum tree_dofadr tree_dofnum": "kinematic trees of the whole model",
+    "flexvert_J_rownnz flexvert_J_rowadr flexvert_J_colind": "sparsity of the whole model",
     "flexedge_length0": "compared by flex",
     "flexedge_rigid": "compared by flex",
     "flexedge_invweight0": "computed from the inertia of the whole model",

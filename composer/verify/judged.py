@@ -20,7 +20,9 @@ def judge(bundle: Bundle, model: Unit, context: Context, limits: Limits | None) 
         context.sink.error(error.code, error.message, help=error.help)
         return None
     for warning in verified.warnings:
-        context.sink.warning("mujoco-warning", f"MuJoCo warns: {warning.message}", _place(warning, bundle, model))
+        context.sink.warning(
+            "mujoco-warning", f"MuJoCo warns: {warning.message}", _place(warning, bundle, model)
+        )
     if verified.error is not None and verified.code is not None:
         fault = verified.error
         said = fault.message if verified.crash else f"MuJoCo rejects the model: {fault.message}"

@@ -87,10 +87,11 @@ def _skin(model: Model, index: int) -> Iterator[Run]:
 
 
 _FLEX_RUNS = (
-    ("flex_vertadr", "flex_vertnum", ("flex_vert", "flex_vert0", "flex_vertcell")),
+    ("flex_vertadr", "flex_vertnum", ("flex_vert", "flex_vert0", "flex_vertcell", "flex_vertmetric")),
     ("flex_nodeadr", "flex_nodenum", ("flex_node", "flex_node0")),
     ("flex_edgeadr", "flex_edgenum", ("flex_edge", "flex_edgeflap", "flexedge_length0", "flexedge_rigid")),
     ("flex_elemadr", "flex_elemnum", ("flex_elemlayer",)),
+    ("flex_evpairadr", "flex_evpairnum", ("flex_evpair",)),
 )
 _EDGES_OF_AN_ELEMENT = {1: 1, 2: 3, 3: 6}
 _FLEX_RUNS_TO_THE_NEXT = (
@@ -98,7 +99,9 @@ _FLEX_RUNS_TO_THE_NEXT = (
     ("flex_bendingadr", "flex_bending"),
     ("flex_texcoordadr", "flex_texcoord"),
 )
-FROM_THE_WORLD = frozenset({"flex_vert0", "flex_node", "flexedge_length0", "flex_stiffness", "flex_bending"})
+FROM_THE_WORLD = frozenset(
+    "flex_vert0 flex_vertmetric flex_node flexedge_length0 flex_stiffness flex_bending".split()
+)
 """Flex data that MuJoCo computes from positions in the world, so that a moved part has it up to rounding."""
 
 IN_THE_WORLD = frozenset({"flex_node0"})

@@ -25,10 +25,11 @@ def circle(radius: float, count: int = 28) -> Array:
 
 
 def squircle(a: float, b: float, exponent: float = 4, count: int = 28) -> Array:
-    """A rectangle of the half sizes `a` and `b` with round corners, the rounder the nearer the exponent is to 2."""
+    """A rectangle of half sizes `a` and `b` with round corners, an ellipse at the exponent 2."""
     turn = np.linspace(0, 2 * np.pi, count, endpoint=False)
     wave = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    return np.sign(wave) * np.abs(wave) ** (2 / exponent) * [a, b]
+    outline: Array = np.sign(wave) * np.abs(wave) ** (2 / exponent) * [a, b]
+    return outline
 
 
 def stadium(radius: float, length: float, count: int = 28) -> Array:
@@ -45,17 +46,18 @@ def gear(radius: float, depth: float, teeth: int) -> Array:
 
 
 def loft(sections: list[tuple[float, Array]], axis: str = "z") -> Solid:
-    """Join outlines of equal length, each at its height along the axis; for `y` an outline's plane is (z, x)."""
+    """Join outlines of equal length, each at its height along the axis; along `y` an outline lies in (z, x)."""
     count = len(sections[0][1])
     rings = [np.column_stack([outline, np.full(count, height)]) for height, outline in sections]
     ends = [ring.mean(axis=0, keepdims=True) for ring in (rings[0], rings[-1])]
     vertices = np.concatenate([*rings, *ends])[:, {"x": [2, 0, 1], "y": [1, 2, 0], "z": [0, 1, 2]}[axis]]
     here = np.arange(count)
     there = np.roll(here, -1)
-    faces = []
+    faces: list[NDArray[np.int64]] = []
     for low in range(0, count * (len(rings) - 1), count):
         high = low + count
-        faces += [np.stack([low + here, low + there, high + there], 1), np.stack([low + here, high + there, high + here], 1)]
+        faces.append(np.stack([low + here, low + there, high + there], 1))
+        faces.append(np.stack([low + here, high + there, high + here], 1))
     top = count * (len(rings) - 1)
     bottom_centre, top_centre = (np.full(count, count * len(rings) + end) for end in (0, 1))
     faces += [np.stack([bottom_centre, there, here], 1), np.stack([top_centre, top + here, top + there], 1)]
@@ -70,11 +72,15 @@ def bevelled(outline: Array, low: float, high: float, bevel: float, axis: str = 
     return loft([(low, small), (low + bevel, outline), (high - bevel, outline), (high, small)], axis)
 
 
-def rod(radius: float, low: float, high: float, bevel: float = 0.004, axis: str = "z", count: int = 28) -> Solid:
+def rod(
+    radius: float, low: float, high: float, bevel: float = 0.004, axis: str = "z", count: int = 28
+) -> Solid:
     return bevelled(circle(radius, count), low, high, bevel, axis)
 
 
-def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], bevel: float = 0.002) -> Solid:
+def box(
+    x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], bevel: float = 0.002
+) -> Solid:
     a, b = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     outline = np.array([[a, -b], [a, b], [-a, b], [-a, -b]]) + [(x[0] + x[1]) / 2, (y[0] + y[1]) / 2]
     return bevelled(outline, z[0], z[1], bevel)
@@ -119,69 +125,100 @@ def write_png(file: str, indices: NDArray[np.uint8], palette: NDArray[np.uint8])
     (HERE / file).write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunk(kind, data) for kind, data in parts))
 
 
+def turned(profile: list[tuple[float, float]], count: int = 28) -> Solid:
+    """A solid of revolution about z from its heights and radii."""
+    return loft([(height, circle(radius, count)) for height, radius in profile])
+
+
 def arm() -> None:
-    write(
-        "arm6/assets/base.obj",
-        loft([(z, circle(r)) for z, r in [(0, 0.105), (0.003, 0.11), (0.017, 0.11), (0.02, 0.105), (0.026, 0.09), (0.1, 0.08), (0.127, 0.08), (0.13, 0.077)]]),
+    foot = [(0, 0.105), (0.003, 0.11), (0.017, 0.11), (0.02, 0.105), (0.026, 0.09)]
+    write("arm6/assets/base.obj", turned([*foot, (0.1, 0.08), (0.127, 0.08), (0.13, 0.077)]))
+
+    turret = turned([(0, 0.077), (0.003, 0.08), (0.05, 0.08), (0.12, 0.066), (0.15, 0.05)])
+    motor = moved(rod(0.074, -0.062, 0.062, axis="y"), (0.03, 0, 0.14))
+    write("arm6/assets/shoulder.obj", joined(turret, motor))
+
+    cheek = stadium(0.066, 0.11)
+    beam = [
+        (0.086, squircle(0.05, 0.07)),
+        (0.09, squircle(0.056, 0.086)),
+        (0.13, squircle(0.056, 0.086)),
+        (0.2, squircle(0.042, 0.052)),
+        (0.28, squircle(0.042, 0.052)),
+        (0.33, squircle(0.046, 0.052)),
+    ]
+    upper_arm = joined(
+        bevelled(cheek, 0.063, 0.088, 0.004, "y"),
+        bevelled(cheek, -0.088, -0.063, 0.004, "y"),
+        loft(beam),
+        moved(rod(0.062, -0.054, 0.054, axis="y"), (0, 0, 0.36)),
     )
-    turret = loft([(z, circle(r)) for z, r in [(0, 0.077), (0.003, 0.08), (0.05, 0.08), (0.12, 0.066), (0.15, 0.05)]])
-    write("arm6/assets/shoulder.obj", joined(turret, moved(rod(0.074, -0.062, 0.062, axis="y"), (0.03, 0, 0.14))))
-    plate = stadium(0.066, 0.11)
-    beam = [(0.086, 0.05, 0.07), (0.09, 0.056, 0.086), (0.13, 0.056, 0.086), (0.2, 0.042, 0.052), (0.28, 0.042, 0.052), (0.33, 0.046, 0.052)]
-    write(
-        "arm6/assets/upper_arm.obj",
-        joined(
-            bevelled(plate, 0.063, 0.088, 0.004, "y"),
-            bevelled(plate, -0.088, -0.063, 0.004, "y"),
-            loft([(z, squircle(a, b)) for z, a, b in beam]),
-            moved(rod(0.062, -0.054, 0.054, axis="y"), (0, 0, 0.36)),
-        ),
+    write("arm6/assets/upper_arm.obj", upper_arm)
+
+    cheek = stadium(0.055, 0.08)
+    block = [
+        (0.072, squircle(0.045, 0.066, 3)),
+        (0.076, squircle(0.052, 0.074, 3)),
+        (0.1, squircle(0.052, 0.074, 3)),
+        (0.125, squircle(0.05, 0.052, 3)),
+        (0.13, squircle(0.047, 0.049, 3)),
+    ]
+    elbow = joined(
+        bevelled(cheek, 0.055, 0.076, 0.004, "y"), bevelled(cheek, -0.076, -0.055, 0.004, "y"), loft(block)
     )
-    plate = stadium(0.055, 0.08)
-    block = [(0.072, 0.045, 0.066), (0.076, 0.052, 0.074), (0.1, 0.052, 0.074), (0.125, 0.05, 0.052), (0.13, 0.047, 0.049)]
-    write(
-        "arm6/assets/elbow.obj",
-        joined(
-            bevelled(plate, 0.055, 0.076, 0.004, "y"),
-            bevelled(plate, -0.076, -0.055, 0.004, "y"),
-            loft([(z, squircle(a, b, 3)) for z, a, b in block]),
-        ),
+    write("arm6/assets/elbow.obj", elbow)
+
+    cheek = stadium(0.034, 0.06)
+    tube = [
+        (0, circle(0.045)),
+        (0.003, circle(0.048)),
+        (0.06, circle(0.046)),
+        (0.12, squircle(0.036, 0.056, 3)),
+        (0.158, squircle(0.034, 0.058, 3)),
+        (0.162, squircle(0.03, 0.054, 3)),
+    ]
+    forearm = joined(
+        loft(tube),
+        moved(bevelled(cheek, 0.041, 0.058, 0.003, "y"), (0, 0, 0.15)),
+        moved(bevelled(cheek, -0.058, -0.041, 0.003, "y"), (0, 0, 0.15)),
     )
-    plate = stadium(0.036, -0.06)
-    plate[:, 0] = plate[::-1, 0]
-    tube = [(0, 0.045, 0.045, 2), (0.003, 0.048, 0.048, 2), (0.06, 0.046, 0.046, 2), (0.12, 0.036, 0.056, 3), (0.158, 0.034, 0.058, 3), (0.162, 0.03, 0.054, 3)]
-    fork = stadium(0.034, 0.06)
-    fork[:, 0] = 0.21 - fork[::-1, 0]
-    fork[:, 1] = fork[::-1, 1]
-    write(
-        "arm6/assets/forearm.obj",
-        joined(
-            loft([(z, squircle(a, b, e)) for z, a, b, e in tube]),
-            bevelled(fork[::-1], 0.04, 0.058, 0.003, "y"),
-            bevelled(fork[::-1], -0.058, -0.04, 0.003, "y"),
-        ),
-    )
-    neck = loft([(z, circle(r, 24)) for z, r in [(0.01, 0.03), (0.045, 0.03), (0.057, 0.036), (0.06, 0.034)]])
+    write("arm6/assets/forearm.obj", forearm)
+
+    neck = turned([(0.01, 0.03), (0.045, 0.03), (0.057, 0.036), (0.06, 0.034)], 24)
     write("arm6/assets/wrist.stl", joined(rod(0.034, -0.039, 0.039, 0.003, "y", 24), neck))
-    write("arm6/assets/flange.stl", loft([(z, circle(r, 32)) for z, r in [(0.001, 0.035), (0.003, 0.037), (0.02, 0.037), (0.022, 0.035), (0.022, 0.02), (0.025, 0.019)]]))
+
+    rim = [(0.001, 0.035), (0.003, 0.037), (0.02, 0.037), (0.022, 0.035), (0.022, 0.02), (0.025, 0.019)]
+    write("arm6/assets/flange.stl", turned(rim, 32))
 
 
 def gripper() -> None:
-    palm = [(0, 0.034, 0.034, 2), (0.003, 0.036, 0.036, 2), (0.014, 0.036, 0.036, 2), (0.03, 0.03, 0.062, 4), (0.034, 0.032, 0.066, 5), (0.066, 0.032, 0.066, 5), (0.07, 0.029, 0.063, 5)]
-    write("gripper2/meshes/base.obj", loft([(z, squircle(a, b, e, 32)) for z, a, b, e in palm]))
-    finger = joined(
-        box((-0.014, 0.014), (0.004, 0.032), (0, 0.014)),
-        loft([(z, squircle(a, b, 6, 24) + [0, c]) for z, a, b, c in [(0.01, 0.012, 0.008, 0.016), (0.03, 0.012, 0.008, 0.015), (0.05, 0.011, 0.006, 0.0115), (0.084, 0.011, 0.004, 0.0105), (0.088, 0.009, 0.003, 0.0105)]]),
+    palm = [
+        (0, circle(0.034, 32)),
+        (0.003, circle(0.036, 32)),
+        (0.014, circle(0.036, 32)),
+        (0.03, squircle(0.03, 0.062, 4, 32)),
+        (0.034, squircle(0.032, 0.066, 5, 32)),
+        (0.066, squircle(0.032, 0.066, 5, 32)),
+        (0.07, squircle(0.029, 0.063, 5, 32)),
+    ]
+    write("gripper2/meshes/base.obj", loft(palm))
+
+    blade = [(0.01, 0.012, 0.008, 0.016), (0.03, 0.012, 0.008, 0.015), (0.05, 0.011, 0.006, 0.0115)]
+    tip = [(0.084, 0.011, 0.004, 0.0105), (0.088, 0.009, 0.003, 0.0105)]
+    outlines = [(z, squircle(a, b, 6, 24) + np.array([0, y])) for z, a, b, y in [*blade, *tip]]
+    write(
+        "gripper2/meshes/finger.stl", joined(box((-0.014, 0.014), (0.004, 0.032), (0, 0.014)), loft(outlines))
     )
-    write("gripper2/meshes/finger.stl", finger)
-    write("gripper2/meshes/pinion.stl", loft([(z, gear(0.02, 0.004, 16)) for z in (-0.003, 0.003)], "x"))
+
+    write("gripper2/meshes/pinion.stl", loft([(x, gear(0.02, 0.004, 16)) for x in (-0.003, 0.003)], "x"))
 
 
 def camera_mount() -> None:
-    foot = loft([(z, circle(r, 32)) for z, r in [(0, 0.057), (0.003, 0.06), (0.009, 0.06), (0.012, 0.057), (0.018, 0.02), (0.03, 0.016)]])
-    write("camera_mount/assets/base.obj", foot)
+    foot = [(0, 0.057), (0.003, 0.06), (0.009, 0.06), (0.012, 0.057), (0.018, 0.02), (0.03, 0.016)]
+    write("camera_mount/assets/base.obj", turned(foot, 32))
+
     body = bevelled(squircle(0.0125, 0.05, 6), -0.028, 0.0, 0.003)
-    lenses = [moved(rod(0.009, -0.005, 0.003, 0.001, count=20), (0, y, 0)) for y in (-0.03, 0.0, 0.03)]
+    lenses = [moved(turned([(-0.005, 0.009), (0.003, 0.008)], 16), (0, y, 0)) for y in (-0.03, 0.0, 0.03)]
     write("camera_mount/assets/camera.stl", joined(body, *lenses))
 
 

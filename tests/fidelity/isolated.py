@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
@@ -61,10 +63,13 @@ def each(
 
 
 def _work(function: Callable[[Argument], Result], argument: Argument, there: Connection) -> None:
-    try:
-        there.send((True, function(argument)))
-    except Exception:
-        there.send((False, traceback.format_exc(limit=-3)))
+    with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes its log into the working directory
+        os.chdir(folder)
+        try:
+            there.send((True, function(argument)))
+        except Exception:
+            there.send((False, traceback.format_exc(limit=-3)))
+        os.chdir("/")
 
 
 def _result(

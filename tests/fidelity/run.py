@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not folder:
         print("MJCOMPOSE_CORPUS names no corpus", file=sys.stderr)  # noqa: T201
         return 2
-    corpus = Path(folder)
+    corpus = Path(folder).resolve()
     pages: list[str] = []
     fine = True
     for title, compositions in _chosen(options, corpus):

@@ -237,3 +237,37 @@ def test_every_group_and_list_of_keywords_is_used() -> None:
     assert {group for entry in data["elements"].values() for group in entry.get("groups", ())} == set(
         data["groups"]
     )
+
+
+def test_everything_is_explained_in_a_line() -> None:
+    for path in GRAMMAR.paths:
+        element = GRAMMAR.element(path)
+        for what, doc in [
+            (path, element.doc),
+            *((f"{path}/{a.name}", a.doc) for a in element.attributes.values()),
+        ]:
+            assert 0 < len(doc) <= 110, what
+            assert "\n" not in doc, what
+            assert not doc.endswith("."), what
+
+
+def test_no_explanation_is_stray() -> None:
+    data = json.loads(read_data())
+    assert set(data["docs"]["elements"]) == set(data["elements"])
+    rows = {
+        f"{place}/{name}"
+        for table in (data["groups"], data["elements"])
+        for place, entry in table.items()
+        for name in entry.get("attributes", {})
+    }
+    names = {row.rpartition("/")[2] for row in rows}
+    for key in data["docs"]["attributes"]:
+        assert key in (rows if "/" in key else names), key
+
+
+def test_explanation_of_one_place_wins() -> None:
+    assert "bodies that carry" in GRAMMAR.element("flex").attributes["body"].doc
+    assert (
+        GRAMMAR.element("default/geom").attributes["pos"].doc == GRAMMAR.element("geom").attributes["pos"].doc
+    )
+    assert GRAMMAR.element("default/tendon").attributes["armature"].doc

@@ -273,7 +273,7 @@ def _damage_dynamics(spec: mujoco.MjSpec) -> None:
 
 
 def _damage_equality(spec: mujoco.MjSpec) -> None:
-    spec.equalities[0].data = [0, 2] + [0] * 10
+    spec.equalities[0].data = [0, 2] + [0] * (mujoco.mjNEQDATA - 2)
 
 
 def _damage_exclude(spec: mujoco.MjSpec) -> None:
@@ -364,6 +364,39 @@ def test_what_stands_at_the_root_must_move_with_the_mount() -> None:
     }
 
 
+def test_a_part_may_stand_on_a_body_put_in_between() -> None:
+    part = """
+    <mujoco><worldbody>
+      <geom name="g" size=".1" pos="0 0 1"/><body name="b">{}</body>
+    </worldbody></mujoco>"""
+    inner = "<joint damping='{}'/><geom size='.1'/>"
+    whole = f"""
+    <mujoco><worldbody><body name="base">
+      <body name="p/" pos="0 1 0" euler="0 0 90">
+        <geom name="p/g" size=".1" pos="0 0 1"/><body name="p/b">{inner.format(1)}</body>
+      </body>
+    </body></worldbody></mujoco>"""
+    both = mujoco.MjModel.from_xml_string(whole)
+    turned = Pose((0, 1, 0), (0.7071067811865476, 0.0, 0.0, 0.7071067811865476))
+    for damping, expected in ((1, set()), (2, {("joint", "#0 of body `p/b`", "dof_damping")})):
+        alone = mujoco.MjModel.from_xml_string(part.format(inner.format(damping)))
+        for mount in (Mount("p/"), Mount("base", turned), Mount("base", None)):
+            assert told(compare(alone, both, prefix="p/", hung_on=mount)) == expected
+    assert {found.array for found in compare(alone, both, prefix="p/", hung_on=Mount("base"))} >= {"body_pos"}
+
+
+def test_an_authored_sleep_policy_is_kept() -> None:
+    xml = """
+    <mujoco><worldbody>
+      <body name="a" sleep="{}"><freejoint/><geom size=".1"/></body>
+    </worldbody></mujoco>"""
+    never, allowed, auto = (
+        mujoco.MjModel.from_xml_string(xml.format(p)) for p in ("never", "allowed", "auto")
+    )
+    assert told(compare(never, allowed)) == {("body", "a", "tree_sleep_policy")}
+    assert compare(auto, never) == []
+
+
 def test_an_unknown_pose_is_taken_from_the_first_root() -> None:
     assert compose().hand_differences(hung_on=Mount("link", None)) == []
     moved = compose(change_both=lambda spec: setattr(spec.site("hand/mark"), "pos", [0, 0.1, 0.3]))
@@ -422,12 +455,19 @@ def test_merged_keys_are_compared_by_the_entries_of_the_part() -> None:
     composition = compose(change_both=merge)
     assert composition.arm_differences(keys=Keys.MERGE) == []
     assert composition.hand_differences(keys=Keys.MERGE) == []
-    assert {found.field for found in composition.hand_differences(keys=Keys.PREFIX)} == {"missing"}
     assert composition.hand_differences(keys=Keys.NONE) == []
     composition.both.key_ctrl[1, 3] = 7
     assert [str(found) for found in composition.hand_differences(keys=Keys.MERGE)] == [
         "key `open`: `key_ctrl of `#3`` is [7.0], alone it is [2.0]"
     ]
+
+
+def test_a_key_that_did_not_come_along_is_missing() -> None:
+    alone = mujoco.MjModel.from_xml_string(PROP)
+    other = mujoco.MjModel.from_xml_string(PROP.replace('"home"', '"rest"'))
+    assert [str(found) for found in compare(alone, other)] == ["key `home` is missing"]
+    assert compare(alone, other, keys=Keys.NONE) == []
+    assert compare(alone, other, renamed={"key": {"home": "rest"}}) == []
 
 
 def _props(moved: bool) -> tuple[mujoco.MjModel, mujoco.MjModel, Mount]:

@@ -1,0 +1,76 @@
+"""Pass: `<model>` assets, which MuJoCo attaches itself: each goes into the bundle with the files it needs.
+
+A sub-model keeps its own compiler settings, because MuJoCo reads it as a model of its own; only its folders change.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from composer.link.files import ASSETS, inside
+from composer.link.linking import FileUse, Linking
+from composer.tree.files import file_attributes, join, written_path
+from composer.tree.parse import parse_file
+from composer.tree.unit import Unit
+from composer.tree.write import write
+
+_FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+
+
+def submodels(linking: Linking) -> None:
+    """Bundle the sub-models of every unit below `assets/LABEL/models/`."""
+    for unit in linking.units:
+        for element in unit.root.findall("asset/model"):
+            file = element.get("file")
+            if file:
+                _bundle(linking, unit, element, str(file), str(unit.directory), f"{ASSETS}/{unit.label}/models")
+
+
+def _bundle(linking: Linking, unit: Unit, element: Node, file: str, directory: str, folder: str) -> None:
+    known = unit.contents.get(file)
+    source = str(known) if isinstance(known, Path) else join(directory, file)
+    if isinstance(known, bytes):
+        linking.files.append(FileUse(element, "file", file, source, known, shared=False))
+        return
+    before = len(linking.sink.errors)
+    sub = parse_file(Path(source), linking.sink)
+    if sub is None or len(linking.sink.errors) > before:
+        return
+    if not element.get("name"):
+        element.set("name", sub.model)
+    path = _free(linking, f"{folder}/{sub.label}", source)
+    _own_files(linking, sub, path)
+    element.set("file", f"{path}.xml")
+    linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
+
+
+def _free(linking: Linking, path: str, source: str) -> str:
+    taken = {use.path: use.source for use in linking.files}
+    number, free = 1, path
+    while taken.get(f"{free}.xml", source) != source:
+        number += 1
+        free = f"{path}-{number}"
+    return free
+
+
+def _own_files(linking: Linking, sub: Unit, path: str) -> None:
+    """Files of a sub-model stand in a folder beside it, and it names them from where it is."""
+    beside = path.rsplit("/", 1)[1]
+    for element, attribute in file_attributes(sub.root):
+        written = written_path(sub.settings, element, attribute)
+        name = inside(sub.settings, written)
+        source = join(str(sub.directory), written)
+        element.set(attribute, f"{beside}/{name}")
+        linking.files.append(FileUse(element, attribute, f"{path}/{name}", source, None, shared=False))
+    for nested in sub.root.findall("asset/model"):
+        file = nested.get("file")
+        if file:
+            inner = f"{path}/models"
+            _bundle(linking, sub, nested, str(file), str(sub.directory), inner)
+            nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
+    for compiler in sub.root.iterchildren("compiler"):
+        for name in _FOLDERS:
+            if name in compiler.attrib:
+                del compiler.attrib[name]

@@ -1,0 +1,89 @@
+"""A located tree as the plain values that pydantic takes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from composer.document.node import Node, Scalar, Sequence
+from composer.recipe.fault import Fault, Path
+from composer.recipe.unsupported import EXPRESSIONS, is_unsupported
+
+TEMPLATE = "${"
+
+
+class Placed(dict[str, Any]):
+    """A mapping that knows its path from the top of the recipe."""
+
+    __slots__ = ("at",)
+
+    def __init__(self, at: Path) -> None:
+        super().__init__()
+        self.at = at
+
+
+def path_of(value: object) -> Path:
+    """The path of a mapping from the top of the recipe; empty for one that was made in Python."""
+    return value.at if isinstance(value, Placed) else ()
+
+
+def raw(node: Node, faults: list[Fault]) -> Any:
+    """The tree as dicts (`Placed`), lists and values, with faults that any place may have.
+
+    Keys that this version does not carry out are told and left out, with all that is below them. A key with
+    no value and an expression are told and stay, so that it is known that they are there.
+    """
+    return _raw(node, (), faults)
+
+
+def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
+    if isinstance(node, Scalar):
+        if node.value is None:
+            faults.append(_nothing(at))
+        elif not EXPRESSIONS and isinstance(node.value, str) and TEMPLATE in node.value:
+            faults.append(_expression(at))
+        return node.value
+    if isinstance(node, Sequence):
+        return [_raw(item, (*at, index), faults) for index, item in enumerate(node.items)]
+    mapping = Placed(at)
+    for name, (_, value) in node.entries.items():
+        path = (*at, name)
+        if is_unsupported(path):
+            faults.append(_unsupported(path))
+            continue
+        if not EXPRESSIONS and TEMPLATE in name:
+            faults.append(_expression(path, key=True))
+            continue
+        mapping[name] = _raw(value, path, faults)
+    return mapping
+
+
+def _nothing(at: Path) -> Fault:
+    if at and isinstance(at[-1], str):
+        return Fault(
+            "wrong-type",
+            f"`{at[-1]}` has no value",
+            at,
+            key=True,
+            help="write a value behind it (`{}` for an element without attributes), or leave the key out",
+        )
+    return Fault("wrong-type", "there is no value here", at)
+
+
+def _unsupported(at: Path) -> Fault:
+    return Fault(
+        "not-supported",
+        f"`{at[-1]}` is not supported by this version",
+        at,
+        key=True,
+        help="leave the key out for now",
+    )
+
+
+def _expression(at: Path, key: bool = False) -> Fault:
+    return Fault(
+        "not-supported",
+        "`${…}` is not supported by this version",
+        at,
+        key=key,
+        help="write the value itself for now",
+    )

@@ -1,0 +1,33 @@
+"""What the top of a recipe says about everything below it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+DEFAULT_SEPARATOR = "/"
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """The context of a validation.
+
+    `bare_angles`: angles without a unit may stand. `separator`: between a prefix and a name.
+    """
+
+    bare_angles: bool = True
+    separator: str = DEFAULT_SEPARATOR
+
+    @classmethod
+    def of(cls, data: object) -> Settings:
+        """The settings that the top-level keys of a recipe make; a wrong one counts as given."""
+        if not isinstance(data, Mapping):
+            return cls()
+        separator = data.get("separator", DEFAULT_SEPARATOR)
+        return cls("angle" in data, separator if isinstance(separator, str) and separator else DEFAULT_SEPARATOR)
+
+
+def settings(context: Any) -> Settings:
+    """The settings in a pydantic context; without any, what is lenient."""
+    return context if isinstance(context, Settings) else Settings()

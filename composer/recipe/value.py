@@ -1,0 +1,158 @@
+"""The value of one attribute: checked against the grammar, angles with units read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar.attribute import Attribute
+from composer.grammar.check import check_number, check_python
+from composer.grammar.format import number_text
+from composer.recipe.element import Angle, Single, Value
+from composer.recipe.fault import Fault, Path, Remark
+
+# What no XML file can hold, not even escaped.
+UNPRINTABLE = frozenset(map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000))))
+
+
+def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: list[Fault]) -> Value | None:
+    """The value as it is kept (lists become tuples), or None where there was a fault.
+
+    `owner` is what the attribute belongs to, as messages call it. An `Angle` may stand on any real number.
+    """
+    subject = f"`{attribute.name}` of {owner}"
+    if isinstance(value, dict):
+        wanted = (check_python(attribute, value) or "expects something else").partition(", got")[0]
+        faults.append(Fault("wrong-type", f"{subject} {wanted}, got a mapping", at))
+        return None
+    if isinstance(value, list):
+        return _read_list(attribute, value, at, subject, faults)
+    read = _angle(attribute, value)
+    answer = check_python(attribute, read.value if isinstance(read, Angle) else read)
+    if answer is not None:
+        faults.append(_fault(attribute, value, answer, _code(attribute, read), at, subject))
+        return None
+    return read if _printable(attribute, read, at, subject, faults) else None
+
+
+def shown(value: object) -> str:
+    """A value as YAML has it on one line.
+
+    >>> shown([0, "90deg", 1.5])
+    '[0, 90deg, 1.5]'
+    """
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(shown(item) for item in value)}]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return number_text(value) if isinstance(value, int | float) else str(value)
+
+
+def kind_of(value: object) -> str:
+    """What kind of value it is, with the value where it is short: `text `abc``, `a list`."""
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list | tuple):
+        return "a list"
+    if value is None:
+        return "nothing"
+    kind = "text" if isinstance(value, str) else "a boolean" if isinstance(value, bool) else "a number"
+    text = shown(value)
+    return f"{kind} `{text}`" if len(text) <= 40 and "\n" not in text else kind
+
+
+def _read_list(
+    attribute: Attribute, value: list[Any], at: Path, subject: str, faults: list[Fault]
+) -> Value | None:
+    items: list[Any] = [_angle(attribute, item) for item in value]
+    several = attribute.is_number and attribute.max_length != 1
+    if several:
+        # Each number on its own, so that a fault points at it and not at the whole list.
+        before = len(faults)
+        for index, item in enumerate(items):
+            number = item.value if isinstance(item, Angle) else item
+            if check_number(attribute, number) is not None:
+                faults.append(_item_fault(attribute, item, (*at, index), subject))
+        if len(faults) > before:
+            return None
+    answer = check_python(attribute, [item.value if isinstance(item, Angle) else item for item in items])
+    if answer is not None:
+        code = "wrong-length" if several else _list_code(attribute, items)
+        faults.append(_fault(attribute, value, answer, code, at, subject))
+        return None
+    for index, item in enumerate(items):
+        if not _printable(attribute, item, (*at, index), subject, faults):
+            return None
+    return tuple(items)
+
+
+def _angle(attribute: Attribute, value: Any) -> Any:
+    if attribute.type != "real" or not isinstance(value, str):
+        return value
+    return Angle.read(value) or value
+
+
+def _code(attribute: Attribute, value: object) -> str:
+    """The code for a single value that the grammar refused."""
+    if attribute.is_number:
+        return "wrong-length" if isinstance(value, Angle) else _number_code(attribute, value)
+    if attribute.type in ("keyword", "keywords") and isinstance(value, str | bool | int):
+        return "wrong-keyword"
+    return "wrong-length" if attribute.type == "chars" and isinstance(value, str) else "wrong-type"
+
+
+def _number_code(attribute: Attribute, value: object) -> str:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return "wrong-type"
+    if attribute.type == "int" and not float(value).is_integer():
+        return "wrong-type"
+    return "out-of-range" if check_number(attribute, value) else "wrong-length"
+
+
+def _list_code(attribute: Attribute, items: list[Any]) -> str:
+    """The code for a list, other than one of numbers, that the grammar refused."""
+    if attribute.type == "keywords" and items and all(isinstance(item, str | bool | int) for item in items):
+        return "wrong-keyword"
+    return "wrong-length" if attribute.separated and not items else "wrong-type"
+
+
+def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> Fault:
+    code = _number_code(attribute, item)
+    noun = "integers" if attribute.type == "int" else "numbers"
+    wanted = f"{noun} of 32 bits" if code == "out-of-range" else noun
+    return Fault(code, f"{subject} expects {wanted}, got {kind_of(item)}", at, help=_unit_help(attribute, item))
+
+
+def _fault(attribute: Attribute, value: Any, answer: str, code: str, at: Path, subject: str) -> Fault:
+    """The grammar's answer as a fault. What follows its semicolon is what to write instead."""
+    message, _, advice = answer.partition("; ")
+    help = advice or _unit_help(attribute, value)
+    remarks: tuple[Remark, ...] = ()
+    if code == "wrong-keyword":
+        words = value if isinstance(value, list) else [value]
+        wrong = next((text for text in map(shown, words) if text not in attribute.keywords), None)
+        if wrong is not None:
+            near = closest(wrong, attribute.keywords)
+            help = f"write `{near[0]}`" if near else None
+            if not message.startswith("expects"):
+                remarks = (Remark(exists_note("keyword", attribute.keywords, wrong).message),)
+    elif advice.startswith("write ["):
+        help = f"write `{attribute.name}: {advice.removeprefix('write ')}`"
+    return Fault(code, f"{subject} {message}", at, remarks=remarks, help=help)
+
+
+def _unit_help(attribute: Attribute, value: object) -> str | None:
+    """How to write an angle that is nearly one: `90 deg`, `90°`."""
+    if attribute.type != "real" or not isinstance(value, str):
+        return None
+    near = value.replace("°", "deg").replace("degrees", "deg").replace("degree", "deg").replace("radians", "rad")
+    near = near.replace(" ", "")
+    return f"write `{near}`" if near != value and Angle.read(near) else None
+
+
+def _printable(attribute: Attribute, value: object, at: Path, subject: str, faults: list[Fault]) -> bool:
+    if not isinstance(value, str) or UNPRINTABLE.isdisjoint(value):
+        return True
+    code = "bad-name" if attribute.type in ("name", "reference", "references") else "wrong-type"
+    faults.append(Fault(code, f"{subject} has a character that XML cannot hold", at))
+    return False

@@ -1,0 +1,79 @@
+"""The judge behind a process boundary: what to compare as plain data, and the differences back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from composer.pose import IDENTITY_QUAT, ORIGIN, Quat, Vec3
+from composer.verify.difference import Difference, Value
+from composer.verify.keyframes import Keys, Roots
+from composer.verify.mount import Mount
+from composer.verify.roster import Model
+from composer.verify.unchanged import compare
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """Is this part unchanged? The fields are those of `compare`; the place is given as in a recipe.
+
+    ``site`` and ``body`` are names in the composition; neither is the world. ``pos`` is in metres, in the
+    frame of the place. ``posed=False`` says that the pose is not known; there is no site then.
+    """
+
+    prefix: str = ""
+    site: str | None = None
+    body: str | None = None
+    pos: Vec3 = ORIGIN
+    quat: Quat = IDENTITY_QUAT
+    posed: bool = True
+    renamed: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    keys: Keys = Keys.MERGE
+    roots_in_keys: Roots = Roots.MOVED
+    ignore: tuple[str, ...] = ()
+    tolerance: float = 0.0
+
+    def to_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+    def mount(self, composed: Model) -> Mount:
+        """Where the part hangs. Raises KeyError for a site or body the composition has not got."""
+        if not self.posed:
+            return Mount(self.body, None)
+        return Mount.of(composed, site=self.site, body=self.body, pos=self.pos, quat=self.quat)
+
+
+def ask(_mujoco: object, alone: Model, composed: Model, question: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """For `composer.engine.call`: the differences of a part as JSON data; ``question`` is a `Question`'s."""
+    given = Question(**question)
+    found = compare(
+        alone,
+        composed,
+        prefix=given.prefix,
+        hung_on=given.mount(composed),
+        renamed=given.renamed,
+        keys=Keys(given.keys),
+        roots_in_keys=Roots(given.roots_in_keys),
+        ignore=given.ignore,
+        tolerance=given.tolerance,
+    )
+    return [asdict(difference) for difference in found]
+
+
+def told(value: list[dict[str, Any]]) -> list[Difference]:
+    """The differences that ``ask`` gave, after their way through JSON."""
+    return [
+        Difference(
+            each["kind"], each["name"], each["field"], _frozen(each["expected"]), _frozen(each["actual"])
+        )
+        for each in value
+    ]
+
+
+def _frozen(value: Any) -> Value:
+    if isinstance(value, list):
+        return tuple(_frozen(item) for item in value)
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    raise TypeError(f"a difference cannot hold {type(value).__name__}")

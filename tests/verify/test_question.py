@@ -1,0 +1,50 @@
+"""The judge asked through MuJoCo's child process."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from composer.engine import Request, Session
+from composer.pose import Pose
+from composer.verify.difference import Difference
+from composer.verify.keyframes import Keys
+from composer.verify.mount import Mount
+from composer.verify.question import Question, ask, told
+
+PART = """
+<mujoco>
+  <worldbody><body name="a" pos="0 0 1"><joint damping="{}"/><geom size=".1"/></body></worldbody>
+</mujoco>
+"""
+WHOLE = """
+<mujoco>
+  <worldbody>
+    <body name="base"><geom size=".2"/><site name="top" pos="0 0 .5"/>
+      <frame pos="0 0 .5"><body name="p/a" pos="0 0 1"><joint damping="1"/><geom size=".1"/></body></frame>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize(("damping", "expected"), [(1, []), (2, [("joint", "#0 of body `p/a`", 2.0, 1.0)])])
+def test_the_answer_comes_back_as_differences(
+    tmp_path: Path, damping: float, expected: list[tuple[object, ...]]
+) -> None:
+    question = Question(prefix="p/", site="top", keys=Keys.PREFIX)
+    with Session() as session:
+        for name, text in (("part", PART.format(damping)), ("whole", WHOLE)):
+            answer, _ = session.ask(Request(tmp_path, text=text, keep=name))
+            assert answer["ok"], answer
+        answer = session.call(ask, ["part", "whole"], question.to_json())
+    assert answer["ok"], answer
+    found = told(answer["value"])
+    assert [(one.kind, one.name, one.expected, one.actual) for one in found] == expected
+    assert all(isinstance(one, Difference) and one.array == "dof_damping" for one in found)
+
+
+def test_an_unknown_pose_is_asked_for_as_such() -> None:
+    assert Question(body="base", posed=False).mount(None) == Mount("base", None)
+    assert Question(body="base", pos=(0, 0, 1)).mount(None) == Mount("base", Pose((0, 0, 1)))
