@@ -17,7 +17,8 @@ from composer.tree.classes import Classes, walk_bodies
 from composer.tree.unit import Unit
 
 _LIMITED = "range"
-_ANGULAR = ("range", "ref", "springref")
+_ANGULAR = ("range", "ref", "springref", "springyield")
+_OF_BALLS = ("range", "springyield")
 
 
 def angles(linking: Linking) -> None:
@@ -133,10 +134,10 @@ def _writer(joint: Node, inherited: tuple[str, Node] | None, attribute: str) -> 
 
 def _is_angle(unit: Unit, classes: Classes, joint: Node, childclass: str | None, attribute: str) -> bool:
     kind = classes.effective(joint, childclass, "type") or "hinge"
-    if attribute != _LIMITED:
-        return kind == "hinge"
-    if kind not in ("hinge", "ball"):
+    if kind != "hinge" and (kind != "ball" or attribute not in _OF_BALLS):
         return False
+    if attribute != _LIMITED:
+        return True
     limited = classes.effective(joint, childclass, "limited") or "auto"
     if limited != "auto":
         return limited == "true"

@@ -6,13 +6,15 @@ from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar.attribute import Attribute
-from composer.grammar.check import check_number, check_python
+from composer.grammar.check import check_number, check_python, expected
 from composer.grammar.format import number_text
 from composer.recipe.element import Angle, Single, Value
 from composer.recipe.fault import Fault, Path, Remark
 
 # What no XML file can hold, not even escaped.
 UNPRINTABLE = frozenset(map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000))))
+
+_SWITCHES = {"yes": "true", "on": "true", "no": "false", "off": "false"}
 
 
 def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: list[Fault]) -> Value | None:
@@ -22,8 +24,7 @@ def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: l
     """
     subject = f"`{attribute.name}` of {owner}"
     if isinstance(value, dict):
-        wanted = (check_python(attribute, value) or "expects something else").partition(", got")[0]
-        faults.append(Fault("wrong-type", f"{subject} {wanted}, got a mapping", at))
+        faults.append(Fault("wrong-type", f"{subject} expects {expected(attribute)}, got a mapping", at))
         return None
     if isinstance(value, list):
         return _read_list(attribute, value, at, subject, faults)
@@ -126,14 +127,14 @@ def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> F
 def _fault(attribute: Attribute, value: Any, answer: str, code: str, at: Path, subject: str) -> Fault:
     """The grammar's answer as a fault. What follows its semicolon is what to write instead."""
     message, _, advice = answer.partition("; ")
-    help = advice or _unit_help(attribute, value)
+    help = advice or _unit_help(attribute, value) or _switch_help(attribute, value)
     remarks: tuple[Remark, ...] = ()
     if code == "wrong-keyword":
         words = value if isinstance(value, list) else [value]
         wrong = next((text for text in map(shown, words) if text not in attribute.keywords), None)
         if wrong is not None:
             near = closest(wrong, attribute.keywords)
-            help = f"write `{near[0]}`" if near else None
+            help = f"write `{near[0]}`" if near else _switch_help(attribute, value)
             if not message.startswith("expects"):
                 remarks = (Remark(exists_note("keyword", attribute.keywords, wrong).message),)
     elif advice.startswith("write ["):
@@ -148,6 +149,14 @@ def _unit_help(attribute: Attribute, value: object) -> str | None:
     near = value.replace("°", "deg").replace("degrees", "deg").replace("degree", "deg").replace("radians", "rad")
     near = near.replace(" ", "")
     return f"write `{near}`" if near != value and Angle.read(near) else None
+
+
+def _switch_help(attribute: Attribute, value: object) -> str | None:
+    """YAML 1.1 read `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`."""
+    if attribute.type != "bool" and "true" not in attribute.keywords:
+        return None
+    word = _SWITCHES.get(value.lower()) if isinstance(value, str) else None
+    return f"write `{word}`" if word else None
 
 
 def _printable(attribute: Attribute, value: object, at: Path, subject: str, faults: list[Fault]) -> bool:

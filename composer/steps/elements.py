@@ -25,7 +25,6 @@ from composer.tree.origin import Origins
 
 # Attributes that MuJoCo reads in degrees, whatever the compiler says.
 _ALWAYS_DEGREES = frozenset({"fovy", "cutoff", "azimuth", "elevation"})
-_JOINT_ANGLES = ("range", "ref", "springref")
 
 
 @dataclass(slots=True)
@@ -131,7 +130,7 @@ def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
         value = element.attributes[name]
         values = value if isinstance(value, tuple) else (value,)
         kind = joint_type(node)
-        angular = kind == "hinge" or (kind == "ball" and name == "range")
+        angular = kind == "hinge" or (kind == "ball" and name in ("range", "springyield"))
         if not angular:
             node.set(name, numbers.text([float(_plain(v, "radian")) for v in values]))  # type: ignore[arg-type]
             continue

@@ -46,7 +46,7 @@ def gear(radius: float, depth: float, teeth: int) -> Array:
 
 
 def loft(sections: list[tuple[float, Array]], axis: str = "z") -> Solid:
-    """Join outlines of equal length, each at its height along the axis; along `y` an outline lies in (z, x)."""
+    """Join outlines of equal length, each at its height; along `y` an outline lies in (z, x)."""
     count = len(sections[0][1])
     rings = [np.column_stack([outline, np.full(count, height)]) for height, outline in sections]
     ends = [ring.mean(axis=0, keepdims=True) for ring in (rings[0], rings[-1])]
@@ -82,8 +82,9 @@ def box(
     x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], bevel: float = 0.002
 ) -> Solid:
     a, b = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
-    outline = np.array([[a, -b], [a, b], [-a, b], [-a, -b]]) + [(x[0] + x[1]) / 2, (y[0] + y[1]) / 2]
-    return bevelled(outline, z[0], z[1], bevel)
+    corners = np.array([[a, -b], [a, b], [-a, b], [-a, -b]])
+    centre = np.array([x[0] + x[1], y[0] + y[1]]) / 2
+    return bevelled(centre + corners, z[0], z[1], bevel)
 
 
 def moved(solid: Solid, offset: tuple[float, float, float]) -> Solid:
@@ -223,19 +224,20 @@ def camera_mount() -> None:
 
 
 def table() -> None:
-    """Boards of wood: rings of a few trunks, each cut along a plane of its own."""
+    """Boards of wood, each with a grain of its own; the pattern goes on over every edge."""
     size, boards, shades = 128, 4, 24
     random = np.random.default_rng(6)
     v, u = np.mgrid[0:size, 0:size] / size
     board = np.floor(u * boards).astype(int)
-    phase = 2 * np.pi * np.round(3 * random.random((boards, 3)), 2)
-    bend = sum(np.sin(2 * np.pi * k * v + phase[board, k - 1]) / k for k in (1, 2, 3))
-    grain = np.sin(2 * np.pi * (9 * u + 0.35 * bend) + phase[board, 0])
-    tone = 0.55 + 0.22 * grain + 0.1 * (random.random(boards)[board] - 0.5)
-    tone[(u * boards) % 1 < boards / size] *= 0.5
+    phase = 2 * np.pi * random.random((boards, 4))[board]
+    bend = sum(np.sin(2 * np.pi * k * v + phase[..., k]) / k for k in (1, 2, 3))
+    across = u + 0.012 * bend
+    grain = sum(np.sin(2 * np.pi * k * across + phase[..., 0]) for k in (7, 13, 24)) / 3
+    tone = 0.55 + 0.3 * grain + 0.25 * (random.random(boards)[board] - 0.5)
+    tone[(u * boards) % 1 < boards / size] *= 0.45
     indices = np.clip(tone * shades, 0, shades - 1).astype(np.uint8)
     mix = np.linspace(0, 1, shades)[:, None]
-    palette = ((1 - mix) * [120, 78, 48] + mix * [216, 172, 122]).astype(np.uint8)
+    palette = ((1 - mix) * [128, 86, 54] + mix * [214, 172, 124]).astype(np.uint8)
     write_png("table/textures/wood.png", indices, palette)
 
 

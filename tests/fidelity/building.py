@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -51,7 +52,7 @@ def build(recipe: Path, out: Path) -> Build:
     return Build(out / built.bundle.model, told)
 
 
-def _source(folder: Path):  # type: ignore[no-untyped-def]
+def _source(folder: Path) -> Callable[[str], str | None]:
     def read(file: str) -> str | None:
         try:
             return (folder / file).read_text(encoding="utf-8", errors="replace")

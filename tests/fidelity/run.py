@@ -74,7 +74,7 @@ def _chosen(options: argparse.Namespace, corpus: Path) -> list[tuple[str, list[C
 def _judge_all(
     title: str, compositions: list[Composition], options: argparse.Namespace, pages: list[str]
 ) -> bool:
-    work = partial(judge, builder=_stand_in, roots=Roots.KEPT) if options.stand_in else judge
+    work = partial(judge, builder=stand_in, roots=Roots.KEPT) if options.stand_in else judge
     verdicts: dict[str, Verdict] = {}
     for verdict in isolated.each(work, compositions, failed=_failed, workers=options.workers):
         verdicts[verdict.id] = verdict
@@ -84,10 +84,6 @@ def _judge_all(
     _say(f"\n{title}", *lines, "")
     pages.append(table.markdown(title, table.HEAD, map(table.cells, ordered), lines))
     return all(verdict.fine for verdict in ordered)
-
-
-def _stand_in(composition: Composition, out: Path):  # type: ignore[no-untyped-def]
-    return stand_in(composition, out)
 
 
 def _failed(composition: Composition, error: str) -> Verdict:

@@ -1,0 +1,55 @@
+"""Angles that are written without a unit, in a recipe that does not say which unit it means."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from composer.grammar.attribute import Attribute
+from composer.recipe.element import Angle, Value
+from composer.recipe.fault import Fault, Path
+from composer.recipe.value import shown
+
+FULL_TURN = 6.2832
+
+
+def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, owner: str) -> Fault | None:
+    """The fault of a value that is an angle, not zero, and has no unit.
+
+    `joint` is the type of the joint that has the attribute; where that is None, attributes of joints are
+    left to whoever knows the classes.
+    """
+    items = value if isinstance(value, tuple) else (value,)
+    bare = [index for index in governed(attribute, len(items), joint) if _is_bare(items[index])]
+    if not bare:
+        return None
+    # An angle that is no whole number and less than a turn was most likely meant in radians.
+    radians = any(not float(items[i]).is_integer() and abs(float(items[i])) <= FULL_TURN for i in bare)  # type: ignore[arg-type]
+    unit, name = ("rad", "radian") if radians else ("deg", "degree")
+    with_unit: list[Any] = [f"{shown(item)}{unit}" if index in bare else item for index, item in enumerate(items)]
+    instead = shown(with_unit) if isinstance(value, tuple) else with_unit[0]
+    return Fault(
+        "bare-angle",
+        f"`{attribute.name}` of {owner} is an angle without a unit",
+        (*at, bare[0]) if len(bare) == 1 and isinstance(value, tuple) else at,
+        help=f"write `{attribute.name}: {instead}`, or `angle: {name}` at the top of the recipe",
+    )
+
+
+def governed(attribute: Attribute, count: int, joint: str | None) -> range:
+    """Which of the numbers of an attribute are angles, by the type of the joint where it is one's.
+
+    >>> from composer.grammar import GRAMMAR
+    >>> governed(GRAMMAR.element("site").attributes["axisangle"], 4, None)
+    range(3, 4)
+    """
+    if attribute.angle in ("orientation-euler", "replicate"):
+        return range(count)
+    if attribute.angle == "orientation-axisangle":
+        return range(3, count)
+    if attribute.angle == "joint" and (joint == "hinge" or (joint == "ball" and attribute.name == "range")):
+        return range(count)
+    return range(0)
+
+
+def _is_bare(item: object) -> bool:
+    return isinstance(item, int | float) and not isinstance(item, Angle) and item != 0

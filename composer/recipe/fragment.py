@@ -1,0 +1,135 @@
+"""A fragment of MJCF in a recipe: checked against the grammar, and kept as the text it is."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from xml.parsers import expat
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar.check import check_value
+from composer.grammar.element import ElementType
+from composer.grammar.number import items, parse_real
+from composer.recipe.angles import bare_angle
+from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.presence import absent, clashing
+
+
+def check_fragment(
+    text: str,
+    kinds: Mapping[str, ElementType],
+    place: str,
+    at: Path,
+    bare_angles: bool,
+    faults: list[Fault],
+    named: bool = False,
+) -> tuple[str, Mapping[str, str]] | None:
+    """The tag and the attributes of the one element that a fragment is, or None where it has faults.
+
+    `kinds` are the elements that may stand there, `place` is where, as messages call it. `bare_angles` allows
+    angles without units. With `named` the name comes from elsewhere and is not missed.
+    """
+    check = _Check(kinds, place, at, bare_angles, faults, named)
+    before = len(faults)
+    check.run(text)
+    return (check.root[0], check.root[1]) if check.root and len(faults) == before else None
+
+
+class _Check:
+    """Follows the events of the XML parser; `stack` holds the open elements, None for unknown ones."""
+
+    def __init__(
+        self,
+        kinds: Mapping[str, ElementType],
+        place: str,
+        at: Path,
+        bare_angles: bool,
+        faults: list[Fault],
+        named: bool,
+    ) -> None:
+        self.kinds, self.place, self.at = kinds, place, at
+        self.bare_angles, self.faults, self.named = bare_angles, faults, named
+        self.stack: list[ElementType | None] = []
+        self.root: tuple[str, dict[str, str]] | None = None
+        self.parser = expat.ParserCreate()
+        self.parser.StartElementHandler = self.start
+        self.parser.EndElementHandler = lambda _: self.stack.pop()
+        self.parser.CharacterDataHandler = self.text
+        self.parser.StartDoctypeDeclHandler = self.doctype
+
+    def run(self, text: str) -> None:
+        try:
+            self.parser.Parse(text.strip(), True)
+        except expat.ExpatError as error:
+            what = expat.ErrorString(error.code)
+            if what == "junk after document element":
+                help = "write one element here, and an entry of its own for every other"
+                self.fault("wrong-length", "a fragment is one element, and here is another", error.lineno, help=help)
+            else:
+                self.fault("xml-syntax", f"not well-formed XML: {what}", error.lineno)
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        parent = self.stack[-1] if self.stack else None
+        if self.stack and parent is None:
+            self.stack.append(None)  # inside of something unknown, all is unknown
+            return
+        if self.root is None:
+            self.root = (tag, attributes)
+        kinds = self.kinds if parent is None else parent.children
+        kind = kinds.get(tag)
+        self.stack.append(kind)
+        if kind is None:
+            where = self.place if parent is None else f"`{parent.tag}`"
+            self.fault("unknown-element", f"`{tag}` cannot stand in {where}", names=("element", tag, kinds))
+        else:
+            self.attributes(kind, attributes, named=self.named and parent is None)
+
+    def attributes(self, kind: ElementType, attributes: dict[str, str], named: bool) -> None:
+        owner = f"`{kind.tag}`"
+        for name, value in attributes.items():
+            attribute = kind.attributes.get(name)
+            if attribute is None:
+                known = ("attribute", name, kind.attributes)
+                self.fault("unknown-attribute", f"`{name}` is no attribute of {owner}", names=known)
+                continue
+            answer = check_value(attribute, value)
+            if answer is not None:
+                code = "wrong-keyword" if attribute.type in ("keyword", "keywords") else "wrong-type"
+                message, _, advice = answer.partition("; ")
+                self.fault(code, f"`{name}` of {owner} {message}", help=advice or None)
+            elif attribute.angle is not None and not self.bare_angles:
+                numbers = tuple(number for item in items(value) if (number := parse_real(item)) is not None)
+                bare = bare_angle(attribute, numbers, attributes.get("type"), self.at, owner)
+                if bare is not None:
+                    self.fault("bare-angle", bare.message, help="write `angle: degree` at the top of the recipe")
+        found: list[Fault] = []
+        present = {**attributes, "name": ""} if named else attributes
+        absent(kind, present, owner, (), found)
+        clashing(kind.constraints, list(present), owner, (), found)
+        for fault in found:
+            self.fault(fault.code, fault.message, help=fault.help)
+
+    def text(self, text: str) -> None:
+        if text.strip() and self.stack and self.stack[-1] is not None:
+            self.fault("xml-syntax", f"text stands in `{self.stack[-1].tag}`, where MJCF has none")
+
+    def doctype(self, *_: object) -> None:
+        self.fault("xml-syntax", "a fragment has no `<!DOCTYPE>`")
+
+    def fault(
+        self,
+        code: str,
+        message: str,
+        line: int | None = None,
+        help: str | None = None,
+        names: tuple[str, str, Collection[str]] | None = None,
+    ) -> None:
+        remarks: Iterable[Remark] = ()
+        if names is not None:
+            kind, written, known = names
+            near = closest(written, known)
+            help = f"write `{near[0]}`" if near else None
+            remarks = (Remark(exists_note(kind, known, written).message),)
+        number = self.parser.CurrentLineNumber if line is None else line
+        self.faults.append(
+            Fault(code, f"line {number} of the fragment: {message}", self.at, remarks=tuple(remarks), help=help)
+        )

@@ -1,0 +1,74 @@
+"""Which attributes must, may and must not stand together: the grammar's rules about presence."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+from composer.grammar.element import Constraint, ElementType
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
+
+
+def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
+    """Tell the attributes that are required and not there."""
+    for name, attribute in kind.attributes.items():
+        if attribute.required and name not in present:
+            faults.append(lacks(owner, name, at))
+
+
+def lacks(owner: str, name: str, at: Path) -> Fault:
+    """That a key is required and not there."""
+    return Fault("missing-key", f"{owner} lacks `{name}`", at, key=True)
+
+
+def clashing(
+    rules: Iterable[Constraint], present: Collection[str], owner: str, at: Path, faults: list[Fault]
+) -> None:
+    """Tell the attributes that exclude or need one another."""
+    for rule in rules:
+        if rule.kind == "exclusive":
+            fault = _exclusive(rule, present, owner, at)
+        elif rule.kind == "oneof":
+            complete = any(all(name in present for name in bundle) for bundle in rule.bundles)
+            needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
+            fault = None if complete else Fault("missing-key", f"{owner} needs {needed}", at, key=True)
+        elif rule.kind == "together":
+            names = [name for bundle in rule.bundles for name in bundle]
+            fault = _incomplete([n for n in names if n in present], [n for n in names if n not in present], owner, at)
+        else:
+            asking, asked = rule.bundles
+            asking_all = all(name in present for name in asking)
+            fault = _incomplete(asking, [n for n in asked if n not in present], owner, at) if asking_all else None
+        if fault is not None:
+            faults.append(fault)
+
+
+def exclusive(names: Iterable[str], present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
+    """Tell it where more than one of the names is there."""
+    clashing([Constraint("exclusive", tuple((name,) for name in names))], present, owner, at, faults)
+
+
+def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:
+    """The last key in the file is the one too many."""
+    bundles = {name: index for index, bundle in enumerate(rule.bundles) for name in bundle}
+    there = [name for name in present if name in bundles]
+    # A name may be in several bundles of a rule only if they are the same to it, so the first pair decides.
+    clash = next(((a, b) for b in reversed(there) for a in there if bundles[a] != bundles[b]), None)
+    if clash is None:
+        return None
+    first, second = clash
+    return Fault(
+        EXCLUSIVE,
+        f"{owner} has both `{first}` and `{second}`, of which only one may stand",
+        (*at, second),
+        key=True,
+        remarks=(Remark(f"`{first}` is written here", (*at, first)),),
+        help=f"leave `{first}` or `{second}` out",
+    )
+
+
+def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at: Path) -> Fault | None:
+    if not there or not missing:
+        return None
+    first = next(iter(there))
+    wanted = " and ".join(f"`{name}`" for name in missing)
+    return Fault("missing-key", f"{owner} has `{first}` without {wanted}", (*at, first), key=True)

@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+import pytest
+
+from composer.diagnostics import Diagnostic, Note, Severity, Sink, Span
+
+
+def test_keeps_the_order_and_drops_repetitions() -> None:
+    sink = Sink()
+    sink.error("bad-name", "b", Span("f", 2, 1), notes=[Note("n")], help="h")
+    sink.warning("bad-name", "a", Span("f", 1, 1))
+    sink.error("bad-name", "b", Span("f", 2, 1), notes=(Note("n"),), help="h")
+    sink.note("bad-name", "c")
+    assert [each.message for each in sink.diagnostics] == ["b", "a", "c"]
+    assert sink.diagnostics[0] == Diagnostic(
+        "bad-name", "b", Span("f", 2, 1), Severity.ERROR, (Note("n"),), "h"
+    )
+    assert [each.severity for each in sink.diagnostics] == ["error", "warning", "note"]
+
+
+def test_same_message_in_another_place_is_another_diagnostic() -> None:
+    sink = Sink()
+    sink.error("bad-name", "b", Span("f", 2, 1))
+    sink.error("bad-name", "b", Span("f", 3, 1))
+    assert len(sink.diagnostics) == 2
+
+
+def test_sorted_by_place_with_unplaced_last() -> None:
+    sink = Sink()
+    for span in (None, Span("b", 1, 1), Span("a", 10, 1), Span("a", 9, 5), Span("a", 9, 2)):
+        sink.error("bad-name", "x", span)
+    assert [str(each.span) for each in sink.sorted()] == ["a:9:2", "a:9:5", "a:10:1", "b:1:1", "None"]
+
+
+def test_only_errors_are_errors() -> None:
+    sink = Sink()
+    assert not sink.has_errors
+    sink.warning("bad-name", "w")
+    sink.note("bad-name", "n")
+    assert not sink.has_errors
+    assert sink.errors == []
+    sink.error("bad-name", "e")
+    assert sink.has_errors
+    assert [each.message for each in sink.errors] == ["e"]
+
+
+def test_unknown_code_is_a_bug() -> None:
+    with pytest.raises(KeyError):
+        Sink().error("no-such-code", "x")
+
+
+def test_what_it_gives_out_is_a_copy() -> None:
+    sink = Sink()
+    sink.error("bad-name", "x")
+    sink.diagnostics.clear()
+    assert len(sink.diagnostics) == 1

@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from composer.diagnostics import Diagnostic, Note, Severity, Span, render, summary
+
+
+def lines(diagnostic: Diagnostic, source: str, color: bool = False) -> list[str]:
+    return render(diagnostic, {"r.yaml": source}.get, color).split("\n")
+
+
+def at(line: int, column: int, end_column: int | None = None, end_line: int | None = None) -> Span:
+    return Span("r.yaml", line, column, end_line or (line if end_column else None), end_column)
+
+
+def underlined(diagnostic: Diagnostic, source: str) -> str:
+    """The characters of the shown source line that stand above the underline."""
+    shown, marks = lines(diagnostic, source)[2:4]
+    return "".join(c for c, mark in zip(shown.ljust(len(marks)), marks, strict=False) if mark == "^")
+
+
+def test_whole_rendering() -> None:
+    source = "a: 1\n" * 8 + "attach:\n  gripper: {modle: x}\n"
+    diagnostic = Diagnostic(
+        "unknown-key",
+        "unknown key `modle`",
+        at(10, 13, 18),
+        notes=(Note("keys that exist: model, with"), Note("the part begins here", at(9, 1, 7))),
+        help="write\nattach:\n  gripper: {model: x}",
+    )
+    assert lines(diagnostic, source) == [
+        "r.yaml:10:13: error[unknown-key]: unknown key `modle`",
+        "   |",
+        "10 |   gripper: {modle: x}",
+        "   |             ^^^^^",
+        "   = note: keys that exist: model, with",
+        "   = note: r.yaml:9:1: the part begins here",
+        "   |",
+        " 9 | attach:",
+        "   | ------",
+        "   = help: write",
+        "           attach:",
+        "             gripper: {model: x}",
+    ]
+
+
+def test_without_span_and_without_source() -> None:
+    assert render(Diagnostic("bad-name", "no")) == "error[bad-name]: no"
+    placed = Diagnostic("bad-name", "no", at(3, 1), Severity.WARNING)
+    assert render(placed) == "r.yaml:3:1: warning[bad-name]: no"
+    assert render(placed, lambda file: None) == render(placed)
+
+
+@pytest.mark.parametrize("line", [0, 3, 99])
+def test_line_that_the_file_does_not_have_is_left_out(line: int) -> None:
+    assert len(lines(Diagnostic("bad-name", "no", at(line, 1)), "a\nb")) == 1
+
+
+def test_position_without_end_is_one_caret() -> None:
+    assert underlined(Diagnostic("bad-name", "no", at(1, 2)), "abc") == "b"
+
+
+def test_empty_span_and_span_past_the_end_are_one_caret() -> None:
+    assert lines(Diagnostic("bad-name", "no", at(1, 4, 4)), "abc")[3] == "  |    ^"
+    assert lines(Diagnostic("bad-name", "no", at(1, 40, 50)), "abc")[3] == "  |    ^"
+
+
+def test_span_over_several_lines_is_underlined_to_the_end_of_the_first() -> None:
+    assert underlined(Diagnostic("bad-name", "no", at(1, 3, 2, end_line=2)), "ab cd  \nef") == " cd"
+
+
+def test_tabs_are_shown_as_four_columns() -> None:
+    shown, marks = lines(Diagnostic("bad-name", "no", at(1, 3, 5)), "\ta\tbc")[2:4]
+    assert shown == "1 |     a    bc"
+    assert marks.index("^") == shown.index("a") + 1
+    assert marks.count("^") == 5  # the tab and `b`
+
+
+def test_wide_and_combining_characters() -> None:
+    wide = lines(Diagnostic("bad-name", "no", at(1, 3, 5)), "機械left")[3]
+    assert wide == "  |     ^^"
+    on_wide = lines(Diagnostic("bad-name", "no", at(1, 1, 3)), "機械left")[3]
+    assert on_wide == "  | ^^^^"
+    combining = lines(Diagnostic("bad-name", "no", at(1, 3, 4)), "e\u0301x")[3]
+    assert combining == "  |  ^"
+
+
+def test_characters_that_a_terminal_acts_upon_are_replaced() -> None:
+    text = render(Diagnostic("bad-name", "a\x1b[31mb\u202e", at(1, 1)), lambda file: "x\x00\x1b\u2066\x9b")
+    assert "\x1b" not in text and "\u202e" not in text and "\u2066" not in text and "\x9b" not in text
+    assert "␛[31mb" in text
+
+
+@pytest.mark.parametrize("column", [1, 50, 150, 161, 500, 996])
+def test_long_lines_are_windowed_around_the_span(column: int) -> None:
+    source = "".join(f"{i:04d}," for i in range(200))
+    diagnostic = Diagnostic("bad-name", "no", at(1, column, column + 4))
+    shown = lines(diagnostic, source)[2]
+    assert underlined(diagnostic, source) == source[column - 1 : column + 3]
+    assert len(shown) <= len("1 | ") + 162
+    assert shown.endswith("…") == (column < 900)
+    assert shown.startswith("1 | …") == (column > 100)
+
+
+def test_span_longer_than_the_window_is_cut() -> None:
+    marks = lines(Diagnostic("bad-name", "no", at(1, 1, 900)), "x" * 1000)[3]
+    assert marks.count("^") == 160
+
+
+def test_line_of_exactly_the_window_is_whole() -> None:
+    assert "…" not in render(Diagnostic("bad-name", "no", at(1, 1)), lambda file: "x" * 160)
+
+
+def test_all_line_breaks_count_and_the_byte_order_mark_does_not() -> None:
+    source = "\ufeffa\r\nb\rc\nd"
+    assert [lines(Diagnostic("bad-name", "no", at(n, 1)), source)[2] for n in (1, 2, 3, 4)] == [
+        "1 | a",
+        "2 | b",
+        "3 | c",
+        "4 | d",
+    ]
+
+
+def test_other_unicode_line_separators_do_not_count() -> None:
+    assert lines(Diagnostic("bad-name", "no", at(2, 1)), "a\u2028b\x0cc\nd")[2] == "2 | d"
+
+
+def test_color_only_when_asked() -> None:
+    diagnostic = Diagnostic("bad-name", "no", at(1, 1), help="do")
+    plain = render(diagnostic, lambda file: "abc")
+    colored = render(diagnostic, lambda file: "abc", color=True)
+    assert "\x1b" not in plain
+    assert "\x1b[1;31merror[bad-name]\x1b[0m" in colored
+    assert re.sub(r"\x1b\[[0-9;]*m", "", colored) == plain
+
+
+def test_summary() -> None:
+    error, warning = Diagnostic("bad-name", "a"), Diagnostic("bad-name", "b", severity=Severity.WARNING)
+    note = Diagnostic("bad-name", "c", severity=Severity.NOTE)
+    assert summary([error, error, warning]) == "2 errors, 1 warning"
+    assert summary([warning, warning, note]) == "2 warnings, 1 note"
+    assert summary([]) == "no errors"

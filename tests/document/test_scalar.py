@@ -1,0 +1,126 @@
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from composer.diagnostics import Sink
+from composer.document import Scalar, load
+from composer.document.scalar import resolve
+
+# The table of section 10.3.2 of the YAML 1.2.2 specification, as it is printed there.
+CORE_SCHEMA = (
+    (r"null|Null|NULL|~", "null"),
+    (r"", "null"),
+    (r"true|True|TRUE|false|False|FALSE", "bool"),
+    (r"[-+]?[0-9]+", "decimal"),
+    (r"0o[0-7]+", "octal"),
+    (r"0x[0-9a-fA-F]+", "hexadecimal"),
+    (r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?", "float"),
+    (r"[-+]?(\.inf|\.Inf|\.INF)", "infinity"),
+    (r"\.nan|\.NaN|\.NAN", "nan"),
+)
+
+
+def reference(text: str) -> object:
+    kind = next((kind for pattern, kind in CORE_SCHEMA if re.fullmatch(pattern, text)), "str")
+    match kind:
+        case "null":
+            return None
+        case "bool":
+            return text.lower() == "true"
+        case "decimal":
+            return int(text)
+        case "octal":
+            return int(text[2:], 8)
+        case "hexadecimal":
+            return int(text[2:], 16)
+        case "float":
+            return float(text)
+        case "infinity":
+            return -math.inf if text.startswith("-") else math.inf
+        case "nan":
+            return math.nan
+    return text
+
+
+def same(a: object, b: object) -> bool:
+    return type(a) is type(b) and repr(a) == repr(b)
+
+
+PLAIN = st.one_of(
+    st.from_regex("|".join(f"(?:{pattern})" for pattern, _ in CORE_SCHEMA), fullmatch=True),
+    st.text("0123456789+-._eExoabcdfinNA:~", min_size=1, max_size=10),
+    st.sampled_from("yes no on off y n Yes NO tRUE nULL nan inf .Nan .iNF 0b1 1_0 1,5 0x 0o8 0O7 0X1 -0x1 +0o1 + - . ..1".split()),
+).filter(lambda text: text.isascii())  # fmt: skip
+
+
+@settings(deadline=None, max_examples=300)
+@given(PLAIN)
+def test_resolve_agrees_with_the_specification(text: str) -> None:
+    expected = reference(text)
+    if isinstance(expected, float) and math.isinf(expected) and "inf" not in text.lower():
+        with pytest.raises(OverflowError):
+            resolve(text)
+    else:
+        assert same(resolve(text), expected)
+
+
+@settings(deadline=None, max_examples=200)
+@given(PLAIN.filter(lambda text: re.fullmatch(r"[0-9A-Za-z+.~][0-9A-Za-z+.~-]*|[-+.][0-9A-Za-z.][\w.]*", text)))
+def test_load_agrees_with_the_specification(text: str) -> None:
+    expected = reference(text)
+    sink = Sink()
+    tree = load(f"[{text}]", "r.yaml", sink)
+    item = tree.items[0]  # type: ignore[union-attr]
+    assert isinstance(item, Scalar)
+    assert item.text == text
+    assert item.plain
+    if not sink.has_errors:
+        assert same(item.value, expected)
+    else:
+        assert [each.code for each in sink.diagnostics] == ["out-of-range"]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1e-3", 0.001),
+        ("1e3", 1000.0),
+        ("1E+3", 1000.0),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("-0", 0),
+        ("-0.0", -0.0),
+        ("010", 10),
+        ("+7", 7),
+        ("0o17", 15),
+        ("0x1F", 31),
+        ("12:30", "12:30"),
+        ("1_000", "1_000"),
+        ("no", "no"),
+        ("on", "on"),
+        ("yes", "yes"),
+        ("y", "y"),
+        ("2001-01-01", "2001-01-01"),
+        ("=", "="),
+        ("٣", "٣"),  # digits of other scripts are text
+        ("1e", "1e"),
+        ("0b11", "0b11"),
+        ("-0x1", "-0x1"),
+        ("90deg", "90deg"),
+        ("${x}", "${x}"),
+    ],
+)
+def test_values_where_yaml_1_1_and_1_2_differ(text: str, value: object) -> None:
+    assert same(resolve(text), value)
+
+
+def test_numbers_too_large_to_hold() -> None:
+    assert resolve("9" * 1000) == int("9" * 1000)
+    for text in ("9" * 1001, "0x" + "f" * 1001, "1e400", "-1e999"):
+        with pytest.raises(OverflowError):
+            resolve(text)
