@@ -54,7 +54,8 @@ class _Frame:
     tag: tuple[str, Span] | None = None
     is_key: bool = False
     key: Key | None = None
-    height: int = 0
+    height: int = 1
+    """How many collections are within each other, itself included."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,9 +216,9 @@ class Builder:
         if frame.tag is not None and frame.tag[0] not in ("!", standard):
             self._refuse_tag(*frame.tag)
         if frame.anchor is not None:
-            self._anchors[frame.anchor] = _Anchored(node, self._total - frame.total, frame.height + 1)
+            self._anchors[frame.anchor] = _Anchored(node, self._total - frame.total, frame.height)
         if not frame.is_key:
-            self._add(node, frame.height + 1)
+            self._add(node, frame.height)
 
     def _restored(self, text: str, span: Span) -> str:
         """The text of a scalar as the file means it."""

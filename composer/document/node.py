@@ -72,7 +72,7 @@ def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
     if path and path[-1] == "[key]":
         path, key = path[:-1], True
     span = node.span
-    for step, following in zip(path, (*path[1:], None), strict=True):
+    for step, following in zip(path, (*path, None)[1:], strict=True):
         if isinstance(node, Mapping) and isinstance(step, str) and step in node.entries:
             found, value = node.entries[step]
             if isinstance(value, Scalar) and following in node.entries:

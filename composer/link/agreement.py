@@ -18,7 +18,9 @@ from composer.tree.unit import Unit
 
 SINGLETONS = ("option", "visual", "statistic")
 # Sizes only make room: the larger of two serves both.
-_LARGEST = ("njmax", "nconmax", "nstack", "nuserdata", "nkey")
+_LARGEST = ("njmax", "nconmax", "nstack", "nuserdata")
+# Older ways to say how much memory there is, which MuJoCo refuses beside `memory`.
+_INSTEAD_OF_MEMORY = ("njmax", "nstack")
 _SMALLER_IS_SAFER = ("timestep", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance")
 _LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations",
                     "sdf_initpoints")  # fmt: skip
@@ -156,6 +158,21 @@ def _sizes(linking: Linking) -> None:
             for name, value in section.items():
                 _enlarge(linking, str(name), str(value))
     _user_widths(linking)
+    _one_memory(linking)
+
+
+def _one_memory(linking: Linking) -> None:
+    sizes = list(linking.base.root.iterchildren("size"))
+    memory = any(size.get("memory") for size in sizes)
+    for size in sizes if memory else ():
+        for name in _INSTEAD_OF_MEMORY:
+            value = size.attrib.pop(name, None)
+            if value is not None:
+                linking.sink.warning(
+                    "option-conflict",
+                    f"`size.{name}` = {value} gives way to `size.memory` of another part: only one may be written",
+                    linking.span(linking.base, size),
+                )
 
 
 def _enlarge(linking: Linking, name: str, value: str) -> None:

@@ -15,7 +15,7 @@ from composer.link.angles import model_angle
 from composer.link.layout import Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
-from composer.pose import Pose
+from composer.pose import Pose, rotate
 from composer.tree.classes import childclass_of
 from composer.tree.unit import Unit
 
@@ -37,6 +37,8 @@ class _Key:
 
 def layouts(linking: Linking) -> None:
     """Note how each unit lays out its keys, while it is still by itself."""
+    for unit in linking.units if linking.parts else ():
+        _write_padding(unit)
     keeping = [part for part in linking.parts if part.keyframes != "none" and _keys(part.unit)]
     if not keeping and not _keys(linking.base):
         return
@@ -84,6 +86,14 @@ def keyframes(linking: Linking) -> None:
 
 def _keys(unit: Unit) -> list[Node]:
     return [key for section in unit.root.iterchildren("keyframe") for key in section.iterchildren("key")]
+
+
+def _write_padding(unit: Unit) -> None:
+    """`<size nkey>` pads with default keys: as written keys they stay with the part that asks for them."""
+    for size in unit.root.iterchildren("size"):
+        count = int(str(size.attrib.pop("nkey", "-1")))
+        for _ in range(len(_keys(unit)), count):
+            unit.section("keyframe").append(unit.root.makeelement("key"))
 
 
 def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
@@ -204,11 +214,15 @@ def _carry(part: Part, layout: Layout, key: _Key, vector: str) -> None:
     moved = part.pose_in_world
     if moved is None or moved.is_identity:
         return
-    if vector == "qpos":
+    if vector in ("qpos", "qvel"):
         for slot in layout.joints:
             values = key.values.get((vector, slot.element)) if slot.kind == "free" else None
             if values:
                 floats = numbers.read(" ".join(values))
+                if vector == "qvel":  # the linear part is in the world's frame, the angular in the body's own
+                    turned = rotate(moved.quat, floats[:3])
+                    key.values[vector, slot.element] = [*numbers.text(turned).split(), *values[3:]]
+                    continue
                 pose = moved @ Pose((floats[0], floats[1], floats[2]), (floats[3], *floats[4:7]))  # type: ignore[arg-type]
                 key.values[vector, slot.element] = numbers.text([*pose.pos, *pose.quat]).split()
     elif vector in ("mpos", "mquat"):

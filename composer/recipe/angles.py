@@ -7,7 +7,7 @@ from typing import Any
 from composer.grammar.attribute import Attribute
 from composer.recipe.element import Angle, Value
 from composer.recipe.fault import Fault, Path
-from composer.recipe.value import shown
+from composer.recipe.shown import shown
 
 FULL_TURN = 6.2832
 

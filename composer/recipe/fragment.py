@@ -58,7 +58,7 @@ class _Check:
 
     def run(self, text: str) -> None:
         try:
-            self.parser.Parse(text.strip(), True)
+            self.parser.Parse(text, True)
         except expat.ExpatError as error:
             what = expat.ErrorString(error.code)
             if what == "junk after document element":

@@ -7,12 +7,10 @@ from typing import Any
 from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_number, check_python, expected
-from composer.grammar.format import number_text
 from composer.recipe.element import Angle, Single, Value
 from composer.recipe.fault import Fault, Path, Remark
-
-# What no XML file can hold, not even escaped.
-UNPRINTABLE = frozenset(map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000))))
+from composer.recipe.shown import kind_of, shown
+from composer.recipe.text import is_unprintable, unprintable
 
 _SWITCHES = {"yes": "true", "on": "true", "no": "false", "off": "false"}
 
@@ -34,32 +32,6 @@ def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: l
         faults.append(_fault(attribute, value, answer, _code(attribute, read), at, subject))
         return None
     return read if _printable(attribute, read, at, subject, faults) else None
-
-
-def shown(value: object) -> str:
-    """A value as YAML has it on one line.
-
-    >>> shown([0, "90deg", 1.5])
-    '[0, 90deg, 1.5]'
-    """
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(shown(item) for item in value)}]"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return number_text(value) if isinstance(value, int | float) else str(value)
-
-
-def kind_of(value: object) -> str:
-    """What kind of value it is, with the value where it is short: `text `abc``, `a list`."""
-    if isinstance(value, dict):
-        return "a mapping"
-    if isinstance(value, list | tuple):
-        return "a list"
-    if value is None:
-        return "nothing"
-    kind = "text" if isinstance(value, str) else "a boolean" if isinstance(value, bool) else "a number"
-    text = shown(value)
-    return f"{kind} `{text}`" if len(text) <= 40 and "\n" not in text else kind
 
 
 def _read_list(
@@ -160,8 +132,7 @@ def _switch_help(attribute: Attribute, value: object) -> str | None:
 
 
 def _printable(attribute: Attribute, value: object, at: Path, subject: str, faults: list[Fault]) -> bool:
-    if not isinstance(value, str) or UNPRINTABLE.isdisjoint(value):
+    if not isinstance(value, str) or not is_unprintable(value):
         return True
-    code = "bad-name" if attribute.type in ("name", "reference", "references") else "wrong-type"
-    faults.append(Fault(code, f"{subject} has a character that XML cannot hold", at))
+    faults.append(unprintable(subject, at, name=attribute.type in ("name", "reference", "references")))
     return False

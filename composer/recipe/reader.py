@@ -1,0 +1,277 @@
+"""From the mapping of an element to an `Element`, with every fault on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar.element import ElementType
+from composer.grammar.format import number_text
+from composer.recipe.angles import bare_angle
+from composer.recipe.element import Element, Value
+from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.fragment import check_fragment
+from composer.recipe.presence import absent, clashing
+from composer.recipe.raw import path_of
+from composer.recipe.settings import Settings
+from composer.recipe.shown import kind_of
+from composer.recipe.text import is_unprintable, unprintable
+from composer.recipe.value import read_value
+
+FRAGMENT = "xml"
+CONFIG = "config"
+
+
+@dataclass(slots=True)
+class Reader:
+    """Reads elements by the grammar and collects their faults, whose paths start where the reading does."""
+
+    settings: Settings = field(default_factory=Settings)
+    faults: list[Fault] = field(default_factory=list)
+
+    def element(
+        self,
+        kind: ElementType,
+        value: Any,
+        at: Path,
+        owner: str,
+        *,
+        keyed: Mapping[str, str] | None = None,
+        own: Collection[str] = (),
+        children: tuple[Element, ...] = (),
+        joint: str | None = None,
+    ) -> Element | None:
+        """The element of a mapping of attributes and children, or None where it is no mapping.
+
+        `owner` is what messages call it. `keyed` are attributes that a key above gives and that cannot be
+        written again. Keys in `own` are the caller's, and so are `children` that stand before the others.
+        `joint` is the type of a joint that writes none.
+        """
+        if not isinstance(value, dict):
+            self.faults.append(_no_mapping(owner, value, at))
+            return None
+        keyed = keyed or {}
+        if FRAGMENT in value:
+            return self.fragment({kind.tag: kind}, f"the place of {owner}", value, at, keyed)
+        attributes: dict[str, Value] = dict(keyed)
+        below = list(children)
+        for name, item in value.items():
+            path = (*at, name)
+            if name in own:
+                continue
+            if name in keyed:
+                self.faults.append(_keyed(owner, name, keyed[name], path))
+            elif name in kind.attributes:
+                read = read_value(kind.attributes[name], item, path, owner, self.faults)
+                if read is not None:
+                    attributes[name] = read
+            elif name == CONFIG and name in kind.children:
+                below += self.config(item, path, path_of(value), owner)
+            elif name in kind.children:
+                below += self.children(kind.children[name], item, path, owner)
+            else:
+                self.faults.append(self.unknown(kind, name, item, path, owner, own, {*keyed, *value}))
+        # A value that is wrong is there all the same.
+        present = [*keyed, *value]
+        absent(kind, present, owner, at, self.faults)
+        clashing(kind.constraints, present, owner, at, self.faults)
+        self.angles(kind, attributes, at, owner, joint)
+        return Element(kind.tag, attributes, tuple(below), at=path_of(value))
+
+    def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[Element]:
+        """The elements of one tag: a mapping is one element, a list is several."""
+        if isinstance(value, list):
+            if kind.max_count is not None and len(value) > kind.max_count:
+                few = "one" if kind.max_count == 1 else str(kind.max_count)
+                self.faults.append(
+                    Fault("wrong-length", f"{owner} can have {few} `{kind.tag}`, got {len(value)}", at)
+                )
+            read = [self.element(kind, item, (*at, i), label(kind.tag, item)) for i, item in enumerate(value)]
+            return [each for each in read if each is not None]
+        if isinstance(value, dict) and _is_named(kind, value):
+            name = next(iter(value))
+            self.faults.append(
+                Fault(
+                    "wrong-type",
+                    f"`{kind.tag}` in {owner} expects a list of elements, got a mapping of names",
+                    (*at, name),
+                    key=True,
+                    help=f"write `{kind.tag}: [{{name: {name}, …}}]`",
+                )
+            )
+            return ()
+        element = self.element(kind, value, at, label(kind.tag, value))
+        return () if element is None else (element,)
+
+    def config(self, value: Any, at: Path, above: Path, owner: str) -> Iterable[Element]:
+        """A plugin's settings: `{key: value}`, each a `config` element."""
+        if not isinstance(value, dict):
+            self.faults.append(_no_mapping(f"`{CONFIG}` of {owner}", value, at))
+            return
+        for key, setting in value.items():
+            text = config_text(setting)
+            if is_unprintable(key):
+                self.faults.append(unprintable(f"the key of a `{CONFIG}`", (*at, key), key=True))
+            elif text is None:
+                self.faults.append(
+                    Fault(
+                        "wrong-type",
+                        f"`{key}` in the `{CONFIG}` of {owner} expects text or numbers, got {kind_of(setting)}",
+                        (*at, key),
+                    )
+                )
+            elif is_unprintable(text):
+                self.faults.append(unprintable(f"`{key}` in the `{CONFIG}` of {owner}", (*at, key)))
+            else:
+                yield Element(CONFIG, {"key": key, "value": text}, at=(*above, CONFIG, key))
+
+    def fragment(
+        self,
+        kinds: Mapping[str, ElementType],
+        place: str,
+        value: dict[str, Any],
+        at: Path,
+        keyed: Mapping[str, str] | None = None,
+        own: Collection[str] = (),
+    ) -> Element | None:
+        """The element that a mapping gives as a fragment of MJCF, `{xml: <geom …/>}`."""
+        keyed = keyed or {}
+        for name in value:
+            if name != FRAGMENT and name not in own:
+                message = f"`{name}` stands beside `{FRAGMENT}`, which is the whole element"
+                help = "write it into the fragment"
+                self.faults.append(Fault("unknown-key", message, (*at, name), key=True, help=help))
+        text, path = value[FRAGMENT], (*at, FRAGMENT)
+        if not isinstance(text, str):
+            message = f"`{FRAGMENT}` expects a fragment of MJCF as text, got {kind_of(text)}"
+            self.faults.append(Fault("wrong-type", message, path))
+            return None
+        found = check_fragment(
+            text, kinds, place, path, self.settings.bare_angles, self.faults, named="name" in keyed
+        )
+        if found is None:
+            return None
+        tag, written = found
+        for name, given in keyed.items():
+            if written.get(name, given) != given:
+                message = f"the fragment's `{name}` is `{written[name]}`, its key says `{given}`"
+                help = f"leave `{name}` out of the fragment, or write `{written[name]}` as the key"
+                self.faults.append(Fault("name-clash", message, path, help=help))
+        return Element(tag, dict(keyed), xml=text, at=path_of(value))
+
+    def angles(
+        self, kind: ElementType, attributes: Mapping[str, Value], at: Path, owner: str, joint: str | None
+    ) -> None:
+        """Tell angles that lack their unit, where the recipe sets none."""
+        if self.settings.bare_angles:
+            return
+        written = attributes.get("type", joint)
+        for name, value in attributes.items():
+            attribute = kind.attributes.get(name)
+            if attribute is not None and attribute.angle is not None:
+                type = written if isinstance(written, str) else None
+                fault = bare_angle(attribute, value, type, (*at, name), owner)
+                if fault is not None:
+                    self.faults.append(fault)
+
+    def unknown(
+        self,
+        kind: ElementType,
+        name: str,
+        value: Any,
+        at: Path,
+        owner: str,
+        own: Collection[str],
+        taken: Collection[str],
+    ) -> Fault:
+        """The fault of a key that is neither an attribute nor a child; `taken` are those that are there."""
+        attributes = [each for each in (*own, *kind.attributes) if each not in taken]
+        near = closest(name, [*attributes, *(each for each in kind.children if each not in taken)])
+        remark = Remark(exists_note("attribute", attributes, name).message)
+        help = f"write `{near[0]}`" if near else None
+        if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
+            remark = Remark(exists_note("element", kind.children, name).message)
+            return Fault(
+                "unknown-element", f"`{name}` cannot stand in {owner}", at, key=True, remarks=(remark,), help=help
+            )
+        return Fault(
+            "unknown-attribute", f"`{name}` is no attribute of {owner}", at, key=True, remarks=(remark,), help=help
+        )
+
+    def names(self, value: Any, at: Path, what: str) -> Iterable[tuple[str, Any]]:
+        """The entries of a mapping whose keys are names, each of `what`."""
+        if not isinstance(value, dict):
+            self.faults.append(_no_names(what, value, at))
+            return
+        for name, item in value.items():
+            if not name.strip():
+                self.faults.append(Fault("bad-name", f"the name of {what} is empty", (*at, name), key=True))
+            elif is_unprintable(name):
+                self.faults.append(unprintable(f"the name of {what}", (*at, name), key=True))
+            else:
+                yield name, item
+
+
+def label(tag: str, value: Any) -> str:
+    """What messages call an element that may have a name: `geom `pad``, or just `` `geom` ``."""
+    name = value.get("name") if isinstance(value, dict) else None
+    return f"{tag} `{name}`" if isinstance(name, str) and name else f"`{tag}`"
+
+
+def article(noun: str) -> str:
+    """A noun with its indefinite article."""
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
+def config_text(value: Any) -> str | None:
+    """A setting of a plugin as its text; a list is separated by spaces."""
+    if isinstance(value, list):
+        texts = [config_text(item) for item in value if not isinstance(item, list)]
+        known = [text for text in texts if text is not None]
+        return " ".join(known) if len(known) == len(value) else None
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return number_text(value)
+    return value if isinstance(value, str) else None
+
+
+def _no_mapping(owner: str, value: Any, at: Path) -> Fault:
+    help = None
+    if isinstance(value, str) and value.lstrip().startswith("<"):
+        help = "write a fragment of MJCF as `{xml: …}`"
+    elif isinstance(value, list):
+        help = "leave out the `-` or the brackets: this is one mapping"
+    return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", at, help=help)
+
+
+def _no_names(what: str, value: Any, at: Path) -> Fault:
+    help = None
+    if isinstance(value, list):
+        first = next((item for item in value if isinstance(item, dict)), {})
+        name = first.get("name")
+        shown = name if isinstance(name, str) else "NAME"
+        help = f"the key is the name: write `{shown}: {{…}}` instead of a list"
+    return Fault("wrong-type", f"expected a mapping from the name of {what} to it, got {kind_of(value)}", at, help=help)
+
+
+def _keyed(owner: str, name: str, given: str, at: Path) -> Fault:
+    return Fault(
+        "unknown-key",
+        f"`{name}` of {owner} is given by its key, `{given}`",
+        at,
+        key=True,
+        help=f"leave `{name}` out",
+    )
+
+
+def _is_named(kind: ElementType, value: dict[str, Any]) -> bool:
+    """Whether a mapping has names for keys, where a list of elements is wanted."""
+    known = {*kind.attributes, *kind.children, FRAGMENT}
+    return bool(value) and all(isinstance(item, dict) and name not in known for name, item in value.items())
+
+
+def _is_element(value: Any) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and any(isinstance(item, dict) for item in value))

@@ -1,0 +1,31 @@
+"""Values as messages show them."""
+
+from __future__ import annotations
+
+from composer.grammar.format import number_text
+
+
+def shown(value: object) -> str:
+    """A value as YAML has it on one line.
+
+    >>> shown([0, "90deg", 1.5])
+    '[0, 90deg, 1.5]'
+    """
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(shown(item) for item in value)}]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return number_text(value) if isinstance(value, int | float) else str(value)
+
+
+def kind_of(value: object) -> str:
+    """What kind of value it is, with the value where it is short: `text `abc``, `a list`."""
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list | tuple):
+        return "a list"
+    if value is None:
+        return "nothing"
+    kind = "text" if isinstance(value, str) else "a boolean" if isinstance(value, bool) else "a number"
+    text = shown(value)
+    return f"{kind} `{text}`" if len(text) <= 40 and "\n" not in text else kind

@@ -1,0 +1,59 @@
+"""The path of a tendon: its steps in order, where MJCF has children of several tags."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from composer.grammar.element import ElementType
+from composer.recipe.element import Element
+from composer.recipe.fault import Fault, Path
+from composer.recipe.raw import path_of
+from composer.recipe.reader import FRAGMENT, Reader
+from composer.recipe.shown import kind_of
+
+PATH = "path"
+# The key that tells which element a step is, by tag, and the attribute that it holds.
+MARKS: dict[str, str] = {"site": "site", "geom": "geom", "pulley": "divisor", "joint": "joint"}
+
+
+def read_path(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -> tuple[Element, ...]:
+    """The steps of a tendon: `[{site: a}, {geom: g, sidesite: s}, {pulley: 2}, {site: b}]`, or
+    `[{joint: j, coef: 1}]` for a fixed one. `{divisor: 2}` is a pulley too.
+    """
+    if not isinstance(value, list):
+        message = f"`{PATH}` of {owner} expects a list of steps, got {kind_of(value)}"
+        reader.faults.append(Fault("wrong-type", message, at, help=f"write `{PATH}: [{_example(kind)}, …]`"))
+        return ()
+    if not value:
+        reader.faults.append(Fault("wrong-length", f"`{PATH}` of {owner} has no steps", at))
+    steps = [_step(reader, kind, item, (*at, index), owner) for index, item in enumerate(value)]
+    return tuple(step for step in steps if step is not None)
+
+
+def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -> Element | None:
+    place = f"the `{PATH}` of {owner}"
+    if not isinstance(value, dict):
+        message = f"a step in {place} is a mapping, got {kind_of(value)}"
+        reader.faults.append(Fault("wrong-type", message, at, help=f"write for instance `{_example(kind)}`"))
+        return None
+    if FRAGMENT in value:
+        return reader.fragment(kind.children, place, value, at)
+    tag = next((tag for tag in kind.children if tag in value), None)
+    if tag is None:
+        tag = next((tag for tag in kind.children if MARKS[tag] in value), None)
+    if tag is None:
+        known = ", ".join(f"`{each}`" for each in kind.children)
+        message = f"a step in {place} has none of {known}"
+        reader.faults.append(Fault("missing-key", message, at, help=f"write for instance `{_example(kind)}`"))
+        return None
+    step = kind.children[tag]
+    owner = f"the `{tag}` step of {owner}"
+    if tag != "pulley" or tag not in value:
+        return reader.element(step, value, at, owner)
+    # `pulley: 2` is the pulley's divisor, which the grammar has under that name.
+    read = reader.element(step, value, at, owner, own=("pulley",), given={"divisor": value["pulley"]})
+    return None if read is None else Element(read.tag, read.attributes, at=path_of(value))
+
+
+def _example(kind: ElementType) -> str:
+    return "{site: NAME}" if "site" in kind.children else "{joint: NAME, coef: 1}"

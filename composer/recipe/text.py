@@ -1,0 +1,95 @@
+"""Text of a recipe: free text, and keywords of the language's own keys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.shown import kind_of, shown
+
+# What no XML file can hold, not even escaped.
+_UNPRINTABLE = frozenset(map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000))))
+
+
+def is_unprintable(text: str) -> bool:
+    """Whether a text has a character that XML cannot hold."""
+    return not _UNPRINTABLE.isdisjoint(text)
+
+
+def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True) -> Fault:
+    """The fault of a text with such a character."""
+    return Fault("bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key)
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """Marks a field as text of at least one character; `key` is its name in messages.
+
+    `check` may find more that is wrong.
+    """
+
+    key: str
+    empty: bool = False
+    check: Callable[[str], Fault | None] | None = None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"type": "string"} if self.empty else {"type": "string", "minLength": 1}
+
+    def read(self, value: Any) -> str:
+        fault = self.fault(value)
+        if fault is not None:
+            raise refusal([fault], value)
+        return str(value)
+
+    def fault(self, value: Any) -> Fault | None:
+        if not isinstance(value, str):
+            help = None if isinstance(value, list | dict) or value is None else f"quote it: '{shown(value)}'"
+            return Fault("wrong-type", f"`{self.key}` expects text, got {kind_of(value)}", help=help)
+        if not value and not self.empty:
+            return Fault("wrong-type", f"`{self.key}` is empty")
+        if is_unprintable(value):
+            return unprintable(f"`{self.key}`", ())
+        return None if self.check is None else self.check(value)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Marks a field with a `Literal` of keywords; `key` is its name in messages."""
+
+    key: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        words: tuple[str, ...] = get_args(source)
+
+        def read(value: Any) -> str:
+            if isinstance(value, str) and value in words:
+                return value
+            raise refusal([self.fault(value, words)], value)
+
+        return core_schema.no_info_plain_validator_function(
+            read, metadata={"pydantic_js_input_core_schema": core_schema.literal_schema(list(words))}
+        )
+
+    def fault(self, value: Any, words: tuple[str, ...]) -> Fault:
+        if not isinstance(value, str):
+            return Fault("wrong-type", f"`{self.key}` expects a keyword, got {kind_of(value)}", help=_one_of(words))
+        near = closest(value, words)
+        return Fault(
+            "wrong-keyword",
+            f"`{self.key}` cannot be `{value}`",
+            remarks=(Remark(exists_note("keyword", words, value).message),),
+            help=f"write `{self.key}: {near[0]}`" if near else None,
+        )
+
+
+def _one_of(words: tuple[str, ...]) -> str:
+    return f"write one of {', '.join(f'`{word}`' for word in words)}"
