@@ -37,7 +37,9 @@ bench: $(STAMP)
 	@$(BIN)/python -m bench
 
 schemas: $(STAMP)
-	@$(BIN)/mjcompose schema > build/recipe.schema.json && mv build/recipe.schema.json schemas/recipe.schema.json
+	@for what in recipe manifest; do \
+	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
+	done
 
 # Pins of every test dependency for every supported Python; needs uv.
 constraints:

@@ -12,6 +12,8 @@ from composer.document.quote import in_flow, quoted, unquoted_end, unquoted_star
 
 _TIGHT_COLON = re.compile(r"([ \t]*(?:- +)*)([A-Za-z_][\w.-]*):([^\s:/\\][^\r\n]*)")
 _GLOB_CHOICE = re.compile(r"[\w,*?/.:\- ]*")
+_FLOW_TEXT = re.compile(r""" *("(?:[^"\\]|\\.)*"|'[^']*'|[^,\[\]{}"'\r\n]+)""")
+_MAX_KEY = 1024
 _LINE = re.compile(r"[^\r\n]*")
 
 
@@ -26,6 +28,19 @@ def explain(error: Any, text: str, file: str, outer: bool) -> Fault:
         if fault is not None:
             return fault
     return complaint.fault(f"this is not YAML: {complaint.problem} at {complaint.shown}", complaint.span(at))
+
+
+def _long_key(it: Complaint) -> Fault | None:
+    """The readers look for the colon of a key in 1024 characters, as the specification has it."""
+    if "simple key" in it.context:
+        length = it.line_of(it.since).find(":") - (it.since - it.line_start(it.since))
+        starts = [it.since] if length > _MAX_KEY else []
+    elif it.text.startswith(":", it.at):
+        texts = _FLOW_TEXT.finditer(it.text, it.line_start(it.at), it.at)
+        starts = [each.start(1) for each in texts if each.end() == it.at and len(each.group(1)) > _MAX_KEY]
+    else:
+        return None
+    return it.fault(f"a key has more than {_MAX_KEY} characters", it.span(starts[0])) if starts else None
 
 
 def _template(it: Complaint) -> Fault | None:
@@ -71,12 +86,21 @@ def _tab(it: Complaint) -> Fault | None:
 
 
 def _reserved_start(it: Complaint) -> Fault | None:
-    if "cannot start" not in it.problem or it.at >= len(it.text):
+    reserved = "cannot start" in it.problem or "mapping keys are not allowed" in it.problem
+    if not reserved or it.at >= len(it.text):
         return None
     end = max(unquoted_end(it.text, it.at, it.flow), it.at + 1)
     sign = it.text[it.at]
     message = f"an unquoted value cannot begin with {'a backquote' if sign == '`' else f'`{sign}`'}"
     return it.unquoted("yaml-syntax", it.at, end, message)
+
+
+def _colon_in_flow(it: Complaint) -> Fault | None:
+    if "plain scalar" not in it.context or "unexpected ':'" not in it.problem:
+        return None
+    end = max(unquoted_end(it.text, it.since, True), it.at + 1)
+    message = f"`{it.text[it.since : end]}` has a colon, and inside `[ ]` or `{{ }}` must be in quotes"
+    return it.unquoted("yaml-syntax", it.since, end, message)
 
 
 def _glob_choice(it: Complaint) -> Fault | None:
@@ -163,8 +187,6 @@ def _no_colon(it: Complaint) -> Fault | None:
     tight = _TIGHT_COLON.match(key)
     if tight:
         help = f"put a space after the colon: {tight.group(2)}: {tight.group(3)}"
-    elif end - it.since > 1024:
-        return it.fault("a key has more than 1024 characters", it.span(it.since))
     else:
         help = "a line among the keys of a mapping has the form `key: value`"
     return it.fault(f"`{key[:60]}` is neither a key nor part of a value", it.span(it.since, end), help)
@@ -313,10 +335,12 @@ def _block_text(it: Complaint) -> Fault | None:
 
 
 _RULES: tuple[Callable[[Complaint], Fault | None], ...] = (
+    _long_key,
     _template,
     _alias,
     _tab,
     _reserved_start,
+    _colon_in_flow,
     _glob_choice,
     _mapping_not_allowed,
     _no_colon,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.suggest import closest, exists_note
@@ -9,9 +11,9 @@ from composer.link import numbers
 from composer.link.angles import model_angle
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
-from composer.tree.classes import ORIENTATIONS, childclass_of, default_tag
+from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag
 
-_POSE = ("pos", *ORIENTATIONS)
+_GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
 
 def bodies(linking: Linking) -> None:
@@ -62,7 +64,7 @@ def _hang(linking: Linking, part: Part) -> None:
     if part.place.kind == "site":
         holder = mount.getparent()
         assert holder is not None
-        parent, pose = holder, _site_pose(linking, mount)
+        parent, pose = holder, effective_pose(mount, linking.base.classes)
     offset = dict(part.place.offset)
     if part.floats and part.place.kind != "world":
         pose = _in_world(linking, parent, pose, offset)
@@ -110,20 +112,22 @@ def _child(linking: Linking, part: Part, parent: Node, tag: str, attributes: dic
     return child
 
 
-def _site_pose(linking: Linking, site: Node) -> dict[str, str]:
-    """The pose attributes in effect for a site, class chain included."""
-    written = {name: str(site.get(name)) for name in _POSE if site.get(name) is not None}
+def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
+    """The pose attributes in effect for a site, class chain included; `fromto` becomes the pose that it means."""
+    written = {name: str(site.get(name)) for name in _GIVEN if site.get(name) is not None}
     turned = any(name in written for name in ORIENTATIONS)
-    classes = linking.base.classes
-    if "site" not in classes.tags:
-        return written
     name = site.get("class") or childclass_of(site)
-    found = classes.get(str(name) if name else None)
-    for attribute in _POSE:
+    found = classes.get(str(name) if name else None) if "site" in classes.tags else None
+    for attribute in _GIVEN if found else ():
         if attribute in written or (turned and attribute in ORIENTATIONS):
             continue
-        value = found.lookup(default_tag(site), attribute)
+        value = found.lookup(default_tag(site), attribute) if found else None
         if value is not None:
             written[attribute] = value[0]
+    ends = numbers.read(written.pop("fromto", ""))
+    if len(ends) == 6 and not any(map(math.isnan, ends)):
+        start, end = ends[:3], ends[3:]
+        middle = [0.5 * (a + b) for a, b in zip(start, end, strict=True)]
+        along = [a - b for a, b in zip(start, end, strict=True)]
+        return {"pos": numbers.text(middle), "zaxis": numbers.text(along)}
     return written
-

@@ -20,6 +20,7 @@ from composer.plan.plan import (
     SetSingleton,
     Step,
 )
+from composer.recipe.element import Element
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate
 from composer.sources.error import SourceError
@@ -182,26 +183,33 @@ def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
     return max(fitting, key=len, default=None)
 
 
+_SINGLETONS = ("compiler", "option", "size", "visual", "statistic")
+_SECTIONS = (
+    "extension", "asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom",
+)  # fmt: skip
+
+
 def _steps(recipe: Recipe, document: Mapping) -> Iterator[Step]:
-    """`add` first, then the sections in the order in which MuJoCo's reference has them."""
+    """`add` first, then the sections: settings, classes, and what may use them."""
     for item in recipe.add:
-        to_span = locate(document, (*item.at, "to"))
-        yield AddElement(item.to_kind, item.to, item.element, to_span, locate(document, item.element.at))
-    for section, element in recipe.singletons():
-        yield SetSingleton(section, element, locate(document, element.at))
-    for name, parent, element in recipe.default_classes():
-        yield SetDefault(name, parent, element, locate(document, element.at, key=True))
-    for section, element in recipe.elements():
-        yield AppendElement(section, element, locate(document, element.at))
+        path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
+        span = locate(document, item.element.at)
+        yield AddElement(item.to_kind, item.to, item.element, locate(document, path), span)
+    for section in _SINGLETONS:
+        element: Element | None = getattr(recipe, section)
+        if element is not None:
+            yield SetSingleton(section, element, locate(document, element.at, key=True))
+    for each in recipe.default:
+        yield SetDefault(each.name, each.parent, each.element, locate(document, each.element.at, key=True))
+    for section in _SECTIONS:
+        for element in getattr(recipe, section):
+            yield AppendElement(section, element, locate(document, element.at, key=True))
 
 
 def _settled(steps: tuple[Step, ...]) -> Iterator[str]:
     """The paths of the values that the recipe sets itself (`option/cone`)."""
 
-    def walk(element: object, path: str) -> Iterator[str]:
-        from composer.recipe.element import Element
-
-        assert isinstance(element, Element)
+    def walk(element: Element, path: str) -> Iterator[str]:
         yield from (f"{path}/{name}" for name in element.attributes)
         for child in element.children:
             yield from walk(child, f"{path}/{child.tag}")

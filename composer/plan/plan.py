@@ -13,7 +13,6 @@ from composer.recipe.element import Element
 from composer.sources.source import Source
 
 KeyPolicy = Literal["merge", "prefix", "none"]
-Origin = Source | "Plan"
 
 
 @dataclass(frozen=True, slots=True)

@@ -200,16 +200,16 @@ class Reader:
             "unknown-attribute", f"`{name}` is no attribute of {owner}", at, key=True, remarks=(remark,), help=help
         )
 
-    def names(self, value: Any, at: Path, what: str) -> Iterable[tuple[str, Any]]:
-        """The entries of a mapping whose keys are names, each of `what`."""
+    def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
+        """The entries of a mapping from names to elements."""
         if not isinstance(value, dict):
-            self.faults.append(_no_names(what, value, at))
+            self.faults.append(_no_names(owner, value, at))
             return
         for name, item in value.items():
             if not name.strip():
-                self.faults.append(Fault("bad-name", f"the name of {what} is empty", (*at, name), key=True))
+                self.faults.append(Fault("bad-name", f"a name in {owner} is empty", (*at, name), key=True))
             elif is_unprintable(name):
-                self.faults.append(unprintable(f"the name of {what}", (*at, name), key=True))
+                self.faults.append(unprintable(f"a name in {owner}", (*at, name), key=True))
             else:
                 yield name, item
 
@@ -218,11 +218,6 @@ def label(tag: str, value: Any) -> str:
     """What messages call an element that may have a name: `geom `pad``, or just `` `geom` ``."""
     name = value.get("name") if isinstance(value, dict) else None
     return f"{tag} `{name}`" if isinstance(name, str) and name else f"`{tag}`"
-
-
-def article(noun: str) -> str:
-    """A noun with its indefinite article."""
-    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
 
 
 def config_text(value: Any) -> str | None:
@@ -247,14 +242,15 @@ def _no_mapping(owner: str, value: Any, at: Path) -> Fault:
     return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", at, help=help)
 
 
-def _no_names(what: str, value: Any, at: Path) -> Fault:
+def _no_names(owner: str, value: Any, at: Path) -> Fault:
     help = None
     if isinstance(value, list):
         first = next((item for item in value if isinstance(item, dict)), {})
         name = first.get("name")
         shown = name if isinstance(name, str) else "NAME"
         help = f"the key is the name: write `{shown}: {{…}}` instead of a list"
-    return Fault("wrong-type", f"expected a mapping from the name of {what} to it, got {kind_of(value)}", at, help=help)
+    message = f"{owner} expects a mapping from names to elements, got {kind_of(value)}"
+    return Fault("wrong-type", message, at, help=help)
 
 
 def _keyed(owner: str, name: str, given: str, at: Path) -> Fault:

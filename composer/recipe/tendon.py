@@ -10,6 +10,7 @@ from composer.recipe.fault import Fault, Path
 from composer.recipe.raw import path_of
 from composer.recipe.reader import FRAGMENT, Reader
 from composer.recipe.shown import kind_of
+from composer.recipe.value import read_value
 
 PATH = "path"
 # The key that tells which element a step is, by tag, and the attribute that it holds.
@@ -47,12 +48,21 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
         reader.faults.append(Fault("missing-key", message, at, help=f"write for instance `{_example(kind)}`"))
         return None
     step = kind.children[tag]
-    owner = f"the `{tag}` step of {owner}"
-    if tag != "pulley" or tag not in value:
-        return reader.element(step, value, at, owner)
-    # `pulley: 2` is the pulley's divisor, which the grammar has under that name.
-    read = reader.element(step, value, at, owner, own=("pulley",), given={"divisor": value["pulley"]})
-    return None if read is None else Element(read.tag, read.attributes, at=path_of(value))
+    label = f"the `{tag}` step of {owner}"
+    if tag not in value or MARKS[tag] == tag:
+        return reader.element(step, value, at, label)
+    return _short(reader, step, tag, value, at, label)
+
+
+def _short(
+    reader: Reader, step: ElementType, tag: str, value: dict[str, Any], at: Path, owner: str
+) -> Element | None:
+    """A step whose tag holds its one attribute: `{pulley: 2}` is a pulley with `divisor` 2."""
+    for name in value:
+        if name != tag:
+            reader.faults.append(reader.unknown(step, name, value[name], (*at, name), owner, (), value))
+    read = read_value(step.attributes[MARKS[tag]], value[tag], (*at, tag), owner, reader.faults)
+    return None if read is None else Element(tag, {MARKS[tag]: read}, at=path_of(value))
 
 
 def _example(kind: ElementType) -> str:

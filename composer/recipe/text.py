@@ -68,7 +68,7 @@ class Choice:
     key: str
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        words: tuple[str, ...] = get_args(source)
+        words = _words(source)
 
         def read(value: Any) -> str:
             if isinstance(value, str) and value in words:
@@ -89,6 +89,13 @@ class Choice:
             remarks=(Remark(exists_note("keyword", words, value).message),),
             help=f"write `{self.key}: {near[0]}`" if near else None,
         )
+
+
+def _words(source: Any) -> tuple[str, ...]:
+    """The keywords of `Literal[…]`, or of `Literal[…] | None`."""
+    return tuple(
+        word for each in get_args(source) for word in ([each] if isinstance(each, str) else get_args(each))
+    )
 
 
 def _one_of(words: tuple[str, ...]) -> str:

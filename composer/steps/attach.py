@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from composer.diagnostics.suggest import exists_note
 from composer.document.node import locate
 from composer.link import numbers
+from composer.link.bodies import effective_pose
 from composer.link.linking import Joint, Linking, Part, Place
+from composer.link.placing import pose_in_world, read_pose
 from composer.plan.plan import AttachPart
 from composer.pose import quat_from_axisangle, quat_from_euler
 from composer.steps.elements import Making, in_radians, joint_attributes
@@ -13,7 +16,10 @@ from composer.tree.unit import Unit
 
 def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
     """The part without its joints, which need the unit of angle that the parts agree on."""
-    return Part(unit, step.prefix, _place(step, making), step.attachment.keyframes, span=step.span)
+    place = _place(step, making)
+    if step.attachment.mate is not None:
+        place = _mated(place, step, unit, making)
+    return Part(unit, step.prefix, place, step.attachment.keyframes, span=step.span)
 
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -> None:
@@ -62,3 +68,32 @@ def _place(step: AttachPart, making: Making) -> Place:
         if name is not None:
             return Place(kind, name, offset, locate(making.document, (*step.at, kind)))  # type: ignore[arg-type]
     return Place("world", None, offset)
+
+
+def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
+    """The place moved so that the part's site or body `mate`, not its origin, comes to lie on it."""
+    name = step.attachment.mate
+    named = [
+        element
+        for worldbody in unit.root.iterchildren("worldbody")
+        for element in worldbody.iter("site", "body")
+        if element.get("name") == name
+    ]
+    if not named:
+        existing = [str(each.get("name")) for each in unit.root.iter("site", "body") if each.get("name")]
+        making.sink.error(
+            "attach-place",
+            f"the part has no site or body `{name}` to mate with",
+            locate(making.document, (*step.at, "mate")),
+            notes=(exists_note("site or body", existing, name),),
+        )
+        return place
+    reading = (unit.settings.angle == "degree", unit.settings.eulerseq)
+    element = min(named, key=lambda each: each.tag != "site")
+    outer = element.getparent()
+    assert outer is not None
+    own = effective_pose(element, unit.classes) if element.tag == "site" else element
+    mate = pose_in_world(outer, *reading) @ read_pose(own, *reading)
+    moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
+    offset = {"pos": numbers.text(moved.pos), "quat": numbers.text(moved.quat)}
+    return Place(place.kind, place.name, offset, place.span)

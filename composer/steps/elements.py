@@ -19,7 +19,7 @@ from composer.grammar.element import ElementType
 from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.pose import quat_from_euler
-from composer.recipe.element import Angle, Element
+from composer.recipe.element import Angle, Element, Value
 from composer.tree.classes import MAIN
 from composer.tree.origin import Origins
 
@@ -69,7 +69,7 @@ class Making:
 def make(element: Element, kind: ElementType, making: Making) -> Node:
     """The node of a recipe element and its children."""
     if element.xml is not None:
-        return _parsed(element, making)
+        return _parsed(element, kind, making)
     node = etree.Element(element.tag)
     making.made[node] = element
     for name, value in element.attributes.items():
@@ -170,7 +170,7 @@ def _in(value: object, making: Making, unit: str, radians: Callable[[float], flo
     if isinstance(value, Angle):
         number, written = value.value, "degree" if value.unit == "deg" else "radian"
     else:
-        number, written = float(value), making.angle or unit  # type: ignore[arg-type]
+        number, written = float(value), making.angle or unit  # type: ignore[arg-type]  # a bare one is 0
     if written == unit:
         return number
     return radians(number) if unit == "radian" else number / numbers.RADIANS_PER_DEGREE
@@ -187,16 +187,38 @@ def _plain(value: object, unit: str) -> object:
     return value
 
 
-def _parsed(element: Element, making: Making) -> Node:
-    """A fragment of MJCF as it stands; its angles are in the recipe's unit like everything in the recipe."""
+def _parsed(element: Element, kind: ElementType, making: Making) -> Node:
+    """A fragment of MJCF: its angles are in the recipe's unit, like everything in the recipe."""
     parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
-    try:
-        node = etree.fromstring(element.xml or "", parser)
-    except etree.XMLSyntaxError as error:
-        making.sink.error("xml-syntax", f"not well-formed XML: {error.msg}", making.span(element))
-        node = etree.Element(element.tag)
-    making.made[node] = element
+    node = etree.fromstring(element.xml or "", parser)
+    for name, value in element.attributes.items():
+        node.set(name, to_text(kind.attributes[name], value))
+    _read_fragment(node, element, kind, making)
     return node
+
+
+def _read_fragment(node: Node, element: Element, kind: ElementType, making: Making) -> None:
+    """The fragment's numbers go the way of the recipe's own; its other attributes stay as they are written."""
+    values: dict[str, Value] = {}
+    for name, text in node.items():
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            continue
+        if attribute.angle:
+            read = numbers.read(str(text))
+            values[name] = tuple(read) if attribute.max_length != 1 else read[0]
+        elif attribute.type == "file":
+            values[name] = str(text)
+    own = Element(element.tag, {**element.attributes, **values}, at=element.at)
+    making.made[node] = own
+    for name, value in values.items():
+        if kind.attributes[name].angle in ("orientation-euler", "replicate"):
+            del node.attrib[name]
+        _set(node, own, kind.attributes[name], value, making)
+    for child in node.iterchildren("*"):
+        child_kind = kind.children.get(child.tag)
+        if child_kind is not None:
+            _read_fragment(child, element, child_kind, making)
 
 
 def default_kind(tag: str) -> ElementType:

@@ -54,6 +54,7 @@ def shown(text: str, diagnostic: Diagnostic) -> str:
         ("a: @x\n", "yaml-syntax", "@x", 'quote it: "@x"'),
         ("a: %x\n", "yaml-syntax", "%x", 'quote it: "%x"'),
         ("a: [`x`]\n", "yaml-syntax", "`x`", 'quote it: "`x`"'),
+        ("name: ?\n", "yaml-syntax", "?", 'quote it: "?"'),
         ("a: &/x\n", "yaml-syntax", "&/x", 'quote it: "&/x"'),
     ],
 )
@@ -156,6 +157,12 @@ def test_escape_that_is_no_character() -> None:
     (found,) = faults('a: "\\U00110000"\n')
     assert "\\U" in found.message
     assert found.span is not None and (found.span.line, found.span.column) == (1, 5)
+
+
+def test_colon_at_the_end_of_text_in_brackets() -> None:
+    # The reader in Python takes this for a key without a value.
+    for found in faults("a: [b:]\n"):
+        assert found.help == 'quote it: "b:"'
 
 
 def test_quoted_expressions_and_globs_are_fine() -> None:

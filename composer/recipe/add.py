@@ -1,0 +1,154 @@
+"""Elements that are added under a body, a frame or the world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR
+from composer.grammar.element import ElementType
+from composer.recipe.element import Element
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
+from composer.recipe.presence import lacks
+from composer.recipe.raw import path_of
+from composer.recipe.reader import FRAGMENT, Reader, label
+from composer.recipe.settings import settings
+from composer.recipe.shown import kind_of
+from composer.recipe.text import is_unprintable, unprintable
+
+TO = "to"
+WORLD = "world"
+Target = tuple[Literal["world", "body", "frame"], str]
+
+
+@dataclass(frozen=True, slots=True)
+class Addition:
+    """One entry of `add`: an element and what it is added to.
+
+    `to` is the name of the body or frame, `world` for the world. The place of the name is
+    `locate(node, (*at, "to"))`; for a frame, `locate(node, (*at, "to", "frame"))`.
+    """
+
+    to_kind: Literal["world", "body", "frame"]
+    to: str
+    element: Element
+    at: Path = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Additions:
+    """Marks the field `add`: a list of `{to: NAME, TAG: {…}}`. Gives a tuple of `Addition`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        from composer.recipe.element_schema import additions
+
+        return additions()
+
+    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Addition, ...]:
+        reader = Reader(settings(info.context))
+        additions: list[Addition | None] = []
+        if isinstance(value, list):
+            additions = [_addition(reader, item, (index,)) for index, item in enumerate(value)]
+        else:
+            help = f"put `- ` in front of `{TO}`" if isinstance(value, dict) and TO in value else None
+            message = f"`add` expects a list of entries, got {kind_of(value)}"
+            reader.faults.append(Fault("wrong-type", message, help=help))
+        if reader.faults:
+            raise refusal(reader.faults, value)
+        return tuple(each for each in additions if each is not None)
+
+
+def addable(place: str) -> Mapping[str, ElementType]:
+    """The elements that can be added to the world, a body or a frame."""
+    return GRAMMAR.element("worldbody" if place == WORLD else place).children
+
+
+def _addition(reader: Reader, value: Any, at: Path) -> Addition | None:
+    if not isinstance(value, dict):
+        message = f"an entry of `add` is a mapping, got {kind_of(value)}"
+        reader.faults.append(Fault("wrong-type", message, at, help="write `{to: NAME, TAG: {…}}`"))
+        return None
+    target: Target | None = None
+    if TO in value:
+        target = _target(reader, value[TO], (*at, TO))
+    else:
+        fault = lacks("an entry of `add`", TO, at)
+        help = "write `to: world`, or the name of a body"
+        reader.faults.append(Fault(fault.code, fault.message, at, help=help))
+    kinds = addable(target[0] if target else "body")
+    element = _element(reader, value, at, kinds, "the world" if target and target[0] == WORLD else "`add`")
+    if target is None or element is None:
+        return None
+    return Addition(target[0], target[1], element, path_of(value))
+
+
+def _element(
+    reader: Reader, value: dict[str, Any], at: Path, kinds: Mapping[str, ElementType], place: str
+) -> Element | None:
+    """The one element of an entry."""
+    found = [name for name in value if name in kinds or name == FRAGMENT]
+    for name in value:
+        if name != TO and name not in found:
+            reader.faults.append(_unknown(name, (*at, name), kinds, place))
+    if not found:
+        if set(value) <= {TO}:
+            help = "write the element as `TAG: {…}`, for instance `site: {name: tcp, pos: [0, 0, 0.1]}`"
+            reader.faults.append(Fault("missing-key", "an entry of `add` has no element", at, help=help))
+        return None
+    first, *others = found
+    for name in others:
+        reader.faults.append(
+            Fault(
+                EXCLUSIVE,
+                f"an entry of `add` has both `{first}` and `{name}`, of which only one may stand",
+                (*at, name),
+                key=True,
+                remarks=(Remark(f"`{first}` is written here", (*at, first)),),
+                help=f"write an entry of its own for `{name}`",
+            )
+        )
+    if first == FRAGMENT:
+        return reader.fragment(kinds, place, value, at, own=(TO, *others))
+    item = value[first]
+    if isinstance(item, list):
+        help = f"write an entry of its own for each `{first}`"
+        message = f"an entry of `add` has one `{first}`, got a list"
+        reader.faults.append(Fault("wrong-type", message, (*at, first), help=help))
+        return None
+    return reader.element(kinds[first], item, (*at, first), label(first, item))
+
+
+def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) -> Fault:
+    if name in addable("body"):
+        message = f"`{name}` cannot stand in {place}, only in a body"
+        return Fault("unknown-element", message, at, key=True)
+    near = closest(name, [*kinds, TO])
+    remark = Remark(exists_note("element", kinds, name).message)
+    help = f"write `{near[0]}`" if near else None
+    return Fault(
+        "unknown-element", f"`{name}` is no element that can be added", at, key=True, remarks=(remark,), help=help
+    )
+
+
+def _target(reader: Reader, value: Any, at: Path) -> Target | None:
+    """What the element is added to: a name, `world`, or `{frame: NAME}`."""
+    kind: Literal["body", "frame"] = "body"
+    if isinstance(value, dict) and list(value) == ["frame"]:
+        kind, value, at = "frame", value["frame"], (*at, "frame")
+    if not isinstance(value, str) or not value:
+        help = "write the name of a body, `world`, or `{frame: NAME}`"
+        message = f"`{TO}` expects a name, got {kind_of(value) if value != '' else 'empty text'}"
+        reader.faults.append(Fault("wrong-type", message, at, help=help))
+        return None
+    if is_unprintable(value):
+        reader.faults.append(unprintable(f"`{TO}`", at))
+        return None
+    return (WORLD, WORLD) if kind == "body" and value == WORLD else (kind, value)

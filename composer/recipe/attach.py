@@ -1,0 +1,156 @@
+"""The parts of a recipe, by prefix."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import (
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ModelWrapValidatorHandler,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    model_validator,
+)
+from pydantic_core import CoreSchema, core_schema
+
+from composer.recipe.base import KeyPolicy
+from composer.recipe.element import Element, Single
+from composer.recipe.fault import Fault, checked, refusal
+from composer.recipe.model import Model
+from composer.recipe.placing import JointField, JointWord, Offset
+from composer.recipe.presence import exclusive
+from composer.recipe.raw import path_of
+from composer.recipe.settings import Settings, settings
+from composer.recipe.shown import kind_of
+from composer.recipe.text import Choice, Text, is_unprintable, unprintable
+
+RESERVED = "base"
+PLACES = ("site", "body", "frame")
+ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
+
+Vector = tuple[Single, ...]
+
+
+def _restrict(schema: dict[str, Any]) -> None:
+    from composer.recipe.element_schema import at_most_one
+
+    schema["allOf"] = [*at_most_one(PLACES), *at_most_one(ORIENTATIONS)]
+
+
+@dataclass(frozen=True, slots=True)
+class Prefix:
+    """Marks the field `prefix`: what stands in place of the key; empty for no prefix and no separator."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"type": "string", "pattern": r"^\S*$"}
+
+    def _validate(self, value: Any, info: ValidationInfo) -> str:
+        if not isinstance(value, str):
+            help = f"quote it: '{value}'" if isinstance(value, int | float) else None
+            raise refusal([Fault("wrong-type", f"`prefix` expects text, got {kind_of(value)}", help=help)], value)
+        fault = prefix_fault(value, settings(info.context)) if value else None
+        if fault is not None:
+            raise refusal([fault], value)
+        return value
+
+
+class Attachment(Model):
+    """A part: the model, where it hangs, how it is turned, and what stands between.
+
+    `joint` is None, a word, an `Element` for one joint that is called after the prefix, or a tuple of
+    `Element` for joints with names of their own.
+    """
+
+    model_config = ConfigDict(json_schema_extra=_restrict)
+
+    model: Annotated[str, Text("model")]
+    """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    site: Annotated[str | None, Text("site")] = None
+    """The site that the part hangs on."""
+    body: Annotated[str | None, Text("body")] = None
+    """The body that the part hangs on."""
+    frame: Annotated[str | None, Text("frame")] = None
+    """The frame that the part hangs on."""
+    mate: Annotated[str | None, Text("mate")] = None
+    """A site or body of the part that is to coincide with that place; without it, the part's own origin."""
+    pos: Annotated[Vector | None, Offset("pos")] = None
+    """Offset in the frame of that place."""
+    quat: Annotated[Vector | None, Offset("quat")] = None
+    """Rotation in the frame of that place, as a quaternion (w, x, y, z)."""
+    euler: Annotated[Vector | None, Offset("euler")] = None
+    """Rotation in the frame of that place, as three angles in the order of `eulerseq`."""
+    axisangle: Annotated[Vector | None, Offset("axisangle")] = None
+    """Rotation in the frame of that place, as an axis and an angle: (x, y, z, a)."""
+    xyaxes: Annotated[Vector | None, Offset("xyaxes")] = None
+    """Rotation in the frame of that place, as the x axis and the y axis of the part."""
+    zaxis: Annotated[Vector | None, Offset("zaxis")] = None
+    """Rotation in the frame of that place, as the z axis of the part, turned the shortest way."""
+    joint: Annotated[JointWord | Element | tuple[Element, ...] | None, JointField()] = None
+    """What stands between the place and the part. Without it nothing is added, and a free joint of the part's
+    root is kept where it may be; `weld` removes it."""
+    prefix: Annotated[str | None, Prefix()] = None
+    """What stands before the part's names in place of the key; empty for no prefix and no separator."""
+    keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
+    """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _alternatives(cls, value: Any, handler: ModelWrapValidatorHandler[Attachment]) -> Attachment:
+        faults: list[Fault] = []
+        if isinstance(value, Mapping):
+            path = path_of(value)
+            owner = f"part `{path[-1]}`" if path else "the part"
+            exclusive(PLACES, list(value), owner, (), faults)
+            exclusive(ORIENTATIONS, list(value), owner, (), faults)
+        attachment: Attachment = checked(handler, value, faults)
+        return attachment
+
+
+@dataclass(frozen=True, slots=True)
+class Prefixes:
+    """Marks the field `attach`, a mapping from prefix to part: checks the prefixes."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        parts = core_schema.dict_schema(core_schema.str_schema(), handler.generate_schema(Attachment))
+        return core_schema.with_info_wrap_validator_function(self._validate, parts)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        json = handler(schema)
+        json["propertyNames"] = {"pattern": r"^\S+$", "not": {"const": RESERVED}}
+        return json
+
+    def _validate(self, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        faults = []
+        for prefix in value if isinstance(value, Mapping) else ():
+            fault = prefix_fault(prefix, settings(info.context), (prefix,), key=True)
+            faults += [fault] if fault is not None else []
+        return checked(handler, value, faults)
+
+
+def prefix_fault(
+    prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False
+) -> Fault | None:
+    """What is wrong with a prefix."""
+    separator = context.separator
+    if prefix == RESERVED:
+        message = f"`{RESERVED}` means the model to start from and is no prefix"
+        return Fault("reserved-prefix", message, at, key, help="choose another name for the part")
+    if not prefix:
+        message = "a prefix is empty"
+        return Fault("bad-name", message, at, key, help='to attach without a prefix, write `prefix: ""` in the part')
+    if any(character.isspace() for character in prefix):
+        joined = "_".join(prefix.split())
+        return Fault("bad-name", f"the prefix `{prefix}` has a space in it", at, key, help=f"write `{joined}`")
+    if is_unprintable(prefix):
+        return unprintable("a prefix", at, key=key)
+    if separator in prefix:
+        help = "the separator is added by itself; a part that hangs on another part has a prefix of its own"
+        return Fault("bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key, help=help)
+    return None

@@ -1,0 +1,26 @@
+"""The model that a recipe starts from."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import ModelWrapValidatorHandler, model_validator
+
+from composer.recipe.model import Model
+from composer.recipe.text import Choice, Text
+
+KeyPolicy = Literal["merge", "prefix", "none"]
+
+
+class Base(Model):
+    """The model to start from, which keeps its own names; a reference alone is its `model`."""
+
+    model: Annotated[str, Text("model")]
+    """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
+    """What becomes of its keyframes: merged by name with those of the parts, kept apart, or left out."""
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _short(cls, value: Any, handler: ModelWrapValidatorHandler[Base]) -> Base:
+        return handler({"model": value} if isinstance(value, str) else value)

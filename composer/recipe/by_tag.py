@@ -1,0 +1,52 @@
+"""Sections by tag: named elements (`asset`, `custom`, `deformable`) and lists (`contact`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from composer.grammar.element import ElementType
+from composer.recipe.element import Element
+from composer.recipe.fault import Fault, Path
+from composer.recipe.reader import Reader
+from composer.recipe.section import Section
+from composer.recipe.shown import kind_of
+
+
+@dataclass(frozen=True, slots=True)
+class ByTag(Section):
+    """A mapping from tags to mappings from names to elements: `asset`, `custom`, `deformable`.
+
+    Gives a tuple of `Element`, each with its name as an attribute.
+    """
+
+    form: ClassVar[str] = "named"
+
+    def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
+        read = [
+            self.element(reader, kind, name, item, (*at, name))
+            for kind, items, at in self.tags(reader, value)
+            for name, item in reader.names(items, at, f"`{kind.tag}` in `{self.tag}`")
+        ]
+        return tuple(element for element in read if element is not None)
+
+    def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
+        return reader.element(kind, value, at, f"{kind.tag} `{name}`", keyed={"name": name})
+
+
+@dataclass(frozen=True, slots=True)
+class Lists(Section):
+    """A mapping from tags to lists of elements: `contact`. Gives a tuple of `Element`."""
+
+    form: ClassVar[str] = "lists"
+
+    def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
+        elements: list[Element] = []
+        for kind, items, at in self.tags(reader, value):
+            if not isinstance(items, list):
+                message = f"`{kind.tag}` in `{self.tag}` expects a list, got {kind_of(items)}"
+                help = f"write `{kind.tag}: [{{…}}]`" if isinstance(items, dict) else None
+                reader.faults.append(Fault("wrong-type", message, at, help=help))
+                continue
+            elements += reader.children(kind, items, at, f"`{self.tag}`")
+        return tuple(elements)

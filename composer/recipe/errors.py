@@ -1,0 +1,136 @@
+"""From pydantic's errors to faults."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.attach import Attachment
+from composer.recipe.base import Base
+from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.model import Model
+from composer.recipe.recipe import VERSION, Recipe
+from composer.recipe.shown import kind_of
+
+# Keys that people who know MJCF look for at the top of a recipe.
+_ELSEWHERE = {
+    "worldbody": "write `add: [{to: world, body: {…}}]`",
+    "include": "write `attach` for another model, or `base` for the one to start from",
+    "model": "write `base` for the model to start from, or `name` for what the result is called",
+    "parts": "write `attach`",
+}
+
+
+def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
+    """The faults of a validation, with paths from the top of `data`, one for each mistake.
+
+    A key with a typing error is to pydantic a key too many and a key too few: here it is one fault.
+    """
+    errors = error.errors(include_url=False)
+    extra = [each for each in errors if each["type"] == "extra_forbidden"]
+    missing = [each for each in errors if each["type"] == "missing"]
+    typos = {id(each): _meant(each["loc"], missing) for each in extra}
+    meant = {id(each) for each in typos.values() if each is not None}
+    for each in errors:
+        loc = real_path(data, each["loc"])
+        if each["type"] == "fault":
+            yield _moved(each["ctx"]["fault"], loc, each["loc"], data)
+        elif each["type"] == "extra_forbidden":
+            yield _extra(loc, typos[id(each)])
+        elif each["type"] != "missing":
+            yield _other(each, loc)
+        elif id(each) not in meant:
+            yield _missing(loc)
+
+
+def real_path(data: Any, loc: Path) -> Path:
+    """The path without what is no key in the data, such as the names of alternatives that pydantic puts in it.
+
+    The last step stays, as it may be a key that is missing.
+
+    >>> real_path({"sensor": {"imu": {"site": 1}}}, ("sensor", "imu", "force", "site"))
+    ('sensor', 'imu', 'site')
+    """
+    path: list[str | int] = []
+    for index, step in enumerate(loc):
+        if isinstance(data, Mapping) and step in data:
+            data = data[step]
+        elif isinstance(data, list) and isinstance(step, int) and step < len(data):
+            data = data[step]
+        elif index < len(loc) - 1:
+            continue
+        path.append(step)
+    return tuple(path)
+
+
+def _meant(loc: Path, missing: list[Any]) -> Any | None:
+    """The error of the missing key that an unknown one beside it was meant to be."""
+    beside = {each["loc"][-1]: each for each in missing if each["loc"][:-1] == loc[:-1]}
+    near = closest(str(loc[-1]), [str(name) for name in beside])
+    return beside[near[0]] if near else None
+
+
+def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
+    """A fault and its remarks, with their paths put behind that of the value in which they were found."""
+    start = raw[: len(raw) - len(fault.at)]
+    remarks = tuple(
+        Remark(each.message, None if each.at is None else real_path(data, (*start, *each.at)))
+        for each in fault.remarks
+    )
+    return Fault(fault.code, fault.message, loc, fault.key, remarks, fault.help)
+
+
+def _extra(loc: Path, meant: Any | None) -> Fault:
+    name = str(loc[-1])
+    model, owner = _owner(loc[:-1])
+    known = list(model.model_fields)
+    near = [str(meant["loc"][-1])] if meant is not None else closest(name, known)
+    help = f"write `{near[0]}`" if near else None
+    if model is Recipe and name in _ELSEWHERE:
+        help = _ELSEWHERE[name]
+    remark = Remark(exists_note("key", known, name).message)
+    return Fault("unknown-key", f"{owner} has no key `{name}`", loc, key=True, remarks=(remark,), help=help)
+
+
+def _missing(loc: Path) -> Fault:
+    name = str(loc[-1])
+    _, owner = _owner(loc[:-1])
+    help = f"write `{name}: …`"
+    if loc == ("recipe",):
+        help = f"write `recipe: {VERSION}` as its first line"
+    elif name == "model":
+        help = "write `model: ./FILE.xml`, or another model reference"
+    return Fault("missing-key", f"{owner} lacks `{name}`", loc[:-1], key=True, help=help)
+
+
+def _other(error: Any, loc: Path) -> Fault:
+    """An error of pydantic's own about a mapping that is none, or a word for any other."""
+    _, owner = _owner(loc)
+    value = error["input"]
+    if loc == ("base",):
+        message = f"`base` expects a model reference, or a mapping with `model`, got {kind_of(value)}"
+        return Fault("wrong-type", message, loc)
+    if loc == ("attach",):
+        help = None
+        if isinstance(value, list):
+            help = "the key is the prefix: write `PREFIX: {model: …}` instead of a list"
+        message = f"`attach` expects a mapping from prefix to part, got {kind_of(value)}"
+        return Fault("wrong-type", message, loc, help=help)
+    if error["type"] in ("model_type", "model_attributes_type", "dict_type", "mapping_type"):
+        help = f"write `{{model: {value}}}`" if isinstance(value, str) and "\n" not in value else None
+        return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", loc, help=help)
+    return Fault("wrong-type", f"{owner}: {error['msg'][:1].lower()}{error['msg'][1:]}", loc)
+
+
+def _owner(path: Path) -> tuple[type[Model], str]:
+    """The model that a mapping is validated by, and what messages call it."""
+    if not path:
+        return Recipe, "the recipe"
+    if path[0] == "attach" and len(path) == 2:
+        return Attachment, f"part `{path[1]}`"
+    if path == ("base",):
+        return Base, "`base`"
+    return Recipe, f"`{path[-1]}`"

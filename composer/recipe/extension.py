@@ -1,0 +1,37 @@
+"""The section of plugins: `extension`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from composer.grammar.element import ElementType
+from composer.recipe.by_tag import ByTag
+from composer.recipe.element import Element
+from composer.recipe.fault import Path
+from composer.recipe.reader import Reader
+
+
+@dataclass(frozen=True, slots=True)
+class Extension(ByTag):
+    """The plugins that a model uses, and what they share:
+
+    `plugin: {mujoco.sdf.torus: {instance: {small: {config: {radius1: 0.3}}}}}`.
+
+    Gives a tuple of `Element`, one a plugin, with its instances as children.
+    """
+
+    form: ClassVar[str] = "extension"
+
+    def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
+        instances: list[Element] = []
+        if isinstance(value, dict) and "instance" in value:
+            below = (*at, "instance")
+            for each, item in reader.names(value["instance"], below, f"`instance` of plugin `{name}`"):
+                instance = reader.element(
+                    kind.children["instance"], item, (*below, each), f"instance `{each}`", keyed={"name": each}
+                )
+                instances += [instance] if instance is not None else []
+        owner = f"{kind.tag} `{name}`"
+        keyed = {"plugin": name}
+        return reader.element(kind, value, at, owner, keyed=keyed, own=("instance",), children=tuple(instances))

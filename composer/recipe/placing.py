@@ -1,0 +1,144 @@
+"""Attributes of MJCF that place a part: its offset and its joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR
+from composer.recipe.angles import bare_angle
+from composer.recipe.element import Angle, Element, Single
+from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.presence import lacks
+from composer.recipe.reader import Reader, label
+from composer.recipe.settings import settings
+from composer.recipe.shown import kind_of
+from composer.recipe.value import read_value
+
+OWNER = "an attached part"
+WORDS = ("weld", "free", "ball", "mocap")
+JointWord = Literal["weld", "free", "ball", "mocap"]
+JointType = ("hinge", "slide", "ball")
+
+
+@dataclass(frozen=True, slots=True)
+class Offset:
+    """Marks a field as an attribute of a frame: `pos`, or one of the orientations.
+
+    Gives a tuple; `Angle`s stand in it only where the attribute is an angle.
+    """
+
+    name: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        from composer.recipe.element_schema import attribute
+
+        return attribute("frame", self.name)
+
+    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Single, ...]:
+        attribute = GRAMMAR.element("frame").attributes[self.name]
+        faults: list[Fault] = []
+        read = read_value(attribute, value, (), OWNER, faults)
+        if isinstance(read, tuple) and attribute.angle is None:
+            read = tuple(item.radians if isinstance(item, Angle) else item for item in read)
+        elif read is not None and not settings(info.context).bare_angles:
+            bare = bare_angle(attribute, read, None, (), OWNER)
+            faults += [bare] if bare is not None else []
+        if faults:
+            raise refusal(faults, value)
+        assert isinstance(read, tuple), "an offset has several numbers"
+        return read
+
+
+@dataclass(frozen=True, slots=True)
+class JointField:
+    """Marks the field `joint`: a word, a mapping of a joint's attributes, or a list of such with names.
+
+    Gives the word, an `Element` for a joint without a name, or a tuple of `Element` with names.
+    """
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        from composer.recipe.element_schema import joint
+
+        return joint(WORDS, JointType)
+
+    def _validate(self, value: Any, info: ValidationInfo) -> str | Element | tuple[Element, ...]:
+        reader = Reader(settings(info.context))
+        read = self.read(reader, value)
+        if reader.faults or read is None:
+            raise refusal(reader.faults, value)
+        return read
+
+    def read(self, reader: Reader, value: Any) -> str | Element | tuple[Element, ...] | None:
+        if isinstance(value, str) and value in WORDS:
+            return value
+        if isinstance(value, dict):
+            element = _joint(reader, value, ())
+            named = element is not None and "name" in element.attributes
+            return (element,) if element is not None and named else element
+        if isinstance(value, list):
+            return _joints(reader, value)
+        reader.faults.append(_no_joint(value))
+        return None
+
+
+def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
+    if not value:
+        reader.faults.append(Fault("wrong-length", "`joint` is an empty list", help="leave `joint` out"))
+    elements: list[Element] = []
+    names: dict[object, Path] = {}
+    for index, item in enumerate(value):
+        element = _joint(reader, item, (index,))
+        if isinstance(item, dict) and "name" not in item:
+            fault = lacks("a joint in a list", "name", (index,))
+            help = "write `name: …`; the joint is called PREFIX/NAME"
+            reader.faults.append(Fault(fault.code, fault.message, (index,), help=help))
+        elif element is not None:
+            name = element.attributes.get("name")
+            if name in names:
+                remarks = (Remark("the first one is here", names[name]),)
+                message = f"two joints of one part are called `{name}`"
+                reader.faults.append(Fault("name-clash", message, (index, "name"), remarks=remarks))
+            names.setdefault(name, (index, "name"))
+            elements.append(element)
+    return tuple(elements)
+
+
+def _joint(reader: Reader, value: Any, at: Path) -> Element | None:
+    kind = GRAMMAR.element("joint")
+    written = value.get("type", "hinge") if isinstance(value, dict) else None
+    if written == "free":
+        message = "a free joint has no attributes and stands alone"
+        reader.faults.append(Fault("wrong-keyword", message, (*at, "type"), help="write `joint: free`"))
+        return None
+    # A joint between a place and a part is in no class but the one it names, which may set another type.
+    type = "hinge" if isinstance(value, Mapping) and "class" not in value else None
+    element = reader.element(kind, value, at, label("joint", value), joint=type)
+    if element is not None and element.attributes.get("name", "joint") == "":
+        message = "the name of a joint is empty"
+        reader.faults.append(Fault("bad-name", message, (*at, "name"), help="leave `name` out, or write one"))
+    return element
+
+
+def _no_joint(value: Any) -> Fault:
+    help = "write one of `weld`, `free`, `ball`, `mocap`, or `{type: hinge, axis: [0, 0, 1]}`"
+    if not isinstance(value, str):
+        return Fault("wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help)
+    near = closest(value, WORDS)
+    if value in JointType:
+        help = f"write `joint: {{type: {value}, axis: [0, 0, 1]}}`"
+    elif near:
+        help = f"write `joint: {near[0]}`"
+    remark = Remark(exists_note("word", WORDS, value).message)
+    return Fault("wrong-keyword", f"`joint` cannot be `{value}`", remarks=(remark,), help=help)

@@ -1,0 +1,113 @@
+"""A recipe as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from composer.recipe.add import Addition, Additions
+from composer.recipe.attach import Attachment, Prefixes
+from composer.recipe.base import Base
+from composer.recipe.by_tag import ByTag, Lists
+from composer.recipe.default_class import DefaultClass, Defaults
+from composer.recipe.element import Element
+from composer.recipe.extension import Extension
+from composer.recipe.fault import Fault, refusal
+from composer.recipe.model import Model
+from composer.recipe.shown import kind_of
+from composer.recipe.singleton import Singleton
+from composer.recipe.text import Choice, Text
+from composer.recipe.typed import Typed
+
+VERSION = 1
+SETTABLE = frozenset("discardvisual fusestatic boundmass boundinertia settotalmass lengthrange".split())
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """Marks the field `recipe`: the version of the language."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"const": VERSION}
+
+    def _validate(self, value: Any) -> int:
+        # `True == 1`, and `1.0 == 1`.
+        if type(value) is int and value == VERSION:
+            return VERSION
+        what = f"version `{value}`" if isinstance(value, int | float) else kind_of(value)
+        message = f"`recipe` is the version of the language, which is {VERSION}, got {what}"
+        raise refusal([Fault("recipe-version", message, help=f"write `recipe: {VERSION}`")], value)
+
+
+def _sequence_fault(text: str) -> Fault | None:
+    """What is wrong with a sequence of rotations."""
+    if len(text) == 3 and set(text.lower()) <= set("xyz"):
+        return None
+    message = f"`eulerseq` is three letters of `xyz` (about the moving axes) and `XYZ` (fixed axes), got `{text}`"
+    return Fault("wrong-keyword", message, help="write for instance `eulerseq: xyz`")
+
+
+class Recipe(Model):
+    """A recipe: what a model is made of.
+
+    Sections hold their elements in the order of the file. A section that is not written is None or empty.
+    """
+
+    recipe: Annotated[Literal[1], Version()]
+    """The version of the language: 1."""
+    name: Annotated[str | None, Text("name")] = None
+    """The model's name; without it, the stem of the recipe's file."""
+    description: Annotated[str | None, Text("description", empty=True)] = None
+    """Free text that reaches the manifest."""
+    angle: Annotated[Literal["degree", "radian"] | None, Choice("angle")] = None
+    """The unit of angles without a unit in this file. Without it, such an angle is an error."""
+    eulerseq: Annotated[str, Text("eulerseq", check=_sequence_fault)] = "xyz"
+    """The sequence of rotations of `euler` in this file; lower case for moving axes, upper case for fixed ones."""
+    separator: Annotated[Literal["/", ":", ".", "-", "_", "__"], Choice("separator")] = "/"
+    """What stands between a prefix and a name."""
+    conflict: Annotated[Literal["error", "warning", "merge"], Choice("conflict")] = "error"
+    """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
+    base: Base | None = None
+    """The model to start from, which keeps its own names; without it, an empty one."""
+    attach: Annotated[Mapping[str, Attachment], Prefixes()] = Field(default_factory=dict)
+    """The parts: a mapping from the prefix of their names to what they are and where they hang."""
+    add: Annotated[tuple[Addition, ...], Additions()] = ()
+    """Elements under a body, a frame or the world."""
+
+    option: Annotated[Element | None, Singleton("option")] = None
+    """Simulation options."""
+    size: Annotated[Element | None, Singleton("size")] = None
+    """Memory and array sizes."""
+    visual: Annotated[Element | None, Singleton("visual")] = None
+    """Rendering settings."""
+    statistic: Annotated[Element | None, Singleton("statistic")] = None
+    """Model statistics that override what MuJoCo computes."""
+    compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
+    """Compiler settings that a whole model has; each part keeps its own of the others."""
+    default: Annotated[tuple[DefaultClass, ...], Defaults("default")] = ()
+    """Default classes: a mapping from class to its settings by tag; `main` is the top class."""
+    asset: Annotated[tuple[Element, ...], ByTag("asset")] = ()
+    """Meshes, textures, materials and other assets: by tag, a mapping from their names."""
+    contact: Annotated[tuple[Element, ...], Lists("contact")] = ()
+    """Pairs of geoms that may touch and bodies that may not: lists by tag."""
+    equality: Annotated[tuple[Element, ...], Typed("equality")] = ()
+    """Equality constraints: a mapping from their names."""
+    tendon: Annotated[tuple[Element, ...], Typed("tendon")] = ()
+    """Tendons: a mapping from their names; `path` has their steps in order."""
+    actuator: Annotated[tuple[Element, ...], Typed("actuator")] = ()
+    """Actuators: a mapping from their names."""
+    sensor: Annotated[tuple[Element, ...], Typed("sensor")] = ()
+    """Sensors: a mapping from their names."""
+    custom: Annotated[tuple[Element, ...], ByTag("custom")] = ()
+    """Custom numbers, texts and tuples: by tag, a mapping from their names."""
+    extension: Annotated[tuple[Element, ...], Extension("extension")] = ()
+    """Plugins and their instances: `plugin: {NAME: {instance: {NAME: {config: {KEY: VALUE}}}}}`."""
+    deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
+    """Flexes and skins: by tag, a mapping from their names."""

@@ -1,0 +1,42 @@
+"""Sections of which a model has one: `option`, `size`, `statistic`, `visual`, `compiler`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from composer.recipe.element import Element
+from composer.recipe.fault import Fault, Remark
+from composer.recipe.reader import FRAGMENT, Reader
+from composer.recipe.section import Section
+
+
+@dataclass(frozen=True, slots=True)
+class Singleton(Section):
+    """A section of which a model has one, as a mapping of its attributes and children: `option`, `visual`.
+
+    Gives an `Element`. With `settable`, only those keys may be written.
+    """
+
+    settable: frozenset[str] = frozenset()
+    form: ClassVar[str] = "singleton"
+
+    def read(self, reader: Reader, value: Any) -> Element | None:
+        if self.settable and isinstance(value, dict):
+            kind = self.kind
+            value = dict(value)
+            for name in [n for n in value if n not in self.settable and (n in kind.attributes or n == FRAGMENT)]:
+                reader.faults.append(self._unsettable(name))
+                del value[name]
+        return reader.element(self.kind, value, (), f"`{self.tag}`")
+
+    def _unsettable(self, name: str) -> Fault:
+        top = name in ("angle", "eulerseq")
+        return Fault(
+            "compiler-setting",
+            f"`{name}` cannot be set in `{self.tag}`: each part keeps its own",
+            (name,),
+            key=True,
+            remarks=(Remark(f"what can be set: {', '.join(sorted(self.settable))}"),),
+            help=f"for the recipe's own elements, write `{name}` at the top of the recipe" if top else None,
+        )

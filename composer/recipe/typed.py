@@ -1,0 +1,89 @@
+"""Sections whose elements have a `type`: `sensor`, `actuator`, `equality`, `tendon`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from composer.diagnostics.suggest import exists_note
+from composer.grammar.element import ElementType
+from composer.recipe.element import Element
+from composer.recipe.fault import Fault, Remark
+from composer.recipe.presence import lacks
+from composer.recipe.reader import FRAGMENT, Reader
+from composer.recipe.section import Section
+from composer.recipe.shown import kind_of
+from composer.recipe.tendon import PATH, read_path
+
+TYPE = "type"
+
+
+@dataclass(frozen=True, slots=True)
+class Typed(Section):
+    """A mapping from names to elements whose `type` is their tag: `sensor`, `actuator`, `equality`, `tendon`.
+
+    Gives a tuple of `Element`, each with its name as an attribute. The steps of a tendon's `path` are its
+    children.
+    """
+
+    form: ClassVar[str] = "typed"
+
+    def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
+        entries = reader.names(value, (), f"`{self.tag}`")
+        read = [self._element(reader, name, item) for name, item in entries]
+        return tuple(element for element in read if element is not None)
+
+    def _element(self, reader: Reader, name: str, value: Any) -> Element | None:
+        owner = f"{self.tag} `{name}`"
+        if not isinstance(value, dict):
+            message = f"{owner} expects a mapping with its `{TYPE}`, got {kind_of(value)}"
+            reader.faults.append(Fault("wrong-type", message, (name,)))
+            return None
+        keyed = {"name": name}
+        if FRAGMENT in value:
+            return reader.fragment(self.kind.children, f"`{self.tag}`", value, (name,), keyed)
+        tag = value.get(TYPE)
+        if TYPE not in value:
+            reader.faults.append(self._without_type(name, value))
+            return None
+        if not isinstance(tag, str):
+            message = f"`{TYPE}` of {owner} expects a tag, got {kind_of(tag)}"
+            reader.faults.append(Fault("wrong-type", message, (name, TYPE)))
+            return None
+        kind = self.kind.children.get(tag)
+        if kind is None:
+            message = f"`{self.tag}` has no type `{tag}`"
+            reader.faults.append(self.unknown(tag, (name, TYPE), message, key=False))
+            return None
+        owner = f"{tag} {owner}"
+        if self.tag != "tendon":
+            return reader.element(kind, value, (name,), owner, keyed=keyed, own=(TYPE,))
+        return self._tendon(reader, kind, name, value, owner)
+
+    def _tendon(
+        self, reader: Reader, kind: ElementType, name: str, value: dict[str, Any], owner: str
+    ) -> Element | None:
+        steps: tuple[Element, ...] = ()
+        if PATH in value:
+            steps = read_path(reader, kind, value[PATH], (name, PATH), owner)
+        else:
+            reader.faults.append(lacks(owner, PATH, (name,)))
+        for tag in kind.children:
+            if tag in value:
+                message = f"`{tag}` of {owner} belongs into its `{PATH}`"
+                help = f"write `{PATH}: [{{{tag}: …}}, …]`, in the order of the tendon"
+                reader.faults.append(Fault("unknown-key", message, (name, tag), key=True, help=help))
+        own = (TYPE, PATH, *kind.children)
+        return reader.element(kind, value, (name,), owner, keyed={"name": name}, own=own, children=steps)
+
+    def _without_type(self, name: str, value: dict[str, Any]) -> Fault:
+        inner = next((tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None)
+        example = inner or next(iter(self.kind.children))
+        return Fault(
+            "missing-key",
+            f"{self.tag} `{name}` lacks `{TYPE}`",
+            (name,),
+            key=True,
+            remarks=(Remark(exists_note("type", self.kind.children).message),),
+            help=f"write `{name}: {{{TYPE}: {example}, …}}`",
+        )

@@ -1,0 +1,68 @@
+"""From a located tree to a `Recipe`, with every fault as a diagnostic."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pydantic import ValidationError
+
+from composer.diagnostics import Note, Sink, Span
+from composer.document.node import Mapping, Node, locate, to_python
+from composer.recipe import errors
+from composer.recipe.fault import Fault, Path
+from composer.recipe.raw import raw
+from composer.recipe.recipe import Recipe
+from composer.recipe.settings import Settings
+from composer.recipe.shown import kind_of
+
+
+def validate(node: Node, sink: Sink) -> Recipe | None:
+    """The recipe of a located tree, or None where there are errors; all of them go to the sink.
+
+    Names, files and model references are not looked up. No I/O.
+    """
+    if not isinstance(node, Mapping):
+        sink.error(
+            "wrong-type",
+            f"a recipe is a mapping, got {kind_of(to_python(node))}",
+            _start(node.span),
+            help="write `recipe: 1` as its first line, and the other keys below",
+        )
+        return None
+    early: list[Fault] = []
+    data = raw(node, early)
+    recipe: Recipe | None = None
+    found: list[Fault] = []
+    try:
+        recipe = Recipe.model_validate(data, context=Settings.of(data))
+    except ValidationError as error:
+        found = list(errors.faults(error, data))
+    version = [fault for fault in found if fault.code == "recipe-version"]
+    for fault in version or _one_each(early, found):
+        _tell(fault, node, sink)
+    return None if early or found else recipe
+
+
+def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
+    """What is told: of a place with a fault of its own, not also that its value is none that was expected."""
+    unknown = {fault.at for fault in found if fault.key}
+    kept = [fault for fault in early if not any(fault.at[:n] in unknown for n in range(1, len(fault.at) + 1))]
+    settled = {fault.at for fault in kept}
+    yield from kept
+    yield from (fault for fault in found if fault.key or fault.at not in settled)
+
+
+def _tell(fault: Fault, node: Mapping, sink: Sink) -> None:
+    notes = [
+        Note(remark.message, None if remark.at is None else locate(node, remark.at, key=True))
+        for remark in fault.remarks
+    ]
+    sink.error(fault.code, fault.message, _span(node, fault.at, fault.key), notes=notes, help=fault.help)
+
+
+def _span(node: Mapping, path: Path, key: bool) -> Span:
+    return _start(node.span) if not path else locate(node, path, key=key)
+
+
+def _start(span: Span) -> Span:
+    return Span(span.file, span.line, span.column)
