@@ -31,6 +31,7 @@ _MODE = 0o100644
 def write_archive(bundle: Bundle, out: Path, environment: Mapping[str, str]) -> None:
     """Write the bundle as a zip to `out`: the model first, then the other files sorted by path.
 
+    (Other XML files would come before the model: of several, `MjSpec.from_zip` takes the last.)
     All files are from 1980-01-01, or from SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises
     OutputError; then an older `out` is untouched.
     """
@@ -41,15 +42,20 @@ def write_archive(bundle: Bundle, out: Path, environment: Mapping[str, str]) -> 
             f"name the archive `{PurePosixPath(bundle.model).stem}{out.suffix}`",
         )
     moment = _moment(environment.get("SOURCE_DATE_EPOCH"))
-    order = [bundle.model, *(path for path in bundle.files if path != bundle.model)]
     with staged_file(out) as stage, zipfile.ZipFile(stage, "w") as archive:
-        for path in order:
+        for path in sorted(bundle.files, key=lambda path: _rank(path, bundle.model)):
             info = zipfile.ZipInfo(path, moment)
             info.create_system = _UNIX
             info.external_attr = _MODE << 16
             level = _level(path)
             info.compress_type = zipfile.ZIP_DEFLATED if level else zipfile.ZIP_STORED
             archive.writestr(info, bundle.files[path], compresslevel=level or None)
+
+
+def _rank(path: str, model: str) -> tuple[int, str]:
+    if path == model:
+        return 1, path
+    return (0 if path.endswith(".xml") else 2), path
 
 
 def _level(path: str) -> int:

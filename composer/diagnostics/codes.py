@@ -18,6 +18,7 @@ CODES: dict[str, str] = {
     "missing-key": "a required key is not there",
     "mocap-on-body": "a mocap body would stand below another body",
     "mujoco-crash": "MuJoCo itself broke down while it read or compiled the model",
+    "mujoco-missing": "MuJoCo is not installed where mjcompose runs",
     "mujoco-rejects": "MuJoCo does not accept the model",
     "mujoco-timeout": "MuJoCo took longer than it was given",
     "mujoco-warning": "MuJoCo accepts the model and warns about it",

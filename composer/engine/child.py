@@ -47,7 +47,7 @@ def main() -> None:
         _set_cpu_limit(settings["seconds"])
         request = json.loads(line)
         with warnings.catch_warnings(record=True) as python_warnings:
-            warnings.simplefilter("always")
+            warnings.simplefilter("always", UserWarning)
             answer = (_call if "function" in request else _compile)(request, mujoco, kept)
         logged, log_read = _read_log(log_read)
         answer["warnings"] = [str(entry.message) for entry in python_warnings] + logged

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import ModelWrapValidatorHandler, model_validator
+from pydantic import GetJsonSchemaHandler, ModelWrapValidatorHandler, model_validator
+from pydantic_core import CoreSchema
 
 from composer.recipe.model import Model
 from composer.recipe.text import Choice, Text
@@ -24,3 +25,7 @@ class Base(Model):
     @classmethod
     def _short(cls, value: Any, handler: ModelWrapValidatorHandler[Base]) -> Base:
         return handler({"model": value} if isinstance(value, str) else value)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"type": "string", "minLength": 1}, handler.resolve_ref_schema(handler(schema))]}

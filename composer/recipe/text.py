@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidatorFunctionWrapHandler
 from pydantic_core import CoreSchema, core_schema
 
 from composer.diagnostics.suggest import closest, exists_note
@@ -70,14 +70,13 @@ class Choice:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         words = _words(source)
 
-        def read(value: Any) -> str:
+        def read(value: Any, handler: ValidatorFunctionWrapHandler) -> str:
             if isinstance(value, str) and value in words:
                 return value
             raise refusal([self.fault(value, words)], value)
 
-        return core_schema.no_info_plain_validator_function(
-            read, metadata={"pydantic_js_input_core_schema": core_schema.literal_schema(list(words))}
-        )
+        # The inner schema is for the JSON Schema alone.
+        return core_schema.no_info_wrap_validator_function(read, core_schema.literal_schema(list(words)))
 
     def fault(self, value: Any, words: tuple[str, ...]) -> Fault:
         if not isinstance(value, str):

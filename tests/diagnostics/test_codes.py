@@ -49,7 +49,8 @@ def test_codes_in_use_are_declared() -> None:
                     node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
                 )
                 code = node.args[0].value
-                if name in ("error", "warning", "note", "Diagnostic") and isinstance(code, str):
+                takes_code = name in ("error", "warning", "note", "Diagnostic", "Fault", "fault")
+                if (takes_code or name.endswith("Error")) and re.fullmatch(r"[a-z]+(-[a-z0-9]+)+", str(code)):
                     used.add(code)
     assert used - set(CODES) == set()
     assert {"yaml-tag", "yaml-alias-bomb"} <= used

@@ -1,0 +1,122 @@
+"""JSON Schema of MJCF's attributes, from the grammar."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from composer.grammar.attribute import Attribute
+from composer.recipe.element import ANGLE_PATTERN
+from composer.recipe.reference import Schema, reference
+
+TEMPLATE_PATTERN = r"\$\{"
+_NUMBER_PATTERN = f"^{ANGLE_PATTERN}$|{TEMPLATE_PATTERN}"
+_NUMBER_HINT = "expected a number, an angle such as 90deg or 1.57rad, or ${…}"
+_ITEMS = {"real": "number", "int": "integer"}
+
+# What many attributes share.
+SHARED: dict[str, Schema] = {
+    "number": {
+        "type": ["number", "string"],
+        "pattern": _NUMBER_PATTERN,
+        "patternErrorMessage": _NUMBER_HINT,
+    },
+    "integer": {
+        "type": ["integer", "string"],
+        "pattern": TEMPLATE_PATTERN,
+        "patternErrorMessage": "expected an integer, or ${…}",
+    },
+    "boolean": {
+        "type": ["boolean", "string"],
+        "pattern": TEMPLATE_PATTERN,
+        "patternErrorMessage": "expected true, false, or ${…}",
+    },
+    "fragment": {
+        "type": "string",
+        "pattern": "<",
+        "patternErrorMessage": "expected an element of MJCF: <geom …/>",
+        "description": "a fragment of MJCF in place of the element",
+    },
+    "template": {"type": "string", "pattern": TEMPLATE_PATTERN},
+}
+
+
+def shared(name: str) -> Schema:
+    """The schema of that name among `SHARED`, or that of a list: `number-3`, `integer-1-2`, `number-1-`."""
+    if name in SHARED:
+        return dict(SHARED[name])
+    item, low, *rest = name.split("-")
+    schema = _list(item, int(low))
+    high = int(low) if not rest else int(rest[0]) if rest[0] else None
+    if high is not None:
+        schema["maxItems"] = high
+    return schema
+
+
+def attribute_schema(attribute: Attribute) -> Schema:
+    """The values of an attribute in a recipe, with what is known to explain it."""
+    schema = _values(attribute)
+    description = attribute.doc or _reference_doc(attribute)
+    if description:
+        schema["description"] = description
+    if attribute.default is not None:
+        default = attribute.default
+        schema["default"] = list(default) if isinstance(default, tuple) else default
+    return schema
+
+
+def _values(attribute: Attribute) -> Schema:
+    kind = attribute.type
+    if kind in _ITEMS:
+        return _numbers(attribute, _ITEMS[kind])
+    if kind == "bool":
+        return reference("boolean")
+    if kind == "keyword":
+        return {"anyOf": [{"enum": _words(attribute)}, reference("template")]}
+    if kind == "keywords":
+        words: Schema = {"enum": _words(attribute)}
+        several: Schema = {"type": "array", "items": words, "minItems": 1, "uniqueItems": True}
+        return {"anyOf": [several, words, reference("template")]}
+    if kind == "references":
+        return {"type": ["array", "string"], "items": {"type": "string"}, "minItems": 1}
+    if kind == "chars":
+        low, high = attribute.min_length or 0, "" if attribute.max_length is None else attribute.max_length
+        return {"type": "string", "pattern": f"^.{{{low},{high}}}$|{TEMPLATE_PATTERN}"}
+    return {"type": "string"}
+
+
+def _numbers(attribute: Attribute, item: str) -> Schema:
+    low, high = attribute.min_length or 0, attribute.max_length
+    if attribute.lengths is not None:
+        return {"anyOf": [reference(f"{item}-{length}") for length in attribute.lengths]}
+    if high == 1:
+        return reference(item)
+    if low == high:
+        return reference(f"{item}-{low}")
+    return reference(f"{item}-{low}-{'' if high is None else high}")
+
+
+def _list(item: str, low: int) -> Schema:
+    """A list of numbers; one number stands for a list of one, `${…}` for any list."""
+    schema: Schema = {"type": ["array", "string"], "items": reference(item), "minItems": low}
+    single = SHARED[item]
+    if low <= 1:
+        return {**single, **schema, "type": ["array", *single["type"]]}
+    hint = f"expected a list of {low} {item}s" if low else f"expected a list of {item}s"
+    return {**schema, "pattern": TEMPLATE_PATTERN, "patternErrorMessage": hint}
+
+
+def _words(attribute: Attribute) -> list[Any]:
+    """The keywords, and what YAML makes of those that are no text to it."""
+    words: list[Any] = list(attribute.keywords)
+    words += [word == "true" for word in attribute.keywords if word in ("true", "false")]
+    return [*words, *(int(word) for word in attribute.keywords if word.isdigit())]
+
+
+def _reference_doc(attribute: Attribute) -> str:
+    """What a reference names."""
+    if attribute.refers_by is not None:
+        return f"name of the object whose kind is given by {attribute.refers_by}"
+    if attribute.refers is None:
+        return ""
+    noun = attribute.refers.removeprefix("attached:")
+    return f"name of {'an' if noun[0] in 'aeiou' else 'a'} {noun if noun != 'default' else 'default class'}"

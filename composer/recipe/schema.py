@@ -1,0 +1,106 @@
+"""The JSON Schema of recipes, for editors: `python -m composer.recipe.schema > schemas/recipe.schema.json`."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import json
+import sys
+import textwrap
+from collections.abc import Iterator
+from typing import Any
+
+from composer.recipe.attach import Attachment
+from composer.recipe.base import Base
+from composer.recipe.element_schema import define
+from composer.recipe.model import Model
+from composer.recipe.recipe import Recipe
+from composer.recipe.reference import REFERENCE, Schema, definition_key
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base)
+
+
+def recipe_schema() -> Schema:
+    """The schema of a whole recipe, as JSON Schema 2020-12. The same every time."""
+    schema = Recipe.model_json_schema()
+    definitions: dict[str, Schema] = schema.pop("$defs")
+    for model in MODELS:
+        target = schema if model is Recipe else definitions[model.__name__]
+        _describe(model, target.get("properties") or target["anyOf"][-1]["properties"])
+    schema = _tidy(schema)
+    definitions = {name: _tidy(each) for name, each in definitions.items()}
+    _complete(schema, definitions)
+    return {
+        "$schema": DIALECT,
+        "title": "mjcompose recipe",
+        "description": inspect.getdoc(Recipe),
+        **{key: value for key, value in schema.items() if key != "description"},
+        "$defs": dict(sorted(definitions.items())),
+    }
+
+
+def text() -> str:
+    """The schema as the text of its file."""
+    return json.dumps(recipe_schema(), indent=1, ensure_ascii=False) + "\n"
+
+
+def _complete(schema: Any, definitions: dict[str, Schema]) -> None:
+    """Turn references into `$ref`, and add the definitions that they lead to."""
+    waiting = [schema, *definitions.values()]
+    while waiting:
+        for each in list(_mappings(waiting.pop())):
+            if REFERENCE not in each:
+                continue
+            name = each.pop(REFERENCE)
+            key = definition_key(name)
+            each["$ref"] = f"#/$defs/{key}"
+            if key not in definitions:
+                definitions[key] = define(name)
+                waiting.append(definitions[key])
+
+
+def _mappings(value: Any) -> Iterator[Schema]:
+    if isinstance(value, dict):
+        yield value
+        for each in list(value.values()):
+            yield from _mappings(each)
+    elif isinstance(value, list):
+        for each in value:
+            yield from _mappings(each)
+
+
+def _tidy(schema: Any, properties: bool = False) -> Any:
+    """Without pydantic's titles, and without null, which is no value in a recipe."""
+    if isinstance(schema, list):
+        return [_tidy(each) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    if properties:
+        return {name: _tidy(each) for name, each in schema.items()}
+    tidy = {key: _tidy(each, key == "properties") for key, each in schema.items() if key != "title"}
+    if tidy.get("default", ...) in (None, [], {}):
+        del tidy["default"]
+    alternatives = [each for each in tidy.get("anyOf", ()) if each != {"type": "null"}]
+    if len(alternatives) == 1:
+        del tidy["anyOf"]
+        tidy = {**alternatives[0], **tidy}
+    return tidy
+
+
+def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
+    """The text below each field of a model as the description of its key."""
+    (body,) = ast.parse(textwrap.dedent(inspect.getsource(model))).body
+    assert isinstance(body, ast.ClassDef)
+    for field, text in zip(body.body, body.body[1:], strict=False):
+        if (
+            isinstance(field, ast.AnnAssign)
+            and isinstance(field.target, ast.Name)
+            and isinstance(text, ast.Expr)
+            and isinstance(text.value, ast.Constant)
+        ):
+            properties[field.target.id]["description"] = inspect.cleandoc(str(text.value.value))
+
+
+if __name__ == "__main__":
+    sys.stdout.write(text())
