@@ -10,4 +10,14 @@ from composer.recipe.element import Angle, Element, Value
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate
 
-__all__ = ["Addition", "Angle", "Attachment", "Base", "DefaultClass", "Element", "Recipe", "Value", "validate"]
+__all__ = [
+    "Addition",
+    "Angle",
+    "Attachment",
+    "Base",
+    "DefaultClass",
+    "Element",
+    "Recipe",
+    "Value",
+    "validate",
+]

@@ -47,7 +47,9 @@ class Additions:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._validate)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         from composer.recipe.element_schema import additions
 
         return additions()
@@ -134,7 +136,12 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
     remark = Remark(exists_note("element", kinds, name).message)
     help = f"write `{near[0]}`" if near else None
     return Fault(
-        "unknown-element", f"`{name}` is no element that can be added", at, key=True, remarks=(remark,), help=help
+        "unknown-element",
+        f"`{name}` is no element that can be added",
+        at,
+        key=True,
+        remarks=(remark,),
+        help=help,
     )
 
 

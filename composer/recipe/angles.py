@@ -25,7 +25,9 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     # An angle that is no whole number and less than a turn was most likely meant in radians.
     radians = any(not float(items[i]).is_integer() and abs(float(items[i])) <= FULL_TURN for i in bare)  # type: ignore[arg-type]
     unit, name = ("rad", "radian") if radians else ("deg", "degree")
-    with_unit: list[Any] = [f"{shown(item)}{unit}" if index in bare else item for index, item in enumerate(items)]
+    with_unit: list[Any] = [
+        f"{shown(item)}{unit}" if index in bare else item for index, item in enumerate(items)
+    ]
     instead = shown(with_unit) if isinstance(value, tuple) else with_unit[0]
     return Fault(
         "bare-angle",

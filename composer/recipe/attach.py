@@ -48,13 +48,17 @@ class Prefix:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._validate)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         return {"type": "string", "pattern": r"^\S*$"}
 
     def _validate(self, value: Any, info: ValidationInfo) -> str:
         if not isinstance(value, str):
             help = f"quote it: '{value}'" if isinstance(value, int | float) else None
-            raise refusal([Fault("wrong-type", f"`prefix` expects text, got {kind_of(value)}", help=help)], value)
+            raise refusal(
+                [Fault("wrong-type", f"`prefix` expects text, got {kind_of(value)}", help=help)], value
+            )
         fault = prefix_fault(value, settings(info.context)) if value else None
         if fault is not None:
             raise refusal([fault], value)
@@ -121,7 +125,9 @@ class Prefixes:
         parts = core_schema.dict_schema(core_schema.str_schema(), handler.generate_schema(Attachment))
         return core_schema.with_info_wrap_validator_function(self._validate, parts)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         json = handler(schema)
         json["propertyNames"] = {"pattern": r"^\S+$", "not": {"const": RESERVED}}
         return json
@@ -134,9 +140,7 @@ class Prefixes:
         return checked(handler, value, faults)
 
 
-def prefix_fault(
-    prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False
-) -> Fault | None:
+def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False) -> Fault | None:
     """What is wrong with a prefix."""
     separator = context.separator
     if prefix == RESERVED:
@@ -144,13 +148,19 @@ def prefix_fault(
         return Fault("reserved-prefix", message, at, key, help="choose another name for the part")
     if not prefix:
         message = "a prefix is empty"
-        return Fault("bad-name", message, at, key, help='to attach without a prefix, write `prefix: ""` in the part')
+        return Fault(
+            "bad-name", message, at, key, help='to attach without a prefix, write `prefix: ""` in the part'
+        )
     if any(character.isspace() for character in prefix):
         joined = "_".join(prefix.split())
-        return Fault("bad-name", f"the prefix `{prefix}` has a space in it", at, key, help=f"write `{joined}`")
+        return Fault(
+            "bad-name", f"the prefix `{prefix}` has a space in it", at, key, help=f"write `{joined}`"
+        )
     if is_unprintable(prefix):
         return unprintable("a prefix", at, key=key)
     if separator in prefix:
         help = "the separator is added by itself; a part that hangs on another part has a prefix of its own"
-        return Fault("bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key, help=help)
+        return Fault(
+            "bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key, help=help
+        )
     return None

@@ -81,5 +81,10 @@ class Defaults(Section):
         remark = Remark(exists_note("element", tags, tag).message)
         help = f"write `{near[0]}`" if near else None
         return Fault(
-            "unknown-element", f"`{tag}` has no defaults in {owner}", at, key=True, remarks=(remark,), help=help
+            "unknown-element",
+            f"`{tag}` has no defaults in {owner}",
+            at,
+            key=True,
+            remarks=(remark,),
+            help=help,
         )

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-
 from composer.grammar import GRAMMAR
 from composer.grammar.element import Constraint, ElementType
 from composer.recipe.attribute_schema import attribute_schema, shared
@@ -68,7 +67,9 @@ def _named(tag: str) -> Schema:
 
 def _lists(tag: str) -> Schema:
     kinds = GRAMMAR.section(tag).children.values()
-    return _object({kind.tag: {"type": "array", "items": reference(f"element:{kind.path}")} for kind in kinds})
+    return _object(
+        {kind.tag: {"type": "array", "items": reference(f"element:{kind.path}")} for kind in kinds}
+    )
 
 
 def _extension(tag: str) -> Schema:
@@ -126,7 +127,7 @@ def _definition_of_step(path: str) -> Schema:
     kind = GRAMMAR.element(path)
     properties: dict[str, Schema] = {FRAGMENT: reference("fragment")}
     schema: Schema = {"required": [next(iter(kind.children))]}
-    for tag, child in reversed(kind.children.items()):
+    for tag, child in reversed(list(kind.children.items())):
         mark = MARKS[tag]
         step = _element(child, fragment=False)
         properties |= step["properties"]
@@ -258,5 +259,3 @@ def _object(properties: dict[str, Schema]) -> Schema:
 def _named_map(value: Schema) -> Schema:
     """A mapping from names."""
     return {"type": "object", "additionalProperties": value}
-
-

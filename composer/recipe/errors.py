@@ -56,9 +56,7 @@ def real_path(data: Any, loc: Path) -> Path:
     """
     path: list[str | int] = []
     for index, step in enumerate(loc):
-        if isinstance(data, Mapping) and step in data:
-            data = data[step]
-        elif isinstance(data, list) and isinstance(step, int) and step < len(data):
+        if (isinstance(data, Mapping) and step in data) or (isinstance(data, list) and isinstance(step, int) and step < len(data)):
             data = data[step]
         elif index < len(loc) - 1:
             continue

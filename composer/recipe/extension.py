@@ -29,9 +29,15 @@ class Extension(ByTag):
             below = (*at, "instance")
             for each, item in reader.names(value["instance"], below, f"`instance` of plugin `{name}`"):
                 instance = reader.element(
-                    kind.children["instance"], item, (*below, each), f"instance `{each}`", keyed={"name": each}
+                    kind.children["instance"],
+                    item,
+                    (*below, each),
+                    f"instance `{each}`",
+                    keyed={"name": each},
                 )
                 instances += [instance] if instance is not None else []
         owner = f"{kind.tag} `{name}`"
         keyed = {"plugin": name}
-        return reader.element(kind, value, at, owner, keyed=keyed, own=("instance",), children=tuple(instances))
+        return reader.element(
+            kind, value, at, owner, keyed=keyed, own=("instance",), children=tuple(instances)
+        )

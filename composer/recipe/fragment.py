@@ -63,7 +63,9 @@ class _Check:
             what = expat.ErrorString(error.code)
             if what == "junk after document element":
                 help = "write one element here, and an entry of its own for every other"
-                self.fault("wrong-length", "a fragment is one element, and here is another", error.lineno, help=help)
+                self.fault(
+                    "wrong-length", "a fragment is one element, and here is another", error.lineno, help=help
+                )
             else:
                 self.fault("xml-syntax", f"not well-formed XML: {what}", error.lineno)
 
@@ -100,7 +102,9 @@ class _Check:
                 numbers = tuple(number for item in items(value) if (number := parse_real(item)) is not None)
                 bare = bare_angle(attribute, numbers, attributes.get("type"), self.at, owner)
                 if bare is not None:
-                    self.fault("bare-angle", bare.message, help="write `angle: degree` at the top of the recipe")
+                    self.fault(
+                        "bare-angle", bare.message, help="write `angle: degree` at the top of the recipe"
+                    )
         found: list[Fault] = []
         present = {**attributes, "name": ""} if named else attributes
         absent(kind, present, owner, (), found)
@@ -131,5 +135,7 @@ class _Check:
             remarks = (Remark(exists_note(kind, known, written).message),)
         number = self.parser.CurrentLineNumber if line is None else line
         self.faults.append(
-            Fault(code, f"line {number} of the fragment: {message}", self.at, remarks=tuple(remarks), help=help)
+            Fault(
+                code, f"line {number} of the fragment: {message}", self.at, remarks=tuple(remarks), help=help
+            )
         )

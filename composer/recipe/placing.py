@@ -38,7 +38,9 @@ class Offset:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._validate)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         from composer.recipe.element_schema import attribute
 
         return attribute("frame", self.name)
@@ -68,7 +70,9 @@ class JointField:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._validate)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         from composer.recipe.element_schema import joint
 
         return joint(WORDS, JointType)
@@ -134,7 +138,9 @@ def _joint(reader: Reader, value: Any, at: Path) -> Element | None:
 def _no_joint(value: Any) -> Fault:
     help = "write one of `weld`, `free`, `ball`, `mocap`, or `{type: hinge, axis: [0, 0, 1]}`"
     if not isinstance(value, str):
-        return Fault("wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help)
+        return Fault(
+            "wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help
+        )
     near = closest(value, WORDS)
     if value in JointType:
         help = f"write `joint: {{type: {value}, axis: [0, 0, 1]}}`"

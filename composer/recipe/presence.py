@@ -33,16 +33,22 @@ def clashing(
             fault = None if complete else Fault("missing-key", f"{owner} needs {needed}", at, key=True)
         elif rule.kind == "together":
             names = [name for bundle in rule.bundles for name in bundle]
-            fault = _incomplete([n for n in names if n in present], [n for n in names if n not in present], owner, at)
+            fault = _incomplete(
+                [n for n in names if n in present], [n for n in names if n not in present], owner, at
+            )
         else:
             asking, asked = rule.bundles
             asking_all = all(name in present for name in asking)
-            fault = _incomplete(asking, [n for n in asked if n not in present], owner, at) if asking_all else None
+            fault = (
+                _incomplete(asking, [n for n in asked if n not in present], owner, at) if asking_all else None
+            )
         if fault is not None:
             faults.append(fault)
 
 
-def exclusive(names: Iterable[str], present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
+def exclusive(
+    names: Iterable[str], present: Collection[str], owner: str, at: Path, faults: list[Fault]
+) -> None:
     """Tell it where more than one of the names is there."""
     clashing([Constraint("exclusive", tuple((name,) for name in names))], present, owner, at, faults)
 

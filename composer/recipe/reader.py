@@ -194,10 +194,20 @@ class Reader:
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
             remark = Remark(exists_note("element", kind.children, name).message)
             return Fault(
-                "unknown-element", f"`{name}` cannot stand in {owner}", at, key=True, remarks=(remark,), help=help
+                "unknown-element",
+                f"`{name}` cannot stand in {owner}",
+                at,
+                key=True,
+                remarks=(remark,),
+                help=help,
             )
         return Fault(
-            "unknown-attribute", f"`{name}` is no attribute of {owner}", at, key=True, remarks=(remark,), help=help
+            "unknown-attribute",
+            f"`{name}` is no attribute of {owner}",
+            at,
+            key=True,
+            remarks=(remark,),
+            help=help,
         )
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
@@ -270,4 +280,6 @@ def _is_named(kind: ElementType, value: dict[str, Any]) -> bool:
 
 
 def _is_element(value: Any) -> bool:
-    return isinstance(value, dict) or (isinstance(value, list) and any(isinstance(item, dict) for item in value))
+    return isinstance(value, dict) or (
+        isinstance(value, list) and any(isinstance(item, dict) for item in value)
+    )

@@ -34,7 +34,9 @@ class Version:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self._validate)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         return {"const": VERSION}
 
     def _validate(self, value: Any) -> int:
@@ -50,7 +52,9 @@ def _sequence_fault(text: str) -> Fault | None:
     """What is wrong with a sequence of rotations."""
     if len(text) == 3 and set(text.lower()) <= set("xyz"):
         return None
-    message = f"`eulerseq` is three letters of `xyz` (about the moving axes) and `XYZ` (fixed axes), got `{text}`"
+    message = (
+        f"`eulerseq` is three letters of `xyz` (about the moving axes) and `XYZ` (fixed axes), got `{text}`"
+    )
     return Fault("wrong-keyword", message, help="write for instance `eulerseq: xyz`")
 
 

@@ -19,6 +19,12 @@ from composer.recipe.reference import REFERENCE, Schema, definition_key
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base)
+WIDTH = 110
+
+_ORDER = "$schema title description $ref type const enum default properties additionalProperties required"
+_RANK = {key: rank for rank, key in enumerate(_ORDER.split())} | {"$defs": 1000}
+# Keys of JSON Schema below which the keys are names.
+_NAMES = frozenset({"properties", "$defs"})
 
 
 def recipe_schema() -> Schema:
@@ -31,18 +37,13 @@ def recipe_schema() -> Schema:
     schema = _tidy(schema)
     definitions = {name: _tidy(each) for name, each in definitions.items()}
     _complete(schema, definitions)
-    return {
-        "$schema": DIALECT,
-        "title": "mjcompose recipe",
-        "description": inspect.getdoc(Recipe),
-        **{key: value for key, value in schema.items() if key != "description"},
-        "$defs": dict(sorted(definitions.items())),
-    }
+    head = {"$schema": DIALECT, "title": "mjcompose recipe", "description": "What a MuJoCo model is made of."}
+    return {**schema, **head, "$defs": dict(sorted(definitions.items()))}
 
 
 def text() -> str:
-    """The schema as the text of its file."""
-    return json.dumps(recipe_schema(), indent=1, ensure_ascii=False) + "\n"
+    """The schema as the text of its file: short values on one line, so that changes can be read."""
+    return _layout(recipe_schema(), "", in_order=True) + "\n"
 
 
 def _complete(schema: Any, definitions: dict[str, Schema]) -> None:
@@ -100,6 +101,25 @@ def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
             and isinstance(text.value, ast.Constant)
         ):
             properties[field.target.id]["description"] = inspect.cleandoc(str(text.value.value))
+
+
+def _layout(value: Any, indent: str, in_order: bool) -> str:
+    """JSON text. With `in_order` the keys of a mapping are JSON Schema's own and are put in a fixed order."""
+    compact = json.dumps(value, ensure_ascii=False)
+    if isinstance(value, dict) and in_order:
+        value = dict(sorted(value.items(), key=lambda item: _RANK.get(item[0], 100)))
+        compact = json.dumps(value, ensure_ascii=False)
+    if not isinstance(value, dict | list) or len(indent) + len(compact) <= WIDTH:
+        return compact
+    inner = indent + " "
+    if isinstance(value, list):
+        lines = [f"{inner}{_layout(each, inner, in_order=True)}" for each in value]
+        return "[\n" + ",\n".join(lines) + f"\n{indent}]"
+    lines = [
+        f"{inner}{json.dumps(key, ensure_ascii=False)}: {_layout(each, inner, not in_order or key not in _NAMES)}"
+        for key, each in value.items()
+    ]
+    return "{\n" + ",\n".join(lines) + f"\n{indent}}}"
 
 
 if __name__ == "__main__":

@@ -32,7 +32,9 @@ class Section:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._validate)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         from composer.recipe.element_schema import section
 
         return section(self.form, self.tag)
@@ -63,7 +65,9 @@ class Section:
             if tag in self.kind.children:
                 known.append((self.kind.children[tag], item, (tag,)))
             else:
-                reader.faults.append(self.unknown(tag, (tag,), f"`{self.tag}` has no element `{tag}`", key=True))
+                reader.faults.append(
+                    self.unknown(tag, (tag,), f"`{self.tag}` has no element `{tag}`", key=True)
+                )
         return known
 
     def unknown(self, tag: str, at: Path, message: str, key: bool) -> Fault:

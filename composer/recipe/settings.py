@@ -25,7 +25,9 @@ class Settings:
         if not isinstance(data, Mapping):
             return cls()
         separator = data.get("separator", DEFAULT_SEPARATOR)
-        return cls("angle" in data, separator if isinstance(separator, str) and separator else DEFAULT_SEPARATOR)
+        return cls(
+            "angle" in data, separator if isinstance(separator, str) and separator else DEFAULT_SEPARATOR
+        )
 
 
 def settings(context: Any) -> Settings:

@@ -25,7 +25,9 @@ class Singleton(Section):
         if self.settable and isinstance(value, dict):
             kind = self.kind
             value = dict(value)
-            for name in [n for n in value if n not in self.settable and (n in kind.attributes or n == FRAGMENT)]:
+            for name in [
+                n for n in value if n not in self.settable and (n in kind.attributes or n == FRAGMENT)
+            ]:
                 reader.faults.append(self._unsettable(name))
                 del value[name]
         return reader.element(self.kind, value, (), f"`{self.tag}`")

@@ -14,7 +14,9 @@ from composer.recipe.fault import Fault, Path, Remark, refusal
 from composer.recipe.shown import kind_of, shown
 
 # What no XML file can hold, not even escaped.
-_UNPRINTABLE = frozenset(map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000))))
+_UNPRINTABLE = frozenset(
+    map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000)))
+)
 
 
 def is_unprintable(text: str) -> bool:
@@ -24,7 +26,9 @@ def is_unprintable(text: str) -> bool:
 
 def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True) -> Fault:
     """The fault of a text with such a character."""
-    return Fault("bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key)
+    return Fault(
+        "bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +45,9 @@ class Text:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         return {"type": "string"} if self.empty else {"type": "string", "minLength": 1}
 
     def read(self, value: Any) -> str:
@@ -80,7 +86,9 @@ class Choice:
 
     def fault(self, value: Any, words: tuple[str, ...]) -> Fault:
         if not isinstance(value, str):
-            return Fault("wrong-type", f"`{self.key}` expects a keyword, got {kind_of(value)}", help=_one_of(words))
+            return Fault(
+                "wrong-type", f"`{self.key}` expects a keyword, got {kind_of(value)}", help=_one_of(words)
+            )
         near = closest(value, words)
         return Fault(
             "wrong-keyword",

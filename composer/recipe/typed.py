@@ -77,7 +77,9 @@ class Typed(Section):
         return reader.element(kind, value, (name,), owner, keyed={"name": name}, own=own, children=steps)
 
     def _without_type(self, name: str, value: dict[str, Any]) -> Fault:
-        inner = next((tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None)
+        inner = next(
+            (tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None
+        )
         example = inner or next(iter(self.kind.children))
         return Fault(
             "missing-key",

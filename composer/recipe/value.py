@@ -7,7 +7,7 @@ from typing import Any
 from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_number, check_python, expected
-from composer.recipe.element import Angle, Single, Value
+from composer.recipe.element import Angle, Value
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.text import is_unprintable, unprintable
@@ -93,7 +93,9 @@ def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> F
     code = _number_code(attribute, item)
     noun = "integers" if attribute.type == "int" else "numbers"
     wanted = f"{noun} of 32 bits" if code == "out-of-range" else noun
-    return Fault(code, f"{subject} expects {wanted}, got {kind_of(item)}", at, help=_unit_help(attribute, item))
+    return Fault(
+        code, f"{subject} expects {wanted}, got {kind_of(item)}", at, help=_unit_help(attribute, item)
+    )
 
 
 def _fault(attribute: Attribute, value: Any, answer: str, code: str, at: Path, subject: str) -> Fault:
@@ -118,7 +120,9 @@ def _unit_help(attribute: Attribute, value: object) -> str | None:
     """How to write an angle that is nearly one: `90 deg`, `90°`."""
     if attribute.type != "real" or not isinstance(value, str):
         return None
-    near = value.replace("°", "deg").replace("degrees", "deg").replace("degree", "deg").replace("radians", "rad")
+    near = (
+        value.replace("°", "deg").replace("degrees", "deg").replace("degree", "deg").replace("radians", "rad")
+    )
     near = near.replace(" ", "")
     return f"write `{near}`" if near != value and Angle.read(near) else None
 

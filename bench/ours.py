@@ -1,0 +1,39 @@
+"""Our side of the comparisons: files in, text out, as a build does it but for the recipe and the assets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lxml import etree
+
+from composer.diagnostics import Sink
+from composer.link.link import finish, link
+from composer.link.linking import Linking, Part, Place
+from composer.tree.parse import parse_file
+from composer.tree.unit import Unit
+from composer.tree.write import write
+
+
+def attached(arm: str, hand: str, site: str) -> bytes:
+    """The text of the arm with the hand at its site."""
+    sink = Sink()
+    base, unit = parse_file(Path(arm), sink), parse_file(Path(hand), sink)
+    assert base is not None and unit is not None
+    return _linked(Linking(base, [Part(unit, "hand/", Place("site", site))], sink, conflict="merge"))
+
+
+def copies(model: str, count: int) -> bytes:
+    """The text of an empty world with so many copies of a model; the file is read once."""
+    sink = Sink()
+    unit = parse_file(Path(model), sink)
+    assert unit is not None
+    base = Unit(etree.Element("mujoco"), "", Path(), "world")
+    parts = [Part(unit.copied() if number else unit, f"{number}/") for number in reversed(range(count))]
+    return _linked(Linking(base, parts, sink, conflict="merge"))
+
+
+def _linked(linking: Linking) -> bytes:
+    link(linking)
+    finish(linking)
+    assert not linking.sink.has_errors, linking.sink.errors
+    return write(linking.base.root)

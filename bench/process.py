@@ -1,0 +1,33 @@
+"""The whole command from a cold start, against an interpreter that only imports what we stand on."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from bench.models import RECIPE, REPOSITORY
+from bench.row import Row
+from bench.timing import Candidate, best_times
+
+_IMPORTS = "import lxml.etree, pydantic, yaml, numpy, click"
+_TO_IMPORTS = 2.0
+
+
+def rows() -> list[Row]:
+    build = ["-m", "composer", "build", str(RECIPE), "-o", str(Path("bench.zip").absolute()), "--no-verify"]
+    candidates: dict[str, Candidate] = {
+        "imports": lambda: _run("-c", _IMPORTS),
+        "build": lambda: _run(*build),
+        "help": lambda: _run("-m", "composer", "--help"),
+    }
+    best = best_times(candidates, rounds=15, seconds=20)
+    whole = best["build"] / best["imports"]
+    return [
+        Row("whole build, --no-verify / bare imports", whole, _TO_IMPORTS, RECIPE.name),
+        Row("--help / bare imports", best["help"] / best["imports"], None),
+    ]
+
+
+def _run(*arguments: str) -> None:
+    subprocess.run([sys.executable, *arguments], cwd=REPOSITORY, check=True, capture_output=True)
