@@ -13,7 +13,7 @@ SITE = "attachment_site"
 
 @dataclass(frozen=True, slots=True)
 class Models:
-    """An arm with the site `attachment_site`, a hand for it, and, if at hand, a model with many unnamed geoms."""
+    """An arm with the site `attachment_site`, a hand for it, and a model with many unnamed geoms."""
 
     name: str
     arm: Path

@@ -10,7 +10,7 @@ Candidate = Callable[[], object]
 
 
 def best_times(candidates: Mapping[str, Candidate], *, rounds: int, seconds: float) -> dict[str, float]:
-    """The shortest time of each candidate, in seconds; ends after `rounds` or `seconds`, but makes three rounds."""
+    """The shortest time of each in seconds; ends after `rounds` or `seconds`, not before the third."""
     best = dict.fromkeys(candidates, float("inf"))
     end = time.perf_counter() + seconds
     for done in range(rounds):

@@ -24,7 +24,7 @@ def licence_files(
     for label, files in sorted(licences.items()):
         for file in sorted(files):
             content = read(file)
-            path = f"{LICENCES}/{_folder(label)}/{_segment(file.name)}"
+            path = f"{licence_folder(label)}/{_segment(file.name)}"
             stem, suffix = path.removesuffix(file.suffix), file.suffix
             number = 1
             while path.casefold() in taken and found.get(path) != content:
@@ -35,8 +35,14 @@ def licence_files(
     return found
 
 
-def _folder(label: str) -> str:
-    return "/".join(_segment(part) for part in re.split(r"[/\\]", label) if part) or "model"
+def licence_folder(label: str) -> str:
+    """Where the licences of one label stand in the bundle.
+
+    >>> licence_folder("left/gripper")
+    'LICENSES/left/gripper'
+    """
+    parts = [_segment(part) for part in re.split(r"[/\\]", label) if part]
+    return "/".join([LICENCES, *(parts or ["model"])])
 
 
 def _segment(name: str) -> str:

@@ -19,6 +19,7 @@ from composer.pose import Pose, rotate
 from composer.tree.classes import childclass_of
 from composer.tree.unit import Unit
 
+_LAST_LINE = 65535  # that lxml lets be set
 _VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
 _IDENTITY = {"free": ("0 0 0 1 0 0 0".split()), "ball": "1 0 0 0".split()}
 
@@ -81,7 +82,10 @@ def keyframes(linking: Linking) -> None:
                 if row:
                     element.set(vector, " ".join(row))
         target.append(element)
-        linking.base.origins.own(element, linking.span(merged.unit, merged.element))
+        linking.base.origins.own(element, merged.unit.origins.owner(merged.element, merged.unit.file))
+        line = merged.element.sourceline
+        if line is not None and line <= _LAST_LINE:
+            element.sourceline = line
 
 
 def _keys(unit: Unit) -> list[Node]:

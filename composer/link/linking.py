@@ -110,5 +110,6 @@ class Linking:
     def units(self) -> list[Unit]:
         return [self.base, *(part.unit for part in self.parts)]
 
-    def span(self, unit: Unit, element: Node) -> Span:
-        return unit.origins.span(element, unit.file)
+    def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
+        """Where an element of a unit, or the value of its attribute, is written."""
+        return unit.origins.span(element, unit.file, attribute)

@@ -135,6 +135,8 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
     near = closest(name, [*kinds, TO])
     remark = Remark(exists_note("element", kinds, name).message)
     help = f"write `{near[0]}`" if near else None
+    if name in GRAMMAR.root.children:
+        help = f"write it in the section `{name}`"
     return Fault(
         "unknown-element",
         f"`{name}` is no element that can be added",
@@ -158,4 +160,6 @@ def _target(reader: Reader, value: Any, at: Path) -> Target | None:
     if is_unprintable(value):
         reader.faults.append(unprintable(f"`{TO}`", at))
         return None
-    return (WORLD, WORLD) if kind == "body" and value == WORLD else (kind, value)
+    if kind == "body" and value == WORLD:
+        return "world", WORLD
+    return kind, value

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from composer.grammar.attribute import Attribute
-from composer.recipe.element import Angle, Value
+from composer.recipe.element import Value
 from composer.recipe.fault import Fault, Path
 from composer.recipe.shown import shown
 
@@ -54,4 +54,5 @@ def governed(attribute: Attribute, count: int, joint: str | None) -> range:
 
 
 def _is_bare(item: object) -> bool:
-    return isinstance(item, int | float) and not isinstance(item, Angle) and item != 0
+    """Whether it is a number without a unit, and not zero."""
+    return isinstance(item, int | float) and item != 0

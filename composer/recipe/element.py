@@ -35,7 +35,8 @@ class Angle:
         """
         if text[-3:] not in UNITS or _ANGLE.fullmatch(text) is None:
             return None
-        return cls(float(text[:-3]), UNITS[text[-3:]])
+        value = float(text[:-3])
+        return cls(value, UNITS[text[-3:]]) if math.isfinite(value) else None
 
     def __str__(self) -> str:
         return f"{self.value:.17g}{self.unit}"
@@ -54,7 +55,7 @@ class Element:
     its place is `locate(node, at, key=True)`.
 
     Where `xml` is given, the element is that fragment of MJCF, checked against the grammar and kept as text:
-    `tag` is the fragment's, there are no `children`, and `attributes` has at most the name that the key gives.
+    `tag` is the fragment's, there are no `children`, and `attributes` has at most the name that a key gives.
     Paths of files are relative to the recipe.
     """
 

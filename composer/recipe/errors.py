@@ -15,6 +15,7 @@ from composer.recipe.model import Model
 from composer.recipe.recipe import VERSION, Recipe
 from composer.recipe.shown import kind_of
 
+_NOTHING = object()
 # Keys that people who know MJCF look for at the top of a recipe.
 _ELSEWHERE = {
     "worldbody": "write `add: [{to: world, body: {…}}]`",
@@ -47,7 +48,7 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
 
 
 def real_path(data: Any, loc: Path) -> Path:
-    """The path without what is no key in the data, such as the names of alternatives that pydantic puts in it.
+    """The path without what is no key in the data, such as the alternatives that pydantic names in it.
 
     The last step stays, as it may be a key that is missing.
 
@@ -56,12 +57,22 @@ def real_path(data: Any, loc: Path) -> Path:
     """
     path: list[str | int] = []
     for index, step in enumerate(loc):
-        if (isinstance(data, Mapping) and step in data) or (isinstance(data, list) and isinstance(step, int) and step < len(data)):
-            data = data[step]
+        below = _below(data, step)
+        if below is not _NOTHING:
+            data = below
         elif index < len(loc) - 1:
             continue
         path.append(step)
     return tuple(path)
+
+
+def _below(data: Any, step: str | int) -> Any:
+    """What a step leads to, or `_NOTHING`."""
+    if isinstance(data, Mapping):
+        return data.get(step, _NOTHING)
+    if isinstance(data, list) and isinstance(step, int) and step < len(data):
+        return data[step]
+    return _NOTHING
 
 
 def _meant(loc: Path, missing: list[Any]) -> Any | None:
@@ -94,14 +105,15 @@ def _extra(loc: Path, meant: Any | None) -> Fault:
 
 
 def _missing(loc: Path) -> Fault:
+    if loc == ("recipe",):
+        message = "the recipe does not say which version of the language it is written in"
+        return Fault("missing-key", message, help=f"write `recipe: {VERSION}` as its first line")
     name = str(loc[-1])
     _, owner = _owner(loc[:-1])
-    help = f"write `{name}: …`"
-    if loc == ("recipe",):
-        help = f"write `recipe: {VERSION}` as its first line"
-    elif name == "model":
-        help = "write `model: ./FILE.xml`, or another model reference"
-    return Fault("missing-key", f"{owner} lacks `{name}`", loc[:-1], key=True, help=help)
+    example = "./FILE.xml" if name == "model" else "…"
+    return Fault(
+        "missing-key", f"{owner} lacks `{name}`", loc[:-1], key=True, help=f"write `{name}: {example}`"
+    )
 
 
 def _other(error: Any, loc: Path) -> Fault:

@@ -12,12 +12,15 @@ def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, fa
     """Tell the attributes that are required and not there."""
     for name, attribute in kind.attributes.items():
         if attribute.required and name not in present:
-            faults.append(lacks(owner, name, at))
+            faults.append(lacks(owner, name, at, attribute.doc))
 
 
-def lacks(owner: str, name: str, at: Path) -> Fault:
-    """That a key is required and not there."""
-    return Fault("missing-key", f"{owner} lacks `{name}`", at, key=True)
+def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
+    """That a key is required and not there; `doc` explains the key."""
+    remarks = (Remark(f"`{name}` is: {doc}"),) if doc else ()
+    return Fault(
+        "missing-key", f"{owner} lacks `{name}`", at, key=True, remarks=remarks, help=f"write `{name}: …`"
+    )
 
 
 def clashing(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.grammar.format import number_text
 from composer.recipe.angles import bare_angle
@@ -118,7 +119,8 @@ class Reader:
                 self.faults.append(
                     Fault(
                         "wrong-type",
-                        f"`{key}` in the `{CONFIG}` of {owner} expects text or numbers, got {kind_of(setting)}",
+                        f"`{key}` in the `{CONFIG}` of {owner} expects text or a number, "
+                        f"got {kind_of(setting)}",
                         (*at, key),
                     )
                 )
@@ -189,16 +191,18 @@ class Reader:
         """The fault of a key that is neither an attribute nor a child; `taken` are those that are there."""
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
         near = closest(name, [*attributes, *(each for each in kind.children if each not in taken)])
-        remark = Remark(exists_note("attribute", attributes, name).message)
+        remarks = (Remark(exists_note("attribute", attributes, name).message),) if attributes else ()
         help = f"write `{near[0]}`" if near else None
+        if name in GRAMMAR.root.children:
+            help = f"write it in the section `{name}`"
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
-            remark = Remark(exists_note("element", kind.children, name).message)
+            remarks = (Remark(exists_note("element", kind.children, name).message),)
             return Fault(
                 "unknown-element",
                 f"`{name}` cannot stand in {owner}",
                 at,
                 key=True,
-                remarks=(remark,),
+                remarks=remarks,
                 help=help,
             )
         return Fault(
@@ -206,7 +210,7 @@ class Reader:
             f"`{name}` is no attribute of {owner}",
             at,
             key=True,
-            remarks=(remark,),
+            remarks=remarks,
             help=help,
         )
 

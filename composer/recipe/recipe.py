@@ -43,9 +43,14 @@ class Version:
         # `True == 1`, and `1.0 == 1`.
         if type(value) is int and value == VERSION:
             return VERSION
-        what = f"version `{value}`" if isinstance(value, int | float) else kind_of(value)
-        message = f"`recipe` is the version of the language, which is {VERSION}, got {what}"
-        raise refusal([Fault("recipe-version", message, help=f"write `recipe: {VERSION}`")], value)
+        message = f"`recipe` expects the version of the language, the number {VERSION}, got {kind_of(value)}"
+        help = f"write `recipe: {VERSION}`"
+        if type(value) is int and value > VERSION:
+            message = (
+                f"the recipe is written in version {value} of the language; this mjcompose knows {VERSION}"
+            )
+            help = f"install a newer mjcompose, or write `recipe: {VERSION}`"
+        raise refusal([Fault("recipe-version", message, help=help)], value)
 
 
 def _sequence_fault(text: str) -> Fault | None:
@@ -73,7 +78,7 @@ class Recipe(Model):
     angle: Annotated[Literal["degree", "radian"] | None, Choice("angle")] = None
     """The unit of angles without a unit in this file. Without it, such an angle is an error."""
     eulerseq: Annotated[str, Text("eulerseq", check=_sequence_fault)] = "xyz"
-    """The sequence of rotations of `euler` in this file; lower case for moving axes, upper case for fixed ones."""
+    """The sequence of rotations of `euler` in this file: lower case for moving axes, upper case for fixed."""
     separator: Annotated[Literal["/", ":", ".", "-", "_", "__"], Choice("separator")] = "/"
     """What stands between a prefix and a name."""
     conflict: Annotated[Literal["error", "warning", "merge"], Choice("conflict")] = "error"

@@ -1,4 +1,7 @@
-"""The JSON Schema of recipes, for editors: `python -m composer.recipe.schema > schemas/recipe.schema.json`."""
+"""The JSON Schema of recipes, for editors.
+
+`python -m composer.recipe.schema > schemas/recipe.schema.json` writes it anew.
+"""
 
 from __future__ import annotations
 
@@ -116,7 +119,7 @@ def _layout(value: Any, indent: str, in_order: bool) -> str:
         lines = [f"{inner}{_layout(each, inner, in_order=True)}" for each in value]
         return "[\n" + ",\n".join(lines) + f"\n{indent}]"
     lines = [
-        f"{inner}{json.dumps(key, ensure_ascii=False)}: {_layout(each, inner, not in_order or key not in _NAMES)}"
+        f'{inner}"{key}": {_layout(each, inner, not in_order or key not in _NAMES)}'
         for key, each in value.items()
     ]
     return "{\n" + ",\n".join(lines) + f"\n{indent}}}"

@@ -1,8 +1,8 @@
 """How a section of MJCF is read by the grammar, inside of a pydantic model.
 
 Each form of section has a class of its own, which is put on a field of the recipe:
-`sensor: Annotated[tuple[Element, ...], Typed("sensor")]`. That is how there are types for 170 elements without
-as many models.
+`sensor: Annotated[tuple[Element, ...], Typed("sensor")]`. That is how there are types for 170 elements
+without as many models.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Section:
             message = f"`{self.tag}` expects a mapping from tags to elements, got {kind_of(value)}"
             reader.faults.append(Fault("wrong-type", message))
             return []
-        known = []
+        known: list[tuple[ElementType, Any, Path]] = []
         for tag, item in value.items():
             if tag in self.kind.children:
                 known.append((self.kind.children[tag], item, (tag,)))

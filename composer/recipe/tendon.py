@@ -6,7 +6,7 @@ from typing import Any
 
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
-from composer.recipe.fault import Fault, Path
+from composer.recipe.fault import EXCLUSIVE, Fault, Path
 from composer.recipe.raw import path_of
 from composer.recipe.reader import FRAGMENT, Reader
 from composer.recipe.shown import kind_of
@@ -39,6 +39,11 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
         return None
     if FRAGMENT in value:
         return reader.fragment(kind.children, place, value, at)
+    if "geom" in value and "site" in value:
+        message = f"a step in {place} has both `geom` and `site`, of which only one may stand"
+        help = "write `sidesite` for a site at the side of the geom, or a step of its own for the site"
+        reader.faults.append(Fault(EXCLUSIVE, message, (*at, "site"), key=True, help=help))
+        return None
     tag = next((tag for tag in kind.children if tag in value), None)
     if tag is None:
         tag = next((tag for tag in kind.children if MARKS[tag] in value), None)

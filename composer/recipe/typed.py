@@ -66,7 +66,7 @@ class Typed(Section):
         steps: tuple[Element, ...] = ()
         if PATH in value:
             steps = read_path(reader, kind, value[PATH], (name, PATH), owner)
-        else:
+        elif not any(tag in value for tag in kind.children):
             reader.faults.append(lacks(owner, PATH, (name,)))
         for tag in kind.children:
             if tag in value:
@@ -80,12 +80,13 @@ class Typed(Section):
         inner = next(
             (tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None
         )
-        example = inner or next(iter(self.kind.children))
         return Fault(
             "missing-key",
             f"{self.tag} `{name}` lacks `{TYPE}`",
             (name,),
             key=True,
             remarks=(Remark(exists_note("type", self.kind.children).message),),
-            help=f"write `{name}: {{{TYPE}: {example}, …}}`",
+            help=f"write `{name}: {{{TYPE}: {inner}, …}}`"
+            if inner
+            else f"write the MJCF tag as its `{TYPE}`",
         )

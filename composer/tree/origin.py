@@ -1,13 +1,15 @@
-"""Where an element came from: a file and line of a source, or a place in a recipe."""
+"""Where an element came from: a place in a source file, or one in a recipe."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
+from composer.tree.start_tag import SourceText
 
 
 @dataclass(slots=True)
@@ -15,37 +17,67 @@ class Origins:
     """The file of every subtree whose file is not its parent's, and the recipe place of what a recipe wrote.
 
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies.
-    The mapping holds the elements themselves, so that their identity is stable.
+    `owners` holds the elements themselves, so that their identity is stable. `texts` has, by the name that messages
+    use, where the text of a file is; it is read when a fault in that file is told.
     """
 
     owners: dict[Node, str | Span] = field(default_factory=dict)
+    texts: dict[str, Path | bytes | str | SourceText | None] = field(default_factory=dict)
 
     def own(self, element: Node, owner: str | Span) -> None:
         self.owners[element] = owner
 
-    def span(self, element: Node, default_file: str) -> Span:
-        """The place to show for `element`: its own line, in the file of the nearest ancestor that has an owner."""
+    def owner(self, element: Node, default_file: str) -> str | Span:
+        """The place in a recipe that wrote the element, or the file that it is written in."""
         node: Node | None = element
         while node is not None:
             owner = self.owners.get(node)
-            if isinstance(owner, Span):
-                return owner
             if owner is not None:
-                return Span(owner, element.sourceline or 1, 1)
+                return owner
             node = node.getparent()
-        return Span(default_file, element.sourceline or 1, 1)
+        return default_file
+
+    def span(self, element: Node, default_file: str, attribute: str | None = None) -> Span:
+        """The place to show for `element`: its start tag, or with `attribute` the value of that one if written there."""
+        owner = self.owner(element, default_file)
+        if isinstance(owner, Span):
+            return owner
+        line = element.sourceline
+        if line is None:
+            return Span(owner, 1, 1)
+        text = self._text(owner)
+        found = None
+        if text is not None:
+            written = {str(name): str(value) for name, value in element.items()}
+            if attribute is not None:
+                found = text.attribute(str(element.tag), line, written, attribute)
+            found = found or text.element(str(element.tag), line, written)
+        if found is None:
+            return Span(owner, line, 1)
+        return Span(owner, found.line, found.column, found.line, found.end_column)
 
     def adopt(self, other: Origins) -> None:
         """Take over what is known of elements that have moved here from another tree."""
         self.owners.update(other.owners)
+        self.texts.update(other.texts)
 
     def carried(self, old: Node, new: Node) -> Origins:
         """The same knowledge for `new`, a deep copy of `old`."""
         if not self.owners:
-            return Origins()
-        return Origins(
-            {copy: self.owners[node] for node, copy in _side_by_side(old, new) if node in self.owners}
-        )
+            return Origins(texts=self.texts)
+        owners = {copy: self.owners[node] for node, copy in _side_by_side(old, new) if node in self.owners}
+        return Origins(owners, self.texts)
+
+    def _text(self, file: str) -> SourceText | None:
+        known = self.texts.get(file)
+        if known is None or isinstance(known, SourceText):
+            return known
+        try:
+            text = SourceText(known.read_bytes() if isinstance(known, Path) else known)
+        except OSError:
+            text = None
+        self.texts[file] = text
+        return text
 
 
 def _side_by_side(old: Node, new: Node) -> Iterator[tuple[Node, Node]]:

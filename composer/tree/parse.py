@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import threading
 from collections.abc import Mapping
@@ -10,23 +11,38 @@ from pathlib import Path
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest
 from composer.tree.files import join
 from composer.tree.unit import Unit
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+_DECLARATION = re.compile(r"\A\s*<\?xml\b.*?\?>", re.DOTALL)
+_NOT_BREAK = re.compile(r"[^\n]")
 _TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
 _MAX_BYTES = 256 * 1024 * 1024
+_NO_MODEL = {
+    "mujocoinclude": "; it is made to be included by a model",
+    "robot": "; it looks like URDF",
+    "sdf": "; it looks like SDFormat",
+}
 
 
-def parse_file(path: Path, sink: Sink, *, file: str | None = None) -> Unit | None:
-    """The unit of an MJCF file; faults go to `sink` and give None. `file` is how messages name it."""
+def parse_file(path: Path, sink: Sink, *, file: str | None = None, span: Span | None = None) -> Unit | None:
+    """The unit of an MJCF file; faults go to `sink` and give None.
+
+    `file` is how messages name it, `span` where it is asked for.
+    """
     shown = file or str(path)
-    data = _read(path, shown, sink, None)
+    data = _read(path, f"the model `{shown}`", sink, span)
     if data is None:
         return None
-    return parse_text(data, sink, file=shown, directory=path.parent, label=path.stem)
+    unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem)
+    if unit is not None:
+        unit.origins.texts[shown] = path
+    return unit
 
 
 def parse_text(
@@ -39,17 +55,23 @@ def parse_text(
     contents: Mapping[str, bytes | Path] | None = None,
 ) -> Unit | None:
     """The unit of MJCF text whose files resolve against `directory`, or against `contents` first."""
+    before = len(sink.errors)
     root = _parse_xml(data, file, sink)
     if root is None:
         return None
-    if root.tag != "mujoco":
-        message = f"this is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`"
-        sink.error("not-mjcf", message, Span(file, root.sourceline or 1, 1))
-        return None
     unit = Unit(root, file, directory, label, contents or {})
+    unit.origins.texts[file] = data
+    if root.tag != "mujoco":
+        told = _NO_MODEL.get(str(root.tag), "")
+        sink.error(
+            "not-mjcf",
+            f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`{told}",
+            unit.origins.span(root, file),
+        )
+        return None
     if next(root.iter("include"), None) is not None:
         _Includes(unit, sink).expand(root, file, directory)
-    return None if sink.has_errors else unit
+    return None if len(sink.errors) > before else unit
 
 
 class _Includes:
@@ -57,65 +79,87 @@ class _Includes:
 
     def __init__(self, unit: Unit, sink: Sink) -> None:
         self.unit, self.sink = unit, sink
-        self.seen: set[str] = set()
+        self.seen: dict[str, Span] = {}
 
     def expand(self, tree: Node, file: str, folder: Path) -> None:
         for element in list(tree.iter("include")):
             self._replace(element, file, folder)
 
     def _replace(self, element: Node, file: str, folder: Path) -> None:
-        span = Span(file, element.sourceline or 1, 1)
+        origins = self.unit.origins
         name = str(element.get("file") or "")
         if not name:
-            self.sink.error("xml-include", "`<include>` without a `file`", span)
+            self.sink.error("xml-include", "`<include>` does not say which `file`", origins.span(element, file))
             return
+        span = origins.span(element, file, "file")
         path = self._find(name, folder)
-        key = str(path)
-        if key in self.seen:
-            self.sink.error("xml-include", f"`{name}` is included twice, which MuJoCo refuses", span)
+        shown = self._shown(path)
+        if shown in (file, self.unit.file):
+            self.sink.error("xml-include", f"`{shown}` includes itself", span)
             return
-        self.seen.add(key)
+        if shown in self.seen:
+            first = Note("it is included here first", self.seen[shown])
+            message = f"`{name}` is included twice, which MuJoCo refuses"
+            self.sink.error("xml-include", message, span, notes=(first,), help="take one of the two out")
+            return
+        self.seen[shown] = span
         data = self._content(name, path, span)
-        included = None if data is None else _parse_xml(data, str(path), self.sink)
-        if included is None:
+        included = None if data is None else _parse_xml(data, shown, self.sink)
+        if data is None or included is None:
             return
+        origins.texts[shown] = data
         if included.tag not in ("mujoco", "mujocoinclude"):
             message = f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`"
             self.sink.error("xml-include", message, span)
             return
-        self.expand(included, str(path), path.parent)
+        self.expand(included, shown, path.parent)
         parent = element.getparent()
         assert parent is not None
         at = parent.index(element)
         children = list(included)
         parent[at : at + 1] = children
         for child in children:
-            if isinstance(child.tag, str) and child not in self.unit.origins.owners:
-                self.unit.origins.own(child, str(path))
+            if isinstance(child.tag, str) and child not in origins.owners:
+                origins.own(child, shown)
 
     def _find(self, name: str, folder: Path) -> Path:
         """Against the main file's folder, then against that of the file that includes."""
         main = Path(join(str(self.unit.directory), name))
         return main if main.exists() or name in self.unit.contents else Path(join(str(folder), name))
 
+    def _shown(self, path: Path) -> str:
+        """The file as messages name it: beside the model's own file."""
+        inside = os.path.relpath(path, self.unit.directory)
+        return os.path.normpath(os.path.join(os.path.dirname(self.unit.file), inside))
+
     def _content(self, name: str, path: Path, span: Span) -> bytes | None:
         content = self.unit.contents.get(name)
         if isinstance(content, bytes):
             return content
-        return _read(path, f"included file `{name}`", self.sink, span)
+        return _read(path, f"the included file `{name}`", self.sink, span, code="xml-include")
 
 
-def _read(path: Path, what: str, sink: Sink, span: Span | None) -> bytes | None:
+def _read(path: Path, what: str, sink: Sink, span: Span | None, *, code: str | None = None) -> bytes | None:
     try:
         if path.stat().st_size > _MAX_BYTES:
-            sink.error("file-unreadable", f"{what} is larger than 256 MiB", span)
+            sink.error(code or "file-unreadable", f"{what} is larger than 256 MiB", span)
             return None
         return path.read_bytes()
     except FileNotFoundError:
-        sink.error("file-not-found", f"{what} does not exist", span)
+        near = closest(path.name, _beside(path))
+        help = f"did you mean `{near[0]}`?" if near else None
+        sink.error(code or "file-not-found", f"{what} is not there", span, help=help)
     except OSError as error:
-        sink.error("file-unreadable", f"{what} cannot be read: {error.strerror or error}", span)
+        reason = (error.strerror or str(error)).lower()
+        sink.error(code or "file-unreadable", f"{what} cannot be read: {reason}", span)
     return None
+
+
+def _beside(path: Path) -> list[str]:
+    try:
+        return sorted(os.listdir(path.parent))
+    except OSError:
+        return []
 
 
 _PARSERS = threading.local()
@@ -150,7 +194,9 @@ def _parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
 
 def _as_mujoco_reads(data: bytes) -> bytes:
     """The same text with what MuJoCo's reader tolerates made strict: `--` in comments, attributes that touch."""
-    text = data.decode("utf-8-sig").replace("\r\n", "\n").lstrip()
+    text = data.decode("utf-8-sig").replace("\r\n", "\n")
+    # Nothing may stand before an XML declaration; without one, lines stay what they are.
+    text = _DECLARATION.sub(lambda found: _NOT_BREAK.sub(" ", found.group()), text, count=1)
     pieces: list[str] = []
     end = 0
     for comment in _COMMENT.finditer(text):

@@ -160,9 +160,10 @@ def test_escape_that_is_no_character() -> None:
 
 
 def test_colon_at_the_end_of_text_in_brackets() -> None:
-    # The reader in Python takes this for a key without a value.
-    for found in faults("a: [b:]\n"):
-        assert found.help == 'quote it: "b:"'
+    helps = [found.help for found in faults("a: [b:]\n")]
+    # The reader in Python takes this for a key without a value, as YAML 1.2 does.
+    pure = sys.modules["composer.document.load"]._FAST is yaml.SafeLoader  # type: ignore[attr-defined]
+    assert helps == ([] if pure else ['quote it: "b:"'])
 
 
 def test_quoted_expressions_and_globs_are_fine() -> None:

@@ -1,0 +1,103 @@
+"""From the line that lxml keeps of an element back to where its start tag stands in the text.
+
+lxml's line is the one on which a start tag ends. The text is looked at only when somebody asks, which is when a
+fault is told.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Mapping
+from html import unescape
+from itertools import accumulate
+from typing import NamedTuple
+
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_NOT_BREAK = re.compile(r"[^\n]")
+_ATTRIBUTE = re.compile(r"""\s*([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
+_TAG_END = re.compile(r"\s*/?>")
+
+
+class Stretch(NamedTuple):
+    """Characters of one line: line and column from 1, the end exclusive."""
+
+    line: int
+    column: int
+    end_column: int
+
+
+class _StartTag(NamedTuple):
+    """A start tag: where it begins, where it ends, and where the value of each attribute stands."""
+
+    start: int
+    end: int
+    values: Mapping[str, tuple[int, int]]
+
+
+class SourceText:
+    """The text of an XML file, for looking up where its elements are written. No I/O."""
+
+    def __init__(self, data: bytes | str) -> None:
+        text = data if isinstance(data, str) else data.decode("utf-8-sig", "replace")
+        self._text = text.replace("\r\n", "\n").replace("\r", "\n")
+        # What stands in a comment is no element, however much it looks like one.
+        self._bare = _COMMENT.sub(lambda comment: _NOT_BREAK.sub(" ", comment.group()), self._text)
+        lines = self._text.split("\n")
+        self._starts = list(accumulate((len(line) + 1 for line in lines), initial=0))[:-1]
+
+    def element(self, tag: str, line: int, attributes: Mapping[str, str]) -> Stretch | None:
+        """`<tag` of the element whose start tag ends on `line`; None where no such tag does.
+
+        Of several the one whose attributes are most like the given ones, which may have got prefixes since.
+        """
+        found = self._find(tag, line, attributes)
+        return None if found is None else self._stretch(found.start, found.start + 1 + len(tag))
+
+    def attribute(self, tag: str, line: int, attributes: Mapping[str, str], name: str) -> Stretch | None:
+        """The value of an attribute of that element, without its quotes; None where it has none on one line."""
+        found = self._find(tag, line, attributes)
+        if found is None or name not in found.values:
+            return None
+        start, end = found.values[name]
+        return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
+
+    def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> _StartTag | None:
+        if not 1 <= line <= len(self._starts):
+            return None
+        first = self._starts[line - 1]
+        last = self._starts[line] if line < len(self._starts) else len(self._text)
+        opening = re.compile(rf"<{re.escape(tag)}(?=[\s/>])")
+        candidates = []
+        at = last
+        while (at := self._bare.rfind(f"<{tag}", 0, at)) >= 0:
+            if not opening.match(self._bare, at):
+                continue
+            candidate = self._read(at, at + 1 + len(tag))
+            if candidate is not None and candidate.end < first:
+                break
+            if candidate is not None and candidate.end < last:
+                candidates.append(candidate)
+        candidates.reverse()
+        return max(candidates, key=lambda each: self._likeness(each, attributes), default=None)
+
+    def _read(self, start: int, at: int) -> _StartTag | None:
+        values = {}
+        while attribute := _ATTRIBUTE.match(self._bare, at):
+            values[attribute[1]] = (attribute.start(2) + 1, attribute.end(2) - 1)
+            at = attribute.end()
+        end = _TAG_END.match(self._bare, at)
+        return None if end is None else _StartTag(start, end.end() - 1, values)
+
+    def _likeness(self, candidate: _StartTag, attributes: Mapping[str, str]) -> int:
+        alike = 0
+        for name, (start, end) in candidate.values.items():
+            value = attributes.get(name)
+            written = unescape(self._text[start:end])
+            alike += -1 if value is None else 2 if value == written else 1 if value.endswith(written) else 0
+        return alike
+
+    def _stretch(self, start: int, end: int) -> Stretch:
+        line = bisect_right(self._starts, start)
+        first = self._starts[line - 1]
+        return Stretch(line, start - first + 1, end - first + 1)

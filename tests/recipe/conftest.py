@@ -1,0 +1,149 @@
+"""A YAML language server, as editors run it."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import shutil
+import subprocess
+import tempfile
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = ROOT / "schemas" / "recipe.schema.json"
+SERVER = "yaml-language-server"
+VERSION = "1.25.0"
+SECONDS = 60
+SETTINGS = {
+    "yaml": {
+        "validate": True,
+        "completion": True,
+        "hover": True,
+        "yamlVersion": "1.2",
+        "schemaStore": {"enable": False},
+        "schemas": {SCHEMA.as_uri(): ["*.yaml"]},
+    }
+}
+
+
+class YamlServer:
+    """The server's process, and what an editor asks of it."""
+
+    def __init__(self, command: list[str]) -> None:
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self._inbox: queue.Queue[dict[str, Any]] = queue.Queue()
+        threading.Thread(target=self._read, daemon=True).start()
+        self._count = 0
+        capabilities = {"workspace": {"configuration": True}}
+        self._request("initialize", {"processId": os.getpid(), "rootUri": None, "capabilities": capabilities})
+        self._send({"method": "initialized", "params": {}})
+        self._send({"method": "workspace/didChangeConfiguration", "params": {"settings": SETTINGS}})
+
+    def close(self) -> None:
+        self._process.kill()
+        self._process.wait()
+
+    def diagnostics(self, path: Path, text: str) -> list[dict[str, Any]]:
+        """Open a file with that text; what the server has to say about it."""
+        self._open(path, text)
+        while True:
+            message = self._receive()
+            if message.get("method") != "textDocument/publishDiagnostics":
+                continue
+            if message["params"]["uri"] == path.as_uri():
+                found: list[dict[str, Any]] = message["params"]["diagnostics"]
+                return found
+
+    def completions(self, path: Path, text: str) -> list[dict[str, Any]]:
+        """Open a file; what the server offers where the text has a `|`."""
+        before, after = text.split("|")
+        self._open(path, before + after)
+        place = {"line": before.count("\n"), "character": len(before) - before.rfind("\n") - 1}
+        document = {"uri": path.as_uri()}
+        result = self._request("textDocument/completion", {"textDocument": document, "position": place})
+        offered: list[dict[str, Any]] = result["items"]
+        return offered
+
+    def hover(self, path: Path, text: str) -> str:
+        """Open a file; what the server shows where the text has a `|`."""
+        before, after = text.split("|")
+        self._open(path, before + after)
+        place = {"line": before.count("\n"), "character": len(before) - before.rfind("\n") - 1}
+        result = self._request("textDocument/hover", {"textDocument": {"uri": path.as_uri()}, "position": place})
+        return json.dumps(result, ensure_ascii=False)
+
+    def _open(self, path: Path, text: str) -> None:
+        document = {"uri": path.as_uri(), "languageId": "yaml", "version": 1, "text": text}
+        self._send({"method": "textDocument/didOpen", "params": {"textDocument": document}})
+
+    def _request(self, method: str, params: Any) -> Any:
+        self._count += 1
+        self._send({"id": self._count, "method": method, "params": params})
+        while True:
+            message = self._receive()
+            if message.get("id") == self._count and "method" not in message:
+                return message["result"]
+
+    def _send(self, message: dict[str, Any]) -> None:
+        body = json.dumps({"jsonrpc": "2.0", **message}).encode()
+        assert self._process.stdin is not None
+        self._process.stdin.write(b"Content-Length: %d\r\n\r\n%s" % (len(body), body))
+        self._process.stdin.flush()
+
+    def _receive(self) -> dict[str, Any]:
+        """The next message; what the server itself asks is answered."""
+        message = self._inbox.get(timeout=SECONDS)
+        if "id" in message and "method" in message:
+            result = None
+            if message["method"] == "workspace/configuration":
+                result = [SETTINGS.get(item["section"], {}) for item in message["params"]["items"]]
+            self._send({"id": message["id"], "result": result})
+        return message
+
+    def _read(self) -> None:
+        stream = self._process.stdout
+        assert stream is not None
+        while header := stream.readline():
+            length = int(header.split(b":")[1]) if header.lower().startswith(b"content-length") else 0
+            while header.strip():
+                header = stream.readline()
+                if header.lower().startswith(b"content-length"):
+                    length = int(header.split(b":")[1])
+            self._inbox.put(json.loads(stream.read(length)))
+
+
+@pytest.fixture(scope="session")
+def yaml_server() -> Iterator[YamlServer]:
+    """A running server; skips where there is no Node.js or the package cannot be had."""
+    node = shutil.which("node")
+    if node is None or shutil.which("npm") is None:
+        pytest.skip("there is no Node.js")
+    server = YamlServer([node, str(_installed()), "--stdio"])
+    yield server
+    server.close()
+
+
+def _installed() -> Path:
+    """The server's program, kept in `build/` once it is installed; complete or not there at all."""
+    home = ROOT / "build" / "node" / f"{SERVER}-{VERSION}"
+    program = Path("node_modules", SERVER, "bin", SERVER)
+    if not (home / program).exists():
+        home.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=home.parent) as staging:
+            install = ["npm", "install", "--prefix", staging, "--no-audit", "--no-fund", "--ignore-scripts"]
+            done = subprocess.run([*install, f"{SERVER}@{VERSION}"], capture_output=True, text=True, timeout=240)
+            if done.returncode != 0:
+                pytest.skip(f"npm cannot install {SERVER}: {done.stderr.strip().splitlines()[-1:]}")
+            try:
+                os.rename(staging, home)
+            except OSError:
+                assert (home / program).exists()  # another process was faster
+            else:
+                os.mkdir(staging)
+    return home / program
