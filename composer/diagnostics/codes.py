@@ -14,7 +14,6 @@ CODES: dict[str, str] = {
     "file-unreadable": "a file is there but cannot be read",
     "freejoint-on-body": "a free joint would stand below another body",
     "keyframe-conflict": "two keyframes disagree about the same entry",
-    "licence-missing": "a part has no licence that could travel with the model",
     "missing-key": "a required key is not there",
     "mocap-on-body": "a mocap body would stand below another body",
     "mujoco-crash": "MuJoCo itself broke down while it read or compiled the model",

@@ -6,7 +6,15 @@ from composer.engine.index import Actuator, Index, Joint, Sensor
 def test_it_is_made_from_what_the_child_sends() -> None:
     data = {
         "joints": [
-            {"name": "j", "type": "ball", "qpos": [7, 4], "dof": [6, 3], "limited": True, "range": [0, 1], "body": "b"}
+            {
+                "name": "j",
+                "type": "ball",
+                "qpos": [7, 4],
+                "dof": [6, 3],
+                "limited": True,
+                "range": [0, 1],
+                "body": "b",
+            }
         ],
         "actuators": [{"name": "a", "ctrl": [2, 3], "act": [4, 5]}],
         "sensors": [{"name": "s", "type": "gyro", "data": [8, 3]}],

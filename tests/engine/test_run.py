@@ -54,7 +54,17 @@ def put(folder: Path, text: str, name: str = "model.xml") -> Path:
 def test_a_model_that_compiles_has_its_sizes_and_the_version(tmp_path: Path, session: engine.Session) -> None:
     compiled = engine.compile(put(tmp_path, ARM), session=session)
     assert (compiled.ok, compiled.error, compiled.crash, compiled.forward) == (True, None, None, None)
-    expected = {"nq": 13, "nv": 11, "nu": 2, "na": 1, "nbody": 4, "njnt": 4, "ngeom": 3, "nkey": 2, "nactuator": 2}
+    expected = {
+        "nq": 13,
+        "nv": 11,
+        "nu": 2,
+        "na": 1,
+        "nbody": 4,
+        "njnt": 4,
+        "ngeom": 3,
+        "nkey": 2,
+        "nactuator": 2,
+    }
     assert {name: compiled.sizes[name] for name in expected} == expected
     assert compiled.mujoco_version is not None and compiled.mujoco_version.count(".") >= 2
     assert compiled.index is None
@@ -93,7 +103,9 @@ def test_the_index_tells_every_address(tmp_path: Path, session: engine.Session) 
 
 
 def test_the_error_of_a_refused_model_is_the_text_of_mujoco(tmp_path: Path, session: engine.Session) -> None:
-    compiled = engine.compile(put(tmp_path, '<mujoco><worldbody>\n<geom size="-1"/></worldbody></mujoco>'), session=session)
+    compiled = engine.compile(
+        put(tmp_path, '<mujoco><worldbody>\n<geom size="-1"/></worldbody></mujoco>'), session=session
+    )
     assert not compiled.ok
     assert compiled.crash is None
     assert compiled.error == "Error: size 0 must be positive in geom\nElement name '', id 0, line 2"
@@ -108,7 +120,9 @@ def test_paths_in_errors_are_relative_to_the_folder(tmp_path: Path, session: eng
     assert str(tmp_path) not in error
 
 
-def test_a_model_file_that_is_not_there_is_an_error_of_mujoco(tmp_path: Path, session: engine.Session) -> None:
+def test_a_model_file_that_is_not_there_is_an_error_of_mujoco(
+    tmp_path: Path, session: engine.Session
+) -> None:
     compiled = engine.compile(tmp_path, "gone.xml", session=session)
     assert not compiled.ok
     assert compiled.error is not None and "gone.xml" in compiled.error
@@ -129,7 +143,11 @@ def test_a_warning_of_the_reader_arrives_once_and_writes_no_log_here(
 
 
 def test_a_warning_told_in_full_is_not_repeated_in_short(tmp_path: Path, session: engine.Session) -> None:
-    put(tmp_path, '<mujoco><option timestep="0.02"/><worldbody><body name="b"/></worldbody></mujoco>', "child.xml")
+    put(
+        tmp_path,
+        '<mujoco><option timestep="0.02"/><worldbody><body name="b"/></worldbody></mujoco>',
+        "child.xml",
+    )
     text = """<mujoco><option timestep="0.01"/><asset><model name="c" file="child.xml"/></asset>
       <worldbody><attach model="c" body="b" prefix="x"/></worldbody></mujoco>"""
     warnings = engine.compile(put(tmp_path, text), session=session).warnings
@@ -147,7 +165,11 @@ def test_a_forward_step_that_is_not_finite_is_told(tmp_path: Path, session: engi
 
 def test_text_stands_in_for_the_file_and_keeps_its_folder(tmp_path: Path, session: engine.Session) -> None:
     (tmp_path / "meshes").mkdir()
-    put(tmp_path / "meshes", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "t.obj")
+    put(
+        tmp_path / "meshes",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
+        "t.obj",
+    )
     text = """<mujoco><compiler meshdir="meshes"/><asset><mesh file="t.obj"/></asset>
       <worldbody><geom type="mesh" mesh="t"/></worldbody></mujoco>"""
     compiled = engine.compile(tmp_path, "not_there.xml", text=text, session=session)
@@ -157,7 +179,9 @@ def test_text_stands_in_for_the_file_and_keeps_its_folder(tmp_path: Path, sessio
     assert engine.compile(tmp_path, text=text, session=session).sizes["nmesh"] == 1
 
 
-def test_a_file_that_changed_between_two_requests_is_read_anew(tmp_path: Path, session: engine.Session) -> None:
+def test_a_file_that_changed_between_two_requests_is_read_anew(
+    tmp_path: Path, session: engine.Session
+) -> None:
     import os
 
     shape = "v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nv 0 0 {0}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
@@ -185,7 +209,9 @@ def test_measure_brings_arrays_sizes_and_names(tmp_path: Path, session: engine.S
 
 
 def test_measure_of_a_refused_model_has_no_arrays(tmp_path: Path, session: engine.Session) -> None:
-    measured = engine.measure(put(tmp_path, "<mujoco><oops/></mujoco>"), arrays=("geom_size",), session=session)
+    measured = engine.measure(
+        put(tmp_path, "<mujoco><oops/></mujoco>"), arrays=("geom_size",), session=session
+    )
     assert not measured.compiled.ok
     assert measured.arrays == {}
     assert measured.names == {}
@@ -236,7 +262,9 @@ def test_importing_the_engine_imports_neither_mujoco_nor_numpy() -> None:
 
     code = "import sys, composer.engine; print(sorted({'mujoco', 'numpy'} & set(sys.modules)))"
     environment = {"PYTHONPATH": str(Path(engine.__file__).parents[2])}
-    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    shown = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+    )
     assert shown.stdout.strip() == "[]"
 
 

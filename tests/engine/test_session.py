@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import sys
 import time
 from collections.abc import Callable
@@ -37,7 +38,7 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], A
     monkeypatch.syspath_prepend(folder)
 
     def make(code: str) -> Any:
-        name = f"made_for_a_test_{len(list(folder.iterdir()))}_{os.getpid()}"
+        name = f"made_for_a_test_{secrets.token_hex(8)}"
         (folder / f"{name}.py").write_text(code)
         return import_module(name)
 
@@ -123,7 +124,9 @@ def test_a_missing_mujoco_is_an_answer(tmp_path: Path, monkeypatch: pytest.Monke
     assert "Traceback" not in compiled.error
 
 
-def test_a_python_that_cannot_be_started_is_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_python_that_cannot_be_started_is_an_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(sys, "executable", str(tmp_path / "no_python"))
     compiled = engine.compile(put(tmp_path, GOOD))
     assert compiled.crash == "start"
@@ -149,8 +152,10 @@ def test_python_variables_of_the_environment_do_not_reach_the_child(
 
 class TestCall:
     def test_a_function_gets_the_kept_models(self, tmp_path: Path, module: Callable[[str], Any]) -> None:
-        made = module("def count(mujoco, a, b, argument):\n    return [a.nbody, b.nbody, argument, mujoco.__name__]\n")
-        bodies = '<mujoco><worldbody>{}</worldbody></mujoco>'
+        made = module(
+            "def count(mujoco, a, b, argument):\n    return [a.nbody, b.nbody, argument, mujoco.__name__]\n"
+        )
+        bodies = "<mujoco><worldbody>{}</worldbody></mujoco>"
         with Session() as session:
             engine.compile(tmp_path, text=bodies.format("<body/>"), keep="one", session=session)
             engine.compile(tmp_path, text=bodies.format("<body/><body/>"), keep="two", session=session)
