@@ -28,10 +28,11 @@ class Built:
 
 def build(recipe: Path, context: Context, *, verified: bool = True, limits: Limits | None = None) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors."""
-    plan = make_plan(recipe, context)
-    composed = plan and Composer(context, measure_with(context, limits)).compose(plan)
-    bundle = composed and assemble(plan, composed.model, composed.files, context)
-    if not (plan and composed and bundle):
+    if (plan := make_plan(recipe, context)) is None:
+        return None
+    if (composed := Composer(context, measure_with(context, limits)).compose(plan)) is None:
+        return None
+    if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
     compiled = judge(bundle, composed.model, context, limits) if verified else None
     if context.sink.has_errors:

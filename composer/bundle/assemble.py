@@ -8,7 +8,7 @@ from pathlib import Path
 
 from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
-from composer.bundle.licences import licence_files
+from composer.bundle.licences import licence_files, licence_folder
 from composer.bundle.manifest import Input, Manifest, Recipe, files_of, index_of, with_manifest
 from composer.context import Context
 from composer.engine import Compiled
@@ -64,7 +64,7 @@ def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:
 
 
 def _input(label: str, source: Source, bundle: Bundle, folder: Path) -> Input:
-    start = f"LICENSES/{label}/"
+    start = licence_folder(label) + "/"
     return Input(
         path=_portable(source, folder),
         reference=source.reference,

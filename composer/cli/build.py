@@ -11,6 +11,8 @@ import click
 from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
 
 if TYPE_CHECKING:
+    from composer.bundle.write import Form
+    from composer.context import Context
     from composer.pipeline import Built
 
 
@@ -60,12 +62,10 @@ def command(
         _say(built, target, form)
 
 
-def _write(built: Built, out: str, kind: object, context: object) -> None:
+def _write(built: Built, out: str, kind: Form, context: Context) -> None:
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
-    from composer.context import Context
 
-    assert isinstance(context, Context)
     if kind is Form.TEXT:
         text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
         if text is not None:

@@ -14,6 +14,6 @@ def command(what: str) -> None:
 
         click.echo(manifest_schema(), nl=False)
         return
-    from composer.recipe.schema import schema
+    from composer.recipe.schema import text
 
-    click.echo(schema(), nl=False)
+    click.echo(text(), nl=False)

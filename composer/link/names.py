@@ -37,163 +37,155 @@ def names(linking: Linking) -> None:
 
 
 def _join(linking: Linking, unit: Unit, prefix: str, top_class: str) -> None:
-    local = rename(unit, prefix, top_class)
-    for namespace, name, element in local.repeated():
-        _clash(linking, unit, namespace, name, element, local.declared[namespace][name], unit)
-    for namespace, name, element in local.dangling():
-        if not may_be_generated(name, prefix, unit.root):
-            _loose_end(linking, unit, namespace, name, element, local)
-    for namespace, declared in local.declared.items():
-        known = linking.names.declared.setdefault(namespace, {})
-        final = {prefix + name: element for name, element in declared.items()} if prefix else declared
-        if namespace not in _MAY_REPEAT and not known.keys().isdisjoint(final):
-            for name in known.keys() & final.keys():
-                _clash(linking, unit, namespace, name, final[name], known[name], None)
-        known.update(final)
+    found = rename(unit, prefix, top_class)
+    for namespace, name, element in found.repeated:
+        earlier = found.declared[namespace][name]
+        _clash(linking, unit, namespace, name.removeprefix(prefix), element, earlier, unit)
+    for namespace, name, element in found.dangling():
+        if not may_be_generated(name, unit.root):
+            _loose_end(linking, unit, namespace, name, element, prefix, found)
+    known = linking.names.declared
+    for namespace, declared in found.declared.items():
+        earlier_ones = known.setdefault(namespace, declared)
+        if earlier_ones is declared or not declared:
+            continue
+        if namespace not in _MAY_REPEAT and not earlier_ones.keys().isdisjoint(declared.keys()):
+            for name in [name for name in declared if name in earlier_ones]:
+                _clash(linking, unit, namespace, name, declared[name], earlier_ones[name], None)
+        earlier_ones.update(declared)
 
 
-class _Local:
-    """The names of one unit as they are written in it: (name, element) pairs by kind and namespace."""
+class _Found:
+    """The names of one unit as they are in the model, by namespace, each with the first element that has it.
+
+    `declared` are its own names, `wanted` those it refers to; `repeated` has the elements that declare one again.
+    """
 
     def __init__(self) -> None:
-        self.pairs: list[list[tuple[str, Node]]] = [[] for _ in _KINDS]
-        self.declared: dict[str, dict[str, Node]] = {}
+        self.declared: dict[str, dict[str, Node]] = {namespace: {} for namespace in _namespaces()}
+        self.wanted: dict[str, dict[str, Node]] = {namespace: {} for namespace in _namespaces()}
+        self.repeated: list[tuple[str, str, Node]] = []
 
-    def close(self) -> None:
-        """Call once, when all pairs have been noted."""
-        for (kind, namespace), pairs in zip(_KINDS, self.pairs, strict=True):
-            if kind == DECLARES and pairs:
-                self.declared[namespace] = dict(pairs)
+    def declare(self, namespace: str, name: str, element: Node) -> None:
+        if self.declared[namespace].setdefault(name, element) is not element:
+            self.repeat(namespace, name, element)
 
-    def note(self, kind: int, namespace: str, name: str, element: Node) -> None:
-        index = _kind(kind, namespace)
-        while len(self.pairs) < len(_KINDS):
-            self.pairs.append([])
-        self.pairs[index].append((name, element))
+    def repeat(self, namespace: str, name: str, element: Node) -> None:
+        if namespace not in _MAY_REPEAT:
+            self.repeated.append((namespace, name, element))
 
-    def repeated(self) -> Iterator[tuple[str, str, Node]]:
-        for namespace, declared in self.declared.items():
-            pairs = self.pairs[_kind(DECLARES, namespace)]
-            if len(pairs) > len(declared) and namespace not in _MAY_REPEAT:
-                seen: set[str] = set()
-                for name, element in pairs:
-                    if name in seen:
-                        yield namespace, name, element
-                    seen.add(name)
+    def want(self, namespace: str, name: str, element: Node) -> None:
+        self.wanted[namespace].setdefault(name, element)
 
     def dangling(self) -> Iterator[tuple[str, str, Node]]:
-        for (kind, namespace), pairs in zip(_KINDS, self.pairs, strict=True):
-            if kind == REFERS and pairs:
-                declared = self.declared.get(namespace, {})
-                wanted = dict(pairs)
-                if not wanted.keys() <= declared.keys():
-                    yield from ((namespace, name, wanted[name]) for name in wanted if name not in declared)
+        for namespace, wanted in self.wanted.items():
+            declared = self.declared[namespace]
+            if wanted and not wanted.keys() <= declared.keys():
+                yield from ((namespace, name, wanted[name]) for name in wanted if name not in declared)
 
 
-# What an attribute holds, as an index into the pairs of a unit; the first two are not noted.
-_SPECIAL, _IGNORED = 0, 1
-_KINDS: list[tuple[int, str]] = [(-1, ""), (-2, "")]
+@cache
+def _namespaces() -> tuple[str, ...]:
+    return tuple(sorted(GRAMMAR.namespaces))
 
 
-def _kind(kind: int, namespace: str) -> int:
-    if (kind, namespace) not in _KINDS:
-        _KINDS.append((kind, namespace))
-    return _KINDS.index((kind, namespace))
+@cache
+def _slots(section: str) -> dict[str, dict[str, int]]:
+    """The naming table of a section, with where the walk notes a name instead of what kind of name it is.
 
-
-@lru_cache(maxsize=None)
-def _indices(section: str) -> dict[str, dict[str, int]]:
-    """The naming table of a section with indices; a reference in a class is not looked up, nothing may take it."""
+    0 is a value that wants a closer look. Names that are declared come next, by namespace, then those that are
+    referred to. The last slot is for references in a class, which are not looked up: nothing may take them.
+    """
+    spaces = _namespaces()
     table: dict[str, dict[str, int]] = {}
     for tag, actions in naming_table(section).items():
         row = table[tag] = {}
         for name, (kind, namespace) in actions.items():
-            plain = kind in (DECLARES, REFERS) and namespace != "key"
-            ignored = kind == REFERS and section == "default"
-            row[name] = (_IGNORED if ignored else _kind(kind, namespace)) if plain else _SPECIAL
+            if kind == DECLARES and namespace != "key":
+                row[name] = 1 + spaces.index(namespace)
+            elif kind == REFERS and namespace != "key":
+                unheeded = section == "default"
+                row[name] = 1 + len(spaces) + (len(spaces) if unheeded else spaces.index(namespace))
+            else:
+                row[name] = 0
     return table
 
 
-def rename(unit: Unit, prefix: str, top_class: str) -> _Local:
+def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
     """Prefix a unit in place and give the names it has.
 
-    This is the one walk over every element of every part. Each attribute that holds a name is noted by one
-    append; what is not a name costs a dictionary miss.
+    This is the one walk over every element of every part: an attribute that holds no name costs one look into a
+    dictionary, one that does is written and noted at once.
     """
-    sections = [(section, _indices(section.tag)) for section in unit.root.iterchildren("*")]
-    local = _Local()
-    notes = [pairs.append for pairs in local.pairs]
-    for section, table in sections:
+    found = _Found()
+    classes: dict[str, Node] = {}
+    by_slot = [classes, *found.declared.values(), *found.wanted.values(), classes]
+    note = [names.setdefault for names in by_slot]
+    last_declared = len(found.declared)
+    for section in unit.root.iterchildren("*"):
+        table = _slots(section.tag)
         if not table:
             continue
-        if section.tag == "asset":
-            _name_assets(section, not prefix)
         for element in section.iter("*"):
-            actions = table.get(element.tag)
-            if actions is None:
+            slots = table.get(element.tag)
+            if slots is None:
                 continue
             for key in element.keys():  # noqa: SIM118 (an element is no mapping)
-                index = actions.get(key)
-                if index is None:
-                    continue
-                value = element.get(key)
-                if not index or value in _RESERVED:
-                    _rename_special(local, element, key, prefix, top_class, section)
-                    continue
-                notes[index]((value, element))
-                if prefix:
-                    element.set(key, prefix + value)
-            if prefix and element.tag == "composite" and "prefix" not in element.attrib:
-                element.set("prefix", prefix)
-    local.close()
-    return local
+                if key in slots:
+                    slot = slots[key]
+                    value = element.get(key)
+                    if not slot or value in _RESERVED:
+                        _rename_special(found, element, key, prefix, top_class, section)
+                        continue
+                    if prefix:
+                        value = prefix + value
+                        element.set(key, value)
+                    if note[slot](value, element) is not element and slot <= last_declared:
+                        found.repeat(_namespaces()[slot - 1], value, element)
+    for composite in unit.root.iter("composite") if prefix else ():
+        if "prefix" not in composite.attrib:
+            composite.set("prefix", prefix)
+    return found
 
 
 def _rename_special(
-    local: _Local, element: Node, key: str, prefix: str, top_class: str, section: Node
+    found: _Found, element: Node, key: str, prefix: str, top_class: str, section: Node
 ) -> None:
     """Values that are no plain name of the unit: empty, `world`, `main`, lists, and names typed by a sibling."""
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
     value = str(element.get(key))
     name = prefix + value
-    if not value or namespace == "key":
+    if namespace == "key":
         return  # keys are named when they are laid out
+    if not value:
+        if kind == DECLARES and prefix:
+            del element.attrib[key]
+        return
     if kind == DECLARES:
         if element is section:
             return  # the top class
-        local.note(DECLARES, namespace, value, element)
+        found.declare(namespace, name, element)
     elif kind == REFERS:
         if value == WORLD and namespace == "body":
             return
         if value == MAIN and namespace == "default":
             name = top_class
         elif section.tag != "default":
-            local.note(REFERS, namespace, value, element)
+            found.want(namespace, name, element)
     elif kind == LISTS:
-        names = value.split()
+        names = [each if each == WORLD else prefix + each for each in value.split()]
         for each in names:
             if each != WORLD:
-                local.note(REFERS, namespace, each, element)
-        name = " ".join(each if each == WORLD else prefix + each for each in names)
+                found.want(namespace, each, element)
+        name = " ".join(names)
     elif kind == REFERS_BY:
         target = object_namespace(element, namespace)
         if value == WORLD and target in (None, "body"):
             return
         if target:
-            local.note(REFERS, target, value, element)
+            found.want(target, name, element)
     if prefix:
         element.set(key, name)
-
-
-def _name_assets(section: Node, bare: bool) -> None:
-    """Write the name that MuJoCo takes from the file, so that a prefix can stand before it."""
-    for element in section.iterchildren(*NAMED_AFTER_FILE):
-        if not element.get("name"):
-            file = element.get("file")
-            if file:
-                element.set("name", stem(str(file)))
-            elif "name" in element.attrib and not bare:
-                del element.attrib["name"]
 
 
 def may_be_generated(name: str, prefix: str, root: Node) -> bool:

@@ -51,7 +51,11 @@ class Prefix:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        return {"type": "string", "pattern": r"^\S*$"}
+        return {
+            "type": "string",
+            "pattern": rf"^(?!{RESERVED}$)\S*$",
+            "patternErrorMessage": f"expected a prefix: a name without spaces, and not `{RESERVED}`",
+        }
 
     def _validate(self, value: Any, info: ValidationInfo) -> str:
         if not isinstance(value, str):
@@ -129,7 +133,10 @@ class Prefixes:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         json = handler(schema)
-        json["propertyNames"] = {"pattern": r"^\S+$", "not": {"const": RESERVED}}
+        json["propertyNames"] = {
+            "pattern": rf"^(?!{RESERVED}$)\S+$",
+            "patternErrorMessage": f"expected a prefix: a name without spaces, and not `{RESERVED}`",
+        }
         return json
 
     def _validate(self, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from composer.grammar.attribute import Attribute
+from composer.grammar.number import INT_MAX, INT_MIN
 from composer.recipe.element import ANGLE_PATTERN
 from composer.recipe.reference import Schema, reference
+from composer.recipe.shown import shown
 
 TEMPLATE_PATTERN = r"\$\{"
 _NUMBER_PATTERN = f"^{ANGLE_PATTERN}$|{TEMPLATE_PATTERN}"
@@ -22,6 +24,8 @@ SHARED: dict[str, Schema] = {
     },
     "integer": {
         "type": ["integer", "string"],
+        "minimum": INT_MIN,
+        "maximum": INT_MAX,
         "pattern": TEMPLATE_PATTERN,
         "patternErrorMessage": "expected an integer, or ${…}",
     },
@@ -53,14 +57,16 @@ def shared(name: str) -> Schema:
 
 
 def attribute_schema(attribute: Attribute) -> Schema:
-    """The values of an attribute in a recipe, with what is known to explain it."""
+    """The values of an attribute in a recipe, with what is known to explain it.
+
+    The default is part of the explanation: of a `default` editors would write all into a new element.
+    """
     schema = _values(attribute)
-    description = attribute.doc or _reference_doc(attribute)
+    description = attribute.doc
+    if attribute.default is not None:
+        description += f"{' ' if description else ''}(default: {shown(attribute.default)})"
     if description:
         schema["description"] = description
-    if attribute.default is not None:
-        default = attribute.default
-        schema["default"] = list(default) if isinstance(default, tuple) else default
     return schema
 
 
@@ -110,13 +116,3 @@ def _words(attribute: Attribute) -> list[Any]:
     words: list[Any] = list(attribute.keywords)
     words += [word == "true" for word in attribute.keywords if word in ("true", "false")]
     return [*words, *(int(word) for word in attribute.keywords if word.isdigit())]
-
-
-def _reference_doc(attribute: Attribute) -> str:
-    """What a reference names."""
-    if attribute.refers_by is not None:
-        return f"name of the object whose kind is given by {attribute.refers_by}"
-    if attribute.refers is None:
-        return ""
-    noun = attribute.refers.removeprefix("attached:")
-    return f"name of {'an' if noun[0] in 'aeiou' else 'a'} {noun if noun != 'default' else 'default class'}"

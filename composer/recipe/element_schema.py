@@ -235,12 +235,17 @@ def _rule(rule: Constraint) -> list[Schema]:
     """A rule over the presence of attributes."""
     bundles = [list(bundle) for bundle in rule.bundles]
     if rule.kind == "exclusive":
+        # Not as `not`, of which an editor could only say that it does not hold.
         return [
-            {"not": {"required": [one, other]}}
-            for index, bundle in enumerate(bundles)
-            for others in bundles[index + 1 :]
-            for one in bundle
-            for other in others
+            {
+                "if": {"required": [name]},
+                "then": {
+                    "properties": {other: False for others in bundles[index + 1 :] for other in others},
+                    "errorMessage": f"`{name}` is there already, and only one of the two may stand",
+                },
+            }
+            for index, bundle in enumerate(bundles[:-1])
+            for name in bundle
         ]
     if rule.kind == "oneof":
         return [{"anyOf": [{"required": bundle} for bundle in bundles]}]

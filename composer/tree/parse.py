@@ -141,10 +141,11 @@ class _Includes:
 
 def _read(path: Path, what: str, sink: Sink, span: Span | None, *, code: str | None = None) -> bytes | None:
     try:
-        if path.stat().st_size > _MAX_BYTES:
-            sink.error(code or "file-unreadable", f"{what} is larger than 256 MiB", span)
-            return None
-        return path.read_bytes()
+        with open(path, "rb", buffering=0) as stream:
+            if os.fstat(stream.fileno()).st_size > _MAX_BYTES:
+                sink.error(code or "file-unreadable", f"{what} is larger than 256 MiB", span)
+                return None
+            return stream.read()
     except FileNotFoundError:
         near = closest(path.name, _beside(path))
         help = f"did you mean `{near[0]}`?" if near else None
@@ -170,8 +171,9 @@ def _parser() -> etree.XMLParser:
     parser = getattr(_PARSERS, "parser", None)
     if parser is None:
         parser = _PARSERS.parser = etree.XMLParser(
-            remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True
-        )
+            remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
+            collect_ids=False,
+        )  # fmt: skip
     assert isinstance(parser, etree.XMLParser)
     return parser
 

@@ -16,8 +16,13 @@ from composer.bundle.output_error import OutputError
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 MODEL = """<mujoco><compiler meshdir="assets"/>
-  <asset><mesh name="a" file="left/t.obj"/><mesh name="b" file="right/t.obj"/><mesh name="c" file="ü ß/t.obj"/></asset>
-  <worldbody><geom type="mesh" mesh="a"/><geom type="mesh" mesh="b"/><geom type="mesh" mesh="c"/></worldbody></mujoco>
+  <asset>
+    <mesh name="a" file="left/t.obj"/><mesh name="b" file="right/t.obj"/><mesh name="c" file="ü ß/t.obj"/>
+  </asset>
+  <worldbody>
+    <geom type="mesh" mesh="a"/><geom type="mesh" mesh="b"/><geom type="mesh" mesh="c"/>
+  </worldbody>
+</mujoco>
 """
 BUNDLE = Bundle(
     {

@@ -50,7 +50,7 @@ def test_a_path_that_is_not_plain_and_relative_is_refused(path: str, fault: str)
     assert str(caught.value).endswith(f"cannot be a path in a bundle: {fault}")
 
 
-@pytest.mark.parametrize("path", ["..a/b..", "a b/ü.obj", ".hidden", "a:b", "100%.obj"])
+@pytest.mark.parametrize("path", ["..a/b..", "a b/ü.obj", ".hidden", "left:a", "100%.obj"])
 def test_odd_but_harmless_paths_are_kept(path: str) -> None:
     assert path in Bundle({"model.xml": MODEL, path: b""}).files
 

@@ -93,7 +93,7 @@ def test_files_that_others_put_into_our_folder_stay(tmp_path: Path) -> None:
     (out / "notes" / "a.txt").write_text("mine")
     (out / "data").symlink_to(tmp_path)
     before = contents(out)
-    with pytest.raises(OutputError, match="did not write: `data`, `notes/a.txt`"):
+    with pytest.raises(OutputError, match=r"did not write: `data`, `notes/a\.txt`"):
         write_folder(made("<mujoco model='2'/>"), out)
     assert contents(out) == before
 

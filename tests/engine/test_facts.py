@@ -29,8 +29,9 @@ def test_every_kind_of_name_is_the_one_mujoco_gives() -> None:
       <tuple name="u"><element objtype="body" objname="b"/></tuple></custom></mujoco>"""
     compiled = model(text.replace('<pair name="p" geom1="g" geom2="g"/>', ""))
     objects = {
-        "body": "BODY", "joint": "JOINT", "geom": "GEOM", "site": "SITE", "camera": "CAMERA", "light": "LIGHT",
-        "texture": "TEXTURE", "material": "MATERIAL", "hfield": "HFIELD", "exclude": "EXCLUDE",
+        "body": "BODY", "joint": "JOINT", "geom": "GEOM", "site": "SITE", "camera": "CAMERA",
+        "light": "LIGHT", "texture": "TEXTURE",
+        "material": "MATERIAL", "hfield": "HFIELD", "exclude": "EXCLUDE",
         "tendon": "TENDON", "equality": "EQUALITY", "actuator": "ACTUATOR", "sensor": "SENSOR", "key": "KEY",
         "numeric": "NUMERIC", "text": "TEXT", "tuple": "TUPLE",
     }  # fmt: skip
@@ -63,8 +64,9 @@ def test_types_of_sensors_are_the_tags_of_mjcf() -> None:
       <tendon><fixed name="t" range="0 1" limited="true"><joint joint="j" coef="1"/></fixed></tendon>
       <sensor>{}</sensor></mujoco>"""
     lines = {
-        "camprojection": 'site="s" camera="c"', "jointactuatorfrc": 'joint="j"', "tendonactuatorfrc": 'tendon="t"',
-        "jointlimitpos": 'joint="j"', "tendonlimitfrc": 'tendon="t"', "distance": 'geom1="g" geom2="h"',
+        "camprojection": 'site="s" camera="c"', "jointactuatorfrc": 'joint="j"',
+        "tendonactuatorfrc": 'tendon="t"', "jointlimitpos": 'joint="j"',
+        "tendonlimitfrc": 'tendon="t"', "distance": 'geom1="g" geom2="h"',
         "normal": 'geom1="g" geom2="h"', "fromto": 'geom1="g" geom2="h"', "e_potential": "", "clock": "",
         "insidesite": 'site="s" objtype="body" objname="b"', "user": 'dim="2"', "subtreecom": 'body="b"',
         "framexaxis": 'objtype="geom" objname="g"', "velocimeter": 'site="s"', "contact": 'geom1="g"',

@@ -185,7 +185,8 @@ def test_a_file_that_changed_between_two_requests_is_read_anew(
     import os
 
     shape = "v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nv 0 0 {0}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
-    text = '<mujoco><asset><mesh file="t.obj"/></asset><worldbody><geom type="mesh" mesh="t"/></worldbody></mujoco>'
+    text = """<mujoco><asset><mesh file="t.obj"/></asset>
+      <worldbody><geom type="mesh" mesh="t"/></worldbody></mujoco>"""
     put(tmp_path, text)
     masses = []
     for size in (1, 2):
@@ -237,7 +238,8 @@ def test_names_that_are_not_ascii_come_back_as_written(tmp_path: Path, session: 
 
 def test_run_many_answers_in_order_and_a_crash_takes_no_other_with_it(tmp_path: Path) -> None:
     good = '<mujoco><worldbody><body name="{}"/></worldbody></mujoco>'
-    circle = '<mujoco><asset><model name="m" file="model.xml"/></asset><worldbody><attach model="m"/></worldbody></mujoco>'
+    circle = """<mujoco><asset><model name="m" file="model.xml"/></asset>
+<worldbody><attach model="m"/></worldbody></mujoco>"""
     folders = []
     for name, text in (("a", good.format("a")), ("b", circle), ("c", good.format("c"))):
         (tmp_path / name).mkdir()

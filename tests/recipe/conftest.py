@@ -75,7 +75,9 @@ class YamlServer:
         before, after = text.split("|")
         self._open(path, before + after)
         place = {"line": before.count("\n"), "character": len(before) - before.rfind("\n") - 1}
-        result = self._request("textDocument/hover", {"textDocument": {"uri": path.as_uri()}, "position": place})
+        result = self._request(
+            "textDocument/hover", {"textDocument": {"uri": path.as_uri()}, "position": place}
+        )
         return json.dumps(result, ensure_ascii=False)
 
     def _open(self, path: Path, text: str) -> None:
@@ -137,7 +139,9 @@ def _installed() -> Path:
         home.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=home.parent) as staging:
             install = ["npm", "install", "--prefix", staging, "--no-audit", "--no-fund", "--ignore-scripts"]
-            done = subprocess.run([*install, f"{SERVER}@{VERSION}"], capture_output=True, text=True, timeout=240)
+            done = subprocess.run(
+                [*install, f"{SERVER}@{VERSION}"], capture_output=True, text=True, timeout=240
+            )
             if done.returncode != 0:
                 pytest.skip(f"npm cannot install {SERVER}: {done.stderr.strip().splitlines()[-1:]}")
             try:

@@ -1,0 +1,75 @@
+"""Every folder here is a wrong recipe, or one with a wrong source, and what a build prints about it.
+
+`UPDATE_EXPECTED=1 pytest tests/errors` writes the texts anew; read what changed.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from composer.context import Context
+from composer.diagnostics import Severity
+from composer.diagnostics.text import render, summary
+from composer.pipeline import build
+
+HERE = Path(__file__).resolve().parent
+CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
+# Cases that are about several faults, all of which are told.
+SEVERAL = {"several_sources", "several_names", "conflicts"}
+# Not wrong: something is told, and the model is built.
+BUILT = {"conflict_merge", "conflict_warning", "memory_warning"}
+MUJOCO = "4.0"
+
+
+def told(context: Context) -> str:
+    """What the command prints on standard error."""
+
+    def read(file: str) -> str | None:
+        try:
+            return (context.folder / file).read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return None
+
+    found = context.sink.sorted()
+    return "".join(f"{render(each, read)}\n\n" for each in found) + summary(found) + "\n"
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_error(case: str) -> None:
+    folder = HERE / case
+    context = Context(environment={}, folder=folder)
+    built = build(folder / "recipe.yaml", context)
+    text = told(context).replace(f"{folder}{os.sep}", "FOLDER/")
+    file = folder / "expected.txt"
+    if os.environ.get("UPDATE_EXPECTED"):
+        file.write_text(text, encoding="utf-8")
+    expected = file.read_text(encoding="utf-8")
+    assert (built is not None) == (case in BUILT)
+    if "MuJoCo rejects" in expected and not version("mujoco").startswith(MUJOCO):
+        place = re.compile(r"^\S+ error\[\S+\]", re.MULTILINE)
+        assert place.findall(text) == place.findall(expected)  # the words are those of MuJoCo
+    else:
+        assert text == expected
+    errors = context.sink.errors
+    if case not in SEVERAL | BUILT:
+        assert len(errors) == 1, "one cause is one error"
+    for each in context.sink.diagnostics:
+        assert each.severity is not Severity.ERROR or each.span is not None or case in WITHOUT_A_PLACE
+        assert not re.match(r"[A-Z](?!PU\b)(?!uJoCo)[a-z]", each.message), "lower case"
+        assert not each.message.endswith(".")
+
+
+# There is no file, or nothing in it, to point at.
+WITHOUT_A_PLACE = {"recipe_missing", "recipe_folder"}
+
+
+def test_every_folder_is_a_case() -> None:
+    folders = {path.name for path in HERE.iterdir() if path.is_dir() and path.name != "__pycache__"}
+    assert folders == set(CASES)
+    assert len(CASES) >= 45
+    assert (SEVERAL | BUILT | WITHOUT_A_PLACE) <= folders
