@@ -69,7 +69,7 @@ def _write(built: Built, out: str, kind: Form, context: Context) -> None:
     if kind is Form.TEXT:
         text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
         if text is not None:
-            click.get_binary_stream("stdout").write(text)
+            sys.stdout.buffer.write(text)
         return
     write(built.bundle, out, environment=context.environment)
 

@@ -61,6 +61,19 @@ def to_python(node: Node) -> Any:
     return {name: to_python(value) for name, (_, value) in node.entries.items()}
 
 
+def find(node: Node, path: tuple[str | int, ...]) -> Node | None:
+    """What stands at `path`, every step of which must be there."""
+    found: Node | None = node
+    for step in path:
+        if isinstance(found, Mapping) and isinstance(step, str):
+            found = found.entries[step][1] if step in found.entries else None
+        elif isinstance(found, Sequence) and isinstance(step, int):
+            found = found.items[step] if 0 <= step < len(found.items) else None
+        else:
+            return None
+    return found
+
+
 def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
     """The place of what `path` leads to, or of the deepest part of the way that exists.
 

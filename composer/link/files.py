@@ -24,8 +24,7 @@ def files(linking: Linking) -> None:
         texture_folder = join(directory, unit.settings.texture_folder)
         simple = not unit.contents and unit.settings.strippath != "true"
         target = f"{ASSETS}/{unit.label}/"
-        for element, attribute in file_attributes(unit.root):
-            name = element.get(attribute)
+        for element, attribute, name in file_attributes(unit.root):
             tag = element.tag
             if simple and tag != "skin" and is_plain(name):  # most files: no path to be shortened
                 path = target + name
@@ -36,7 +35,7 @@ def files(linking: Linking) -> None:
                     element.set(attribute, path)
                     linking.files.append(FileUse(element, attribute, path, source, None))
                     continue
-            written = written_path(unit.settings, element, attribute)
+            written = written_path(unit.settings, element, name)
             known = unit.contents.get(written) if unit.contents else None
             source = str(known) if isinstance(known, Path) else join(directory, written)
             content = known if isinstance(known, bytes) else None

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import cache
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import exists_note
+from composer.grammar import GRAMMAR
 from composer.link.linking import Linking
 from composer.tree.classes import MAIN
 from composer.tree.files import NAMED_AFTER_FILE, stem
@@ -23,7 +25,6 @@ from composer.tree.names import (
     object_namespace,
 )
 from composer.tree.unit import Unit
-
 
 _MAY_REPEAT = ("model",)
 _RESERVED = frozenset({"", WORLD, MAIN})
@@ -142,6 +143,8 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
                         element.set(key, value)
                     if note[slot](value, element) is not element and slot <= last_declared:
                         found.repeat(_namespaces()[slot - 1], value, element)
+        if section.tag == "asset":
+            _name_assets(section, prefix, found)
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
@@ -155,12 +158,8 @@ def _rename_special(
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
     value = str(element.get(key))
     name = prefix + value
-    if namespace == "key":
+    if not value or namespace == "key":
         return  # keys are named when they are laid out
-    if not value:
-        if kind == DECLARES and prefix:
-            del element.attrib[key]
-        return
     if kind == DECLARES:
         if element is section:
             return  # the top class
@@ -188,8 +187,20 @@ def _rename_special(
         element.set(key, name)
 
 
-def may_be_generated(name: str, prefix: str, root: Node) -> bool:
-    """Whether what MuJoCo expands (replicate, flexcomp, …) in that tree, prefixed already, can make the name."""
+def _name_assets(section: Node, prefix: str, found: _Found) -> None:
+    """Where MuJoCo takes the name from the file, write it if a prefix must stand before it."""
+    for element in section.iterchildren(*NAMED_AFTER_FILE):
+        if not element.get("name"):
+            file = element.get("file")
+            if file:
+                name = prefix + stem(file)
+                found.declare(element.tag, name, element)
+                if prefix:
+                    element.set("name", name)
+
+
+def may_be_generated(name: str, root: Node) -> bool:
+    """Whether what MuJoCo expands (replicate, flexcomp, …) in that tree can make the name."""
     for element in root.iter(*GENERATORS):
         if element.tag == "replicate":
             if re.search(r"\d+$", name):
@@ -198,19 +209,21 @@ def may_be_generated(name: str, prefix: str, root: Node) -> bool:
             return True
         else:
             start = str(element.get("name") or element.get("prefix") or "")
-            if (prefix + name).startswith(start):
+            if name.startswith(start):
                 return True
     return False
 
 
 def _loose_end(
-    linking: Linking, unit: Unit, namespace: str, name: str, element: Node, local: _Local
+    linking: Linking, unit: Unit, namespace: str, name: str, element: Node, prefix: str, found: _Found
 ) -> None:
+    own = name.removeprefix(prefix)
+    declared = [each.removeprefix(prefix) for each in found.declared[namespace]]
     linking.sink.error(
         "unknown-name",
-        f"`<{element.tag}>` refers to the {namespace} `{name}`, which does not exist",
+        f"`<{element.tag}>` refers to the {namespace} `{own}`, which does not exist",
         linking.span(unit, element),
-        notes=(exists_note(namespace, local.declared.get(namespace, ()), name),),
+        notes=(exists_note(namespace, declared, own),),
     )
 
 
@@ -223,8 +236,6 @@ def _clash(
     earlier: Node,
     earlier_unit: Unit | None,
 ) -> None:
-    from composer.diagnostics.diagnostic import Note
-
     code = "class-clash" if namespace == "default" else "name-clash"
     what = "default class" if namespace == "default" else namespace
     owner = earlier_unit or _unit_of(linking, earlier)

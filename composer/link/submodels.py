@@ -58,8 +58,8 @@ def _free(linking: Linking, path: str, source: str) -> str:
 def _own_files(linking: Linking, sub: Unit, path: str) -> None:
     """Files of a sub-model stand in a folder beside it, and it names them from where it is."""
     beside = path.rsplit("/", 1)[1]
-    for element, attribute in file_attributes(sub.root):
-        written = written_path(sub.settings, element, attribute)
+    for element, attribute, file in file_attributes(sub.root):
+        written = written_path(sub.settings, element, file)
         name = inside(sub.settings, written)
         source = join(str(sub.directory), written)
         element.set(attribute, f"{beside}/{name}")

@@ -29,6 +29,8 @@ from composer.recipe.shown import kind_of
 from composer.recipe.text import Choice, Text, is_unprintable, unprintable
 
 RESERVED = "base"
+PATH_LIKE = ("/", ":")
+"""Separators that make levels of a name; `_` and the like may stand in a prefix as well."""
 PLACES = ("site", "body", "frame")
 ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 
@@ -165,7 +167,7 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
         )
     if is_unprintable(prefix):
         return unprintable("a prefix", at, key=key)
-    if separator in prefix:
+    if separator in prefix and separator in PATH_LIKE:
         help = "the separator is added by itself; a part that hangs on another part has a prefix of its own"
         return Fault(
             "bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key, help=help

@@ -13,6 +13,7 @@ from composer.grammar import GRAMMAR
 from composer.grammar.element import Constraint, ElementType
 from composer.recipe.attribute_schema import attribute_schema, shared
 from composer.recipe.reader import CONFIG, FRAGMENT
+from composer.recipe.recipe import SETTABLE
 from composer.recipe.reference import Schema, reference
 from composer.recipe.tendon import MARKS, PATH
 from composer.recipe.typed import TYPE
@@ -79,8 +80,6 @@ def _extension(tag: str) -> Schema:
 
 
 def _singleton(tag: str) -> Schema:
-    from composer.recipe.recipe import SETTABLE
-
     schema = _element(GRAMMAR.section(tag))
     if tag == "compiler":
         schema["properties"] = {name: each for name, each in schema["properties"].items() if name in SETTABLE}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from composer.diagnostics.suggest import exists_note
 from composer.grammar import GRAMMAR
 from composer.link.linking import Linking
 from composer.plan.plan import AddElement
 from composer.steps.elements import Making, make
+from composer.steps.loose_ends import not_there
 from composer.tree.classes import NESTED
 
 
@@ -17,13 +17,7 @@ def add(step: AddElement, linking: Linking, making: Making) -> None:
     else:
         found = linking.names.find(step.to_kind, step.to)
         if found is None:
-            names = linking.names.of(step.to_kind)
-            making.sink.error(
-                "unknown-name",
-                f"there is no {step.to_kind} `{step.to}` to add to",
-                step.to_span,
-                notes=(exists_note(step.to_kind, names, step.to),),
-            )
+            _nowhere(step, linking, making)
             return
         holder = found
     kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)
@@ -35,4 +29,22 @@ def add(step: AddElement, linking: Linking, making: Making) -> None:
         elif node.tag in ("geom", "site", "camera", "light") and node.get("class") is None:
             node.set("class", linking.base_class)
     holder.append(node)
-    making.register(node, "worldbody", step.element)
+    making.register(node, "worldbody")
+
+
+def _nowhere(step: AddElement, linking: Linking, making: Making) -> None:
+    written = "to: {frame: NAME}" if step.to_kind == "frame" else "to: NAME"
+    help = None
+    kinds = linking.names.kinds_of(step.to)
+    if step.to_kind == "body" and "frame" in kinds:
+        help = f"`{step.to}` is a frame: write `to: {{frame: {step.to}}}`"
+    elif step.to_kind == "frame" and "body" in kinds:
+        help = f"`{step.to}` is a body: write `to: {step.to}`"
+    elif "site" in kinds:
+        site = linking.names.find("site", step.to)
+        holder = site.getparent() if site is not None else None
+        if holder is not None and holder.tag == "body" and holder.get("name"):
+            help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that it stands in"
+    not_there(
+        linking, making.sink, step.to_kind, step.to, step.to_span, written, purpose=" to add to", help=help
+    )

@@ -67,7 +67,7 @@ class Composer:
                 base.root.remove(section)
         making = Making(
             plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
-            "radian", base.settings.eulerseq, plan.path.parent, base.origins,
+            "radian", base.settings.eulerseq, plan.path.parent, base.file, base.origins,
         )  # fmt: skip
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True) if unit]
         linking = Linking(

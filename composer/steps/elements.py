@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from lxml import etree
@@ -12,7 +13,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
-from composer.document.node import locate
+from composer.document.node import Scalar, find, locate
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
@@ -32,7 +33,8 @@ class Making:
     """What is needed to turn a recipe's elements into nodes of one model, and what has been made so far.
 
     `angle` is the unit of the recipe's bare angles (None: none may stand), `model_angle` that of the model.
-    `settle_joint` finishes joint angles once the node hangs in the tree, where its class is known.
+    `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
+    below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is known.
     """
 
     document: Located
@@ -43,26 +45,47 @@ class Making:
     model_angle: str
     model_eulerseq: str
     directory: Path
+    base_file: str
     origins: Origins
     made: dict[Node, Element] = field(default_factory=dict)
+    fragments: dict[Node, int] = field(default_factory=dict)
     registered: list[tuple[Node, str]] = field(default_factory=list)
     pending: list[tuple[Node, Element, str]] = field(default_factory=list)
     files: list[tuple[Node, str, str]] = field(default_factory=list)
 
     def span(self, element: Element, attribute: str | None = None) -> Span:
-        path = element.at if attribute is None else (*element.at, attribute)
-        return locate(self.document, path, key=False)
+        """Where an element is written: its key, or the value of an attribute if it has that one there."""
+        if attribute is not None:
+            path = (*element.at, attribute)
+            if find(self.document, path) is not None:
+                return locate(self.document, path)
+        return locate(self.document, element.at, key=True)
 
-    def own(self, node: Node, span: Span) -> None:
-        self.origins.own(node, span)
+    def span_of(self, node: Node, attribute: str | None = None) -> Span:
+        """The same of a node; what stands in a fragment is looked up in its text."""
+        element = self.made[node]
+        start = self.fragments.get(node)
+        if start is None:
+            return self.span(element, attribute)
+        written = {str(name): str(value) for name, value in node.items()}
+        text = self.origins.text(self.file)
+        for line in (start, start - 1) if text is not None else ():  # below the key, or beside it
+            assert text is not None
+            found = text.attribute(str(node.tag), line, written, attribute) if attribute else None
+            found = found or text.element(str(node.tag), line, written)
+            if found is not None:
+                return Span(self.file, found.line, found.column, found.line, found.end_column)
+        return locate(self.document, (*element.at, "xml"))
 
-    def register(self, node: Node, section: str, element: Element) -> None:
-        """Note where a new node and all below it come from, and that its names are to be checked."""
-        self.own(node, self.span(element))
-        for inner in node.iter():
-            made = self.made.get(inner)
-            if made is not None:
-                self.own(inner, self.span(made))
+    def place(self, node: Node) -> None:
+        """Note where a new node and all below it come from."""
+        for inner in node.iter("*"):
+            if inner in self.made:
+                self.origins.own(inner, partial(self.span_of, inner))
+
+    def register(self, node: Node, section: str) -> None:
+        """The same, and that the names of the node and all below it are to be checked."""
+        self.place(node)
         self.registered.append((node, section))
 
 
@@ -86,6 +109,14 @@ def make(element: Element, kind: ElementType, making: Making) -> Node:
 
 def update(node: Node, element: Element, kind: ElementType, making: Making) -> None:
     """Write a recipe element's attributes over those of a node that is there; children the same way."""
+    before = making.origins.owner(node, making.base_file)
+
+    def place(attribute: str | None) -> Span:
+        if attribute is None or attribute in element.attributes:
+            return making.span(element, attribute)
+        return making.origins.span_by(before, node, attribute)
+
+    making.origins.own(node, place)
     for name, value in element.attributes.items():
         attribute = kind.attributes.get(name)
         if attribute is not None:
@@ -94,7 +125,9 @@ def update(node: Node, element: Element, kind: ElementType, making: Making) -> N
         child_kind = kind.children[child.tag]
         existing = next(node.iterchildren(child.tag), None)
         if existing is None:
-            node.append(make(child, child_kind, making))
+            made = make(child, child_kind, making)
+            node.append(made)
+            making.place(made)
         else:
             update(existing, child, child_kind, making)
 
@@ -134,22 +167,29 @@ def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
         if not angular:
             node.set(name, numbers.text([float(_plain(v, "radian")) for v in values]))  # type: ignore[arg-type]
             continue
-        bare = [v for v in values if not isinstance(v, Angle) and v != 0]
+        bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
         if bare and making.angle is None:
+            number = values[bare[0]]
             making.sink.error(
                 "bare-angle",
-                f"`{name}` of a {kind} is an angle and {bare[0]} has no unit",
-                making.span(element, name),
-                help=f"write `{bare[0]}deg` or `{bare[0]}rad`, or set `angle: degree` at the top of the recipe",
+                f"`{name}` of a {kind} is an angle and {number} has no unit",
+                _item_span(making, node, element, name, bare[0]),
+                help=f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe",
             )
         node.set(name, numbers.text([_turned(v, making, numbers.joint_radians) for v in values]))
     making.pending.clear()
+
+
+def _item_span(making: Making, node: Node, element: Element, name: str, index: int) -> Span:
+    path = (*element.at, name, index)
+    return making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
 
 
 def joint_attributes(element: Element, making: Making) -> dict[str, str]:
     """The attributes of a joint between a place and a part; outside all classes unless it names one."""
     kind = GRAMMAR.element("body").children["joint"]
     node = etree.Element("joint", {"class": MAIN})
+    making.made[node] = element
     for name, value in element.attributes.items():
         if name != "name" and name in kind.attributes:
             _set(node, element, kind.attributes[name], value, making)
@@ -193,11 +233,12 @@ def _parsed(element: Element, kind: ElementType, making: Making) -> Node:
     node = etree.fromstring(element.xml or "", parser)
     for name, value in element.attributes.items():
         node.set(name, to_text(kind.attributes[name], value))
-    _read_fragment(node, element, kind, making)
+    scalar = find(making.document, (*element.at, "xml"))
+    _read_fragment(node, element, kind, making, scalar.span.line if isinstance(scalar, Scalar) else 0)
     return node
 
 
-def _read_fragment(node: Node, element: Element, kind: ElementType, making: Making) -> None:
+def _read_fragment(node: Node, element: Element, kind: ElementType, making: Making, line: int) -> None:
     """The fragment's numbers go the way of the recipe's own; its other attributes stay as they are written."""
     values: dict[str, Value] = {}
     for name, text in node.items():
@@ -211,6 +252,7 @@ def _read_fragment(node: Node, element: Element, kind: ElementType, making: Maki
             values[name] = str(text)
     own = Element(element.tag, {**element.attributes, **values}, at=element.at)
     making.made[node] = own
+    making.fragments[node] = line + (node.sourceline or 1)
     for name, value in values.items():
         if kind.attributes[name].angle in ("orientation-euler", "replicate"):
             del node.attrib[name]
@@ -218,7 +260,7 @@ def _read_fragment(node: Node, element: Element, kind: ElementType, making: Maki
     for child in node.iterchildren("*"):
         child_kind = kind.children.get(child.tag)
         if child_kind is not None:
-            _read_fragment(child, element, child_kind, making)
+            _read_fragment(child, element, child_kind, making, line)
 
 
 def default_kind(tag: str) -> ElementType:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from lxml import etree
 
-from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.link.linking import Linking
 from composer.plan.plan import AppendElement, SetDefault, SetSingleton
 from composer.steps.elements import Making, default_kind, make, update
+from composer.steps.loose_ends import not_there
 from composer.tree.classes import MAIN
 
 
@@ -41,12 +42,13 @@ def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
             return
         found = etree.SubElement(parent, "default", {"class": name})
         linking.names.declared.setdefault("default", {})[name] = found
-        making.own(found, step.span)
+        making.origins.own(found, step.span)
     elif step.parent is not None:
         making.sink.error(
             "class-clash",
-            f"the class `{step.name}` exists already, so that `parent` cannot be set",
-            step.span,
+            f"the default class `{step.name}` is there already, and `parent` is for a new one",
+            making.span(step.element, "parent"),
+            notes=(Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),),
             help="leave `parent` out to change the class, or choose another name",
         )
         return
@@ -57,7 +59,7 @@ def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
             # A class's own settings come before the classes nested in it.
             node = make(child, kind, making)
             found.insert(len(found) - len(list(found.iterchildren("default"))), node)
-            making.register(node, "default", child)
+            making.register(node, "default")
         else:
             update(existing, child, kind, making)
 
@@ -67,12 +69,8 @@ def _parent(step: SetDefault, linking: Linking, making: Making) -> etree._Elemen
         return _class_node(linking, linking.base_class) if linking.base_class else _top(linking)
     found = linking.names.find("default", step.parent)
     if found is None:
-        making.sink.error(
-            "unknown-name",
-            f"there is no default class `{step.parent}`",
-            making.span(step.element, "parent"),
-            notes=(exists_note("class", linking.names.of("default"), step.parent),),
-        )
+        span = making.span(step.element, "parent")
+        not_there(linking, making.sink, "default", step.parent, span, "parent: NAME")
     return found
 
 
@@ -103,10 +101,10 @@ def append(step: AppendElement, linking: Linking, making: Making) -> None:
             existing.extend(list(node))
             for instance in existing:
                 if instance in making.made:
-                    making.register(instance, step.section, making.made[instance])
+                    making.register(instance, step.section)
             return
     takes_class = "class" in kind.children[step.element.tag].attributes
     if takes_class and linking.base_class is not None and node.get("class") is None:
         node.set("class", linking.base_class)
     section.append(node)
-    making.register(node, step.section, step.element)
+    making.register(node, step.section)

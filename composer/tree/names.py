@@ -29,6 +29,20 @@ class Names:
     def of(self, namespace: str) -> list[str]:
         return list(self.declared.get(namespace, ()))
 
+    def kinds_of(self, name: str) -> list[str]:
+        """The namespaces in which something has that name."""
+        return [namespace for namespace, declared in self.declared.items() if name in declared]
+
+
+def word(namespace: str, article: bool = False) -> str:
+    """What messages call a thing of that namespace.
+
+    >>> word("default"), word("actuator", article=True)
+    ('default class', 'an actuator')
+    """
+    noun = {"default": "default class", "instance": "plugin instance", "pair": "contact pair"}.get(namespace, namespace)
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if article else noun
+
 
 @lru_cache(maxsize=None)
 def naming_table(section: str) -> dict[str, dict[str, Action]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,6 +10,9 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
 from composer.tree.start_tag import SourceText
+
+Place = Callable[[str | None], Span]
+"""Where an element of a recipe stands, or with the name of an attribute the value of that one."""
 
 
 @dataclass(slots=True)
@@ -21,13 +24,13 @@ class Origins:
     use, where the text of a file is; it is read when a fault in that file is told.
     """
 
-    owners: dict[Node, str | Span] = field(default_factory=dict)
+    owners: dict[Node, str | Span | Place] = field(default_factory=dict)
     texts: dict[str, Path | bytes | str | SourceText | None] = field(default_factory=dict)
 
-    def own(self, element: Node, owner: str | Span) -> None:
+    def own(self, element: Node, owner: str | Span | Place) -> None:
         self.owners[element] = owner
 
-    def owner(self, element: Node, default_file: str) -> str | Span:
+    def owner(self, element: Node, default_file: str) -> str | Span | Place:
         """The place in a recipe that wrote the element, or the file that it is written in."""
         node: Node | None = element
         while node is not None:
@@ -39,13 +42,18 @@ class Origins:
 
     def span(self, element: Node, default_file: str, attribute: str | None = None) -> Span:
         """The place to show for `element`: its start tag, or with `attribute` the value of that one if written there."""
-        owner = self.owner(element, default_file)
+        return self.span_by(self.owner(element, default_file), element, attribute)
+
+    def span_by(self, owner: str | Span | Place, element: Node, attribute: str | None = None) -> Span:
+        """The place of `element` as far as `owner`, its own or an earlier one, knows it."""
         if isinstance(owner, Span):
             return owner
+        if not isinstance(owner, str):
+            return owner(attribute)
         line = element.sourceline
         if line is None:
             return Span(owner, 1, 1)
-        text = self._text(owner)
+        text = self.text(owner)
         found = None
         if text is not None:
             written = {str(name): str(value) for name, value in element.items()}
@@ -68,7 +76,8 @@ class Origins:
         owners = {copy: self.owners[node] for node, copy in _side_by_side(old, new) if node in self.owners}
         return Origins(owners, self.texts)
 
-    def _text(self, file: str) -> SourceText | None:
+    def text(self, file: str) -> SourceText | None:
+        """The text of a file, read when it is first asked for; None where there is none to be had."""
         known = self.texts.get(file)
         if known is None or isinstance(known, SourceText):
             return known

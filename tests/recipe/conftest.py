@@ -1,4 +1,4 @@
-"""A YAML language server, as editors run it."""
+"""Reading recipes from text, and a YAML language server as editors run it."""
 
 from __future__ import annotations
 
@@ -9,11 +9,16 @@ import shutil
 import subprocess
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from textwrap import dedent
 from typing import Any
 
 import pytest
+
+from composer.diagnostics import Diagnostic, Sink, render
+from composer.document import load
+from composer.recipe import Recipe, validate
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = ROOT / "schemas" / "recipe.schema.json"
@@ -30,6 +35,37 @@ SETTINGS = {
         "schemas": {SCHEMA.as_uri(): ["*.yaml"]},
     }
 }
+
+
+@pytest.fixture
+def recipe() -> Callable[[str], Recipe]:
+    """The recipe of a text, which has no faults; `recipe: 1` is put in front."""
+
+    def read(text: str) -> Recipe:
+        sink = Sink()
+        node = load("recipe: 1\n" + dedent(text), "recipe.yaml", sink)
+        assert node is not None
+        result = validate(node, sink)
+        assert result is not None, "\n".join(map(render, sink.diagnostics))
+        assert not sink.diagnostics
+        return result
+
+    return read
+
+
+@pytest.fixture
+def faults() -> Callable[[str], list[Diagnostic]]:
+    """The errors of a text, in the order of their places; `recipe: 1` is put in front."""
+
+    def read(text: str) -> list[Diagnostic]:
+        sink = Sink()
+        node = load("recipe: 1\n" + dedent(text), "recipe.yaml", sink)
+        assert node is not None
+        assert validate(node, sink) is None
+        assert sink.diagnostics == sink.errors
+        return sink.sorted()
+
+    return read
 
 
 class YamlServer:
@@ -138,12 +174,16 @@ def _installed() -> Path:
     if not (home / program).exists():
         home.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=home.parent) as staging:
-            install = ["npm", "install", "--prefix", staging, "--no-audit", "--no-fund", "--ignore-scripts"]
-            done = subprocess.run(
-                [*install, f"{SERVER}@{VERSION}"], capture_output=True, text=True, timeout=240
-            )
-            if done.returncode != 0:
-                pytest.skip(f"npm cannot install {SERVER}: {done.stderr.strip().splitlines()[-1:]}")
+            options = ["--no-audit", "--no-fund", "--ignore-scripts", "--fetch-retries=1"]
+            install = ["npm", "install", "--prefix", staging, *options]
+            try:
+                subprocess.run(
+                    [*install, f"{SERVER}@{VERSION}"], capture_output=True, text=True, timeout=120, check=True
+                )
+            except subprocess.TimeoutExpired:
+                pytest.skip(f"npm does not get {SERVER} in time")
+            except subprocess.CalledProcessError as error:
+                pytest.skip(f"npm cannot install {SERVER}: {error.stderr.strip()[-300:]}")
             try:
                 os.rename(staging, home)
             except OSError:

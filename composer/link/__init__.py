@@ -1,0 +1,1 @@
+"""The linker: units that each mean something alone become one flat model. See `link.py`."""

@@ -1,0 +1,45 @@
+"""What `composer.mjcf` raises and warns with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from composer.diagnostics.diagnostic import Diagnostic, Note
+from composer.diagnostics.failure import MjcomposeError
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+
+
+class MjcfError(MjcomposeError, ValueError):
+    """A model, or a call on one, that is wrong; after a failed call the model is as it was.
+
+    `diagnostics` holds every fault with its code, place, what exists instead and what to write; `str()` is all of
+    them as text.
+    """
+
+
+class MjcfAttributeError(MjcfError, AttributeError):
+    """An attribute that elements of this tag do not have; `hasattr` and `getattr` with a default know it."""
+
+
+class MjcfWarning(UserWarning):
+    """Something about a model that was settled as asked, and that its author may want to know."""
+
+
+def failure(
+    code: str,
+    message: str,
+    span: Span | None = None,
+    *,
+    notes: Iterable[Note] = (),
+    help: str | None = None,
+    kind: type[MjcfError] = MjcfError,
+) -> MjcfError:
+    """The exception of one fault, to be raised."""
+    return kind([Diagnostic(code, message, span, notes=tuple(notes), help=help)])
+
+
+def raise_errors(sink: Sink) -> None:
+    """Raise all errors that have been found, if any, as one exception."""
+    if sink.has_errors:
+        raise MjcfError([each for each in sink.sorted() if each.severity == "error"])

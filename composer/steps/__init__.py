@@ -1,0 +1,1 @@
+"""Carrying out a plan: one file a kind of step."""

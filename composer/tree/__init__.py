@@ -1,0 +1,1 @@
+"""MJCF as bare lxml trees: units, and what must be known of them."""

@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import pytest
+
+from composer.grammar import GRAMMAR
+from composer.recipe.fault import Fault
+from composer.recipe.fragment import check_fragment
+
+
+def check(text: str, bare_angles: bool = True, named: bool = False) -> tuple[object, list[Fault]]:
+    faults: list[Fault] = []
+    kinds = {**GRAMMAR.element("body").children, **GRAMMAR.section("sensor").children}
+    return check_fragment(text, kinds, "`add`", ("xml",), bare_angles, faults, named), faults
+
+
+def test_kept() -> None:
+    text = '\n<!-- a body -->\n<body name="b"><geom size="1"/>\n  <body/></body>\n'
+    assert check(text) == (("body", {"name": "b"}), [])
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "message"),
+    [
+        ("<geom", "xml-syntax", "line 1 of the fragment: not well-formed XML"),
+        ("", "xml-syntax", "line 1 of the fragment: not well-formed XML: no element found"),
+        ("<geom/>\n<geom/>", "wrong-length", "line 2 of the fragment: a fragment is one element"),
+        ("<!DOCTYPE a []><geom/>", "xml-syntax", "line 1 of the fragment: a fragment has no `<!DOCTYPE>`"),
+        ("<body>\n text</body>", "xml-syntax", "text stands in `body`"),
+        ("<gem/>", "unknown-element", "`gem` cannot stand in `add`"),
+        (
+            "<body>\n<clock/>\n</body>",
+            "unknown-element",
+            "line 2 of the fragment: `clock` cannot stand in `body`",
+        ),
+        ("<geom sizes='1'/>", "unknown-attribute", "`sizes` is no attribute of `geom`"),
+        ("<geom size='a'/>", "wrong-type", "`size` of `geom` expects 1 to 3 numbers, got `a`"),
+        ("<geom type='cube'/>", "wrong-keyword", "`type` of `geom` expects"),
+        ("<inertial pos='0 0 0'/>", "missing-key", "`inertial` lacks `mass`"),
+        ("<site quat='1 0 0 0' euler='0 0 0'/>", "wrong-type", "has both `quat` and `euler`"),
+    ],
+)
+def test_refused(text: str, code: str, message: str) -> None:
+    result, (fault,) = check(text)
+    assert result is None
+    assert fault.code == code
+    assert message in fault.message
+    assert fault.at == ("xml",)
+
+
+def test_what_is_in_an_unknown_element_is_not_told() -> None:
+    _, faults = check("<group><geom foo='1'/><bar/></group>")
+    assert [fault.code for fault in faults] == ["unknown-element"]
+
+
+def test_bare_angles() -> None:
+    text = "<body euler='0 90 0'><joint type='hinge' range='0 1'/><joint range='0 1'/></body>"
+    assert check(text)[1] == []
+    assert [fault.code for fault in check(text, bare_angles=False)[1]] == ["bare-angle", "bare-angle"]
+
+
+def test_name_from_the_key_is_not_missed() -> None:
+    text = "<flexcomp type='grid'/>"
+    assert [fault.code for fault in check(text)[1]] == ["missing-key"]
+    assert check(text, named=True)[1] == []
+
+
+def test_entities_do_not_expand() -> None:
+    bomb = '<!DOCTYPE a [<!ENTITY x "' + "y" * 1000 + '">]><geom name="' + "&x;" * 1000 + '"/>'
+    assert check(bomb)[0] is None

@@ -1,0 +1,145 @@
+"""Wrong recipes, each a folder of `errors/` with what is told; set `UPDATE_EXPECTED=1` to write that anew."""
+
+from __future__ import annotations
+
+import os
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from composer.diagnostics import Diagnostic, Sink, Span, render
+from composer.document import load, to_python
+from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.recipe import Recipe, validate
+
+CASES = sorted(Path(__file__).parent.joinpath("errors").iterdir())
+RECIPES = sorted(Path(__file__).parents[2].joinpath("recipes").glob("*.yaml"))
+PLACE = Span("recipe.yaml", 1, 1, 1, 2)
+
+
+def parse(text: str, sink: Sink) -> Node:
+    node = load(text, "recipe.yaml", sink)
+    assert node is not None
+    return node
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_wrong_recipe(case: Path) -> None:
+    text = (case / "recipe.yaml").read_text(encoding="utf-8")
+    sink = Sink()
+    assert validate(parse(text, sink), sink) is None
+    told = "\n\n".join(render(each, lambda _: text) for each in sink.sorted()) + "\n"
+    expected = case / "expected.txt"
+    if os.environ.get("UPDATE_EXPECTED"):
+        expected.write_text(told, encoding="utf-8")
+    assert told == expected.read_text(encoding="utf-8")
+
+
+def test_there_are_wrong_recipes() -> None:
+    assert len(CASES) >= 25
+    assert all((case / "expected.txt").exists() for case in CASES)
+
+
+@pytest.mark.parametrize("path", RECIPES, ids=lambda path: path.name)
+def test_shipped_recipe(path: Path) -> None:
+    sink = Sink()
+    node = load(path.read_text(encoding="utf-8"), path.name, sink)
+    assert node is not None
+    recipe = validate(node, sink)
+    assert not sink.diagnostics
+    assert isinstance(recipe, Recipe)
+
+
+def test_typing_error_in_a_required_key_is_one_error(faults: Callable[[str], list[Diagnostic]]) -> None:
+    (fault,) = faults("attach: {gripper: {modle: ./gripper.xml}}")
+    assert (fault.code, fault.help) == ("unknown-key", "write `model`")
+    assert fault.span is not None
+    assert (fault.span.line, fault.span.column, fault.span.end_column) == (2, 20, 25)
+
+
+def test_other_unknown_key_does_not_hide_a_missing_one(faults: Callable[[str], list[Diagnostic]]) -> None:
+    found = faults("attach: {gripper: {weight: 3}}")
+    assert [fault.code for fault in found] == ["missing-key", "unknown-key"]
+
+
+def test_null_is_told_once(faults: Callable[[str], list[Diagnostic]]) -> None:
+    assert [fault.message for fault in faults("name:\noption: {gravity: [0, null, 1]}")] == [
+        "`name` has no value",
+        "there is no value here",
+    ]
+
+
+def test_unknown_key_without_value_is_unknown(faults: Callable[[str], list[Diagnostic]]) -> None:
+    assert [fault.code for fault in faults("sensors:\n")] == ["unknown-key"]
+
+
+def test_wrong_version_is_told_alone(faults: Callable[[str], list[Diagnostic]]) -> None:
+    sink = Sink()
+    assert validate(parse("recipe: 3\nfoo: 1\noption: {cone: 1}\n", sink), sink) is None
+    assert [each.code for each in sink.diagnostics] == ["recipe-version"]
+
+
+@pytest.mark.parametrize("version", ["1.0", "true", "'1'", "[1]", "0"])
+def test_only_the_integer_is_the_version(version: str) -> None:
+    sink = Sink()
+    assert validate(parse(f"recipe: {version}\n", sink), sink) is None
+    assert [each.code for each in sink.diagnostics] == ["recipe-version"]
+
+
+@pytest.mark.parametrize("text", ["- 1", "text", "3"])
+def test_no_mapping(text: str) -> None:
+    sink = Sink()
+    assert validate(parse(text, sink), sink) is None
+    assert [each.code for each in sink.diagnostics] == ["wrong-type"]
+
+
+JUNK = (
+    *(None, True, 0, -1, 1.5, float("nan"), float("inf"), 10**400, "", "x", "${a}", "90deg", "<geom/>"),
+    *("world", "base", "\x01", [], {}, [None], [[]], [{}], [1, 2, 3]),
+    *({"x": 1}, {"xml": "<a/>"}, {"xml": 1}, {"type": "free"}, {"type": []}, {"": {}}, {"frame": None}),
+    *({"config": {"a": [[1]]}}, {"path": [{"site": []}]}, {"pulley": {}}),
+)
+KEYS = ("xml", "type", "name", "path", "config", "base", "", "a/b", "${x}", "site", "parent", "when", "edit")
+
+
+def changed(value: Any, chance: random.Random) -> Any:
+    """The value with some of what is in it replaced, renamed, added or left out."""
+    if chance.random() < 0.06:
+        return chance.choice(JUNK)
+    if isinstance(value, list):
+        return [changed(item, chance) for item in value]
+    if not isinstance(value, dict):
+        return value
+    result = {
+        chance.choice(KEYS) if chance.random() < 0.05 else name: changed(item, chance)
+        for name, item in value.items()
+        if chance.random() > 0.05
+    }
+    return result | ({chance.choice(KEYS): chance.choice(JUNK)} if chance.random() < 0.08 else {})
+
+
+def located(value: Any) -> Node:
+    """A value as a tree whose places all are the same."""
+    if isinstance(value, dict):
+        return Mapping({name: (Key(name, PLACE), located(item)) for name, item in value.items()}, PLACE)
+    if isinstance(value, list):
+        return Sequence(tuple(located(item) for item in value), PLACE)
+    return Scalar(value, PLACE, str(value), True)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_whatever_is_written_becomes_diagnostics(seed: int) -> None:
+    chance = random.Random(seed)
+    texts = [
+        path.read_text(encoding="utf-8") for path in (*RECIPES, *(case / "recipe.yaml" for case in CASES))
+    ]
+    values = [to_python(parse(text, Sink())) for text in texts]
+    for _ in range(250):
+        value = changed(chance.choice(values), chance)
+        sink = Sink()
+        recipe = validate(located(value), sink)
+        assert (recipe is None) == sink.has_errors, value
+        assert all(each.span is not None for each in sink.diagnostics), value

@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from composer.grammar import GRAMMAR
+from composer.recipe.element import Angle
+from composer.recipe.fault import Fault
+from composer.recipe.value import read_value
+
+
+def read(path: str, name: str, value: Any) -> tuple[Any, list[Fault]]:
+    faults: list[Fault] = []
+    return read_value(GRAMMAR.element(path).attributes[name], value, ("x",), "`e`", faults), faults
+
+
+@pytest.mark.parametrize(
+    ("path", "name", "value", "kept"),
+    [
+        ("geom", "pos", [1, 2.5, "90deg"], (1, 2.5, Angle(90.0, "deg"))),
+        ("geom", "mass", 2, 2),
+        ("geom", "mass", "-1e-1rad", Angle(-0.1, "rad")),
+        ("geom", "size", 0.5, 0.5),
+        ("geom", "condim", 3.0, 3.0),
+        ("joint", "limited", True, True),
+        ("joint", "limited", "auto", "auto"),
+        ("visual/headlight", "active", 1, 1),
+        ("geom", "name", "a b/c", "a b/c"),
+        ("geom", "name", "90deg", "90deg"),
+        ("sensor/contact", "data", ["found", "force"], ("found", "force")),
+        ("flex", "body", ["a", "b"], ("a", "b")),
+        ("flex", "body", "a", "a"),
+        ("option", "actuatorgroupdisable", [1, 2], (1, 2)),
+    ],
+)
+def test_kept(path: str, name: str, value: Any, kept: Any) -> None:
+    assert read(path, name, value) == (kept, [])
+
+
+@pytest.mark.parametrize(
+    ("path", "name", "value", "code", "at", "help"),
+    [
+        ("geom", "pos", "0 0 0.1", "wrong-type", (), "write `pos: [0, 0, 0.1]`"),
+        ("geom", "pos", [0, 1], "wrong-length", (), None),
+        ("geom", "pos", 1, "wrong-length", (), None),
+        ("geom", "pos", [0, "a", 1], "wrong-type", (1,), None),
+        ("geom", "pos", [0, [1], 1], "wrong-type", (1,), None),
+        ("geom", "pos", [0, "1 deg", 1], "wrong-type", (1,), "write `1deg`"),
+        ("geom", "pos", {"x": 1}, "wrong-type", (), None),
+        ("geom", "mass", [1], "wrong-type", (), None),
+        ("geom", "mass", "0.5", "wrong-type", (), "write `0.5` without quotes"),
+        ("geom", "mass", True, "wrong-type", (), None),
+        ("geom", "mass", "1e999deg", "wrong-type", (), None),
+        ("geom", "condim", 2.5, "wrong-type", (), None),
+        ("geom", "condim", "90deg", "wrong-type", (), None),
+        ("geom", "condim", 2**31, "out-of-range", (), None),
+        ("geom", "fluidcoef", [2**2000, 1, 1, 1, 1], "out-of-range", (0,), None),
+        ("frame", "scale", [1, 2], "wrong-length", (), None),
+        ("geom", "type", "Box", "wrong-keyword", (), "write `box`"),
+        ("geom", "type", ["box"], "wrong-type", (), None),
+        ("joint", "limited", "yes", "wrong-keyword", (), "write `true`"),
+        ("visual/global", "orthographic", "no", "wrong-type", (), "write `false`"),
+        ("geom", "name", 7, "wrong-type", (), "quote it: '7'"),
+        ("geom", "name", "a\x01", "bad-name", (), None),
+        ("geom", "mesh", ["a"], "wrong-type", (), None),
+        ("flex", "body", "a b", "wrong-type", (), "write `body: [a, b]`"),
+        ("flex", "body", ["a", "\x01"], "bad-name", (1,), None),
+        ("flex", "body", [], "wrong-length", (), None),
+        ("sensor/contact", "data", ["found", "forces"], "wrong-keyword", (), "write `force`"),
+        ("sensor/contact", "data", ["force", "found"], "wrong-keyword", (), None),
+        ("texture", "gridlayout", "." * 13, "wrong-length", (), None),
+    ],
+)
+def test_refused(path: str, name: str, value: Any, code: str, at: tuple[int, ...], help: str | None) -> None:
+    kept, (fault,) = read(path, name, value)
+    assert kept is None
+    assert (fault.code, fault.at, fault.help) == (code, ("x", *at), help)
+    assert fault.message.startswith(f"`{name}` of `e` ")
+    assert ";" not in fault.message
+
+
+def test_long_list_of_keywords_is_a_note() -> None:
+    _, (fault,) = read("sensor/user", "objtype", "gom")
+    assert fault.message == "`objtype` of `e` has no keyword `gom`"
+    assert fault.remarks[0].message.startswith("keywords that exist: geom, ")
+    assert fault.help == "write `geom`"
