@@ -14,12 +14,16 @@ from composer.tree.unit import Unit
 from composer.tree.write import write
 
 
+# What the hands ask for and the arms do not: a recipe has to say which it is, or it does not build.
+_SETTLED = frozenset({"option/cone", "option/impratio"})
+
+
 def attached(arm: str, hand: str, site: str) -> bytes:
     """The text of the arm with the hand at its site."""
     sink = Sink()
     base, unit = parse_file(Path(arm), sink), parse_file(Path(hand), sink)
     assert base is not None and unit is not None
-    return _linked(Linking(base, [Part(unit, "hand/", Place("site", site))], sink, conflict="merge"))
+    return _linked(Linking(base, [Part(unit, "hand/", Place("site", site))], sink, settled=_SETTLED))
 
 
 def copies(model: str, count: int) -> bytes:

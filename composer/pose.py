@@ -19,6 +19,7 @@ ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 _AXES = {"x": 1, "y": 2, "z": 3}
 _NEARLY_UNIT = 1e-14
 _TINY = 1e-14
+_PARALLEL = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,15 +114,18 @@ def quat_from_zaxis(axis: Sequence[float]) -> Quat:
     x, y, z = unit(axis)
     turn = (-y, x, 0.0)
     sine = math.sqrt(y * y + x * x)
-    if sine < 1e-10:
-        turn = (1.0, 0.0, 0.0)
+    if sine < _PARALLEL:
+        turn, sine = (1.0, 0.0, 0.0), 0.0
     return quat_from_axisangle(turn, math.atan2(sine, z))
 
 
 def unit(vec: Sequence[float]) -> Vec3:
+    """`vec` at unit length; left alone where it already is."""
     x, y, z = vec
     norm = math.sqrt(x * x + y * y + z * z)
-    return (x / norm, y / norm, z / norm) if norm > _TINY else (1.0, 0.0, 0.0)
+    if norm < _TINY:
+        return (1.0, 0.0, 0.0)
+    return (x / norm, y / norm, z / norm) if abs(norm - 1.0) > _NEARLY_UNIT else (x, y, z)
 
 
 def cross(a: Sequence[float], b: Sequence[float]) -> Vec3:
@@ -129,9 +133,8 @@ def cross(a: Sequence[float], b: Sequence[float]) -> Vec3:
 
 
 def _quat_from_columns(x: Vec3, y: Vec3, z: Vec3) -> Quat:
-    trace = x[0] + y[1] + z[2]
-    if trace > 0:
-        w = 0.5 * math.sqrt(1 + trace)
+    if x[0] + y[1] + z[2] > 0:
+        w = 0.5 * math.sqrt(1 + x[0] + y[1] + z[2])
         return normalise((w, (y[2] - z[1]) / (4 * w), (z[0] - x[2]) / (4 * w), (x[1] - y[0]) / (4 * w)))
     if x[0] > y[1] and x[0] > z[2]:
         a = 0.5 * math.sqrt(1 + x[0] - y[1] - z[2])

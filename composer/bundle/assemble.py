@@ -24,7 +24,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
     """The bundle, still without its manifest; None where a file is missing."""
     before = len(context.sink.errors)
     uses = tuple(uses)
-    files = collect(model, uses, context.sink)
+    files = collect(model, uses, context.sink, context.shown)
     licences = {label: source.licences for label, source in sources(plan)}
     try:
         files.update(licence_files(licences))

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+import os
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest
 from composer.link.linking import FileUse
 from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.unit import Unit
 
 
-def collect(model: Unit, uses: Iterable[FileUse], sink: Sink) -> dict[str, bytes]:
-    """Bytes by path in the bundle. A file that is missing is told where the model names it."""
+def collect(
+    model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str
+) -> dict[str, bytes]:
+    """Bytes by path in the bundle. A file that is missing is told where the model names it, as `shown` calls it."""
     files: dict[str, bytes] = {}
     stored: dict[tuple[str, bytes], str] = {}
     stands_at: dict[str, str | None] = {}
     for use in uses:
         if use.path not in stands_at:
-            stands_at[use.path] = _store(model, use, files, stored, sink)
+            stands_at[use.path] = _store(model, use, files, stored, sink, shown)
         path = stands_at[use.path]
         if path is None or path == use.path:
             continue
@@ -30,7 +34,12 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink) -> dict[str, bytes
 
 
 def _store(
-    model: Unit, use: FileUse, files: dict[str, bytes], stored: dict[tuple[str, bytes], str], sink: Sink
+    model: Unit,
+    use: FileUse,
+    files: dict[str, bytes],
+    stored: dict[tuple[str, bytes], str],
+    sink: Sink,
+    shown: Callable[[Path], str],
 ) -> str | None:
     """Where the bytes of a file are in the bundle: under its own path, or that of an equal file of its kind."""
     content = use.content
@@ -38,11 +47,7 @@ def _store(
         try:
             content = Path(use.source).read_bytes()
         except OSError as error:
-            sink.error(
-                "asset-missing",
-                f"the file `{use.source}` cannot be read: {error.strerror or error}",
-                model.origins.span(use.element, model.file),
-            )
+            _missing(model, use, error, sink, shown)
             return None
     if not use.shared:
         files[use.path] = content
@@ -52,3 +57,20 @@ def _store(
     if path == use.path:
         files[path] = content
     return path
+
+
+def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Callable[[Path], str]) -> None:
+    source = Path(use.source)
+    message, help = f"the file `{shown(source)}` is not there", None
+    try:
+        beside = sorted(os.listdir(source.parent))
+    except OSError:
+        beside = []
+        if isinstance(error, FileNotFoundError):
+            message += f", and neither is the folder `{shown(source.parent)}`"
+    if near := closest(source.name, beside):
+        help = f"did you mean `{near[0]}`?"
+    if not isinstance(error, FileNotFoundError):
+        message, help = f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}", None
+    span = model.origins.span(use.element, model.file, use.attribute)
+    sink.error("asset-missing", message, span, help=help)

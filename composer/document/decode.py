@@ -20,10 +20,9 @@ def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
     is anything over `MAX_SIZE`.
     """
     if len(source) > MAX_SIZE:
-        size = f"{len(source) / 2**20:.1f} MiB"
         sink.error(
             "yaml-too-large",
-            f"`{file}` has {size}; a recipe may have {MAX_SIZE // 2**20} MiB",
+            f"`{file}` is larger than the {MAX_SIZE // 2**20} MiB that a recipe may have",
             Span(file, 1, 1),
             help="keep meshes and other data in files of their own, and name them here",
         )

@@ -21,7 +21,14 @@ SINGLETONS = ("option", "visual", "statistic")
 _LARGEST = ("njmax", "nconmax", "nstack", "nuserdata")
 # Older ways to say how much memory there is, which MuJoCo refuses beside `memory`.
 _INSTEAD_OF_MEMORY = ("njmax", "nstack")
-_SMALLER_IS_SAFER = ("timestep", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance")
+_SMALLER_IS_SAFER = (
+    "timestep",
+    "tolerance",
+    "ls_tolerance",
+    "noslip_tolerance",
+    "ccd_tolerance",
+    "sleep_tolerance",
+)
 _LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations",
                     "sdf_initpoints")  # fmt: skip
 
@@ -38,6 +45,7 @@ def agreement(linking: Linking) -> None:
     if not linking.parts:
         return
     model = {path: found for path, found in _written(linking.base)}
+    conflicts: dict[str, list[tuple[Part, _Written]]] = {}
     for part in linking.parts:
         for path, wanted in _written(part.unit):
             if path in linking.settled:
@@ -47,10 +55,16 @@ def agreement(linking: Linking) -> None:
             if current is not None and _equal(current, wanted.value):
                 continue
             settled = _merged(path, have, wanted) if linking.conflict == "merge" else None
-            _tell(linking, part, path, wanted, have, current, settled)
-            if settled is not None:
-                _set(linking.base, path, settled)
-                model[path] = _Written(settled, wanted.element, part.unit)
+            if settled is None:
+                conflicts.setdefault(path, []).append((part, wanted))
+                continue
+            message = f"{_wish(part, path, wanted)}, {_model_has(have, current)}; merged to `{settled}`"
+            span = linking.span(part.unit, wanted.element, _name(path))
+            linking.sink.warning("option-conflict", message, span, notes=_written_here(linking, path, have))
+            _set(linking.base, path, settled)
+            model[path] = _Written(settled, wanted.element, part.unit)
+    for path, wishes in conflicts.items():
+        _tell(linking, path, wishes, model.get(path))
     _sizes(linking)
 
 
@@ -112,33 +126,41 @@ def _set(unit: Unit, path: str, value: str) -> None:
     element.set(name, value)
 
 
-def _tell(
-    linking: Linking,
-    part: Part,
-    path: str,
-    wanted: _Written,
-    have: _Written | None,
-    current: str | None,
-    settled: str | None,
-) -> None:
-    what = path.replace("/", ".")
+def _tell(linking: Linking, path: str, wishes: list[tuple[Part, _Written]], have: _Written | None) -> None:
+    """One finding for each value of the model, whoever else wants another: one line settles it."""
+    (part, wanted), *others = wishes
+    message = f"{_wish(part, path, wanted)}, {_model_has(have, _default(path))}"
+    notes = _written_here(linking, path, have)
+    for other, wish in others:
+        told = f"`{other.called}` wants `{wish.value}`"
+        notes.append(Note(told, linking.span(other.unit, wish.element, _name(path))))
+    span = linking.span(part.unit, wanted.element, _name(path))
+    if linking.conflict == "warning":
+        linking.sink.warning("option-conflict", f"{message}, which stands", span, notes=notes)
+    else:
+        linking.sink.error("option-conflict", message, span, notes=notes, help=settle(path, wanted.value))
+
+
+def _wish(part: Part, path: str, wanted: _Written) -> str:
+    return f"`{part.called}` wants `{path.replace('/', '.')}` to be `{wanted.value}`"
+
+
+def _model_has(have: _Written | None, current: str | None) -> str:
     if have is not None:
-        beside = f"the model says {have.value}"
-        note = Note(f"{have.value} is written here", linking.span(have.unit, have.element))
-    elif current is not None:
-        beside = f"the model has MuJoCo's default, {current}"
-        note = Note(f"the model does not write `{what}`, so that MuJoCo's default {current} would hold")
-    else:
-        beside = "the model leaves it to MuJoCo"
-        note = Note(f"the model does not write `{what}`")
-    message = f"`{part.prefix}` wants `{what}` to be {wanted.value}, {beside}"
-    span = linking.span(part.unit, wanted.element)
-    if settled is not None:
-        linking.sink.warning("option-conflict", f"{message}; merged to {settled}", span, notes=(note,))
-    elif linking.conflict == "warning":
-        linking.sink.warning("option-conflict", f"{message}, which stands", span, notes=(note,))
-    else:
-        linking.sink.error("option-conflict", message, span, notes=(note,), help=settle(path, wanted.value))
+        return f"the model has `{have.value}`"
+    if current is not None:
+        return f"the model has `{current}`, MuJoCo's default"
+    return "the model leaves it to MuJoCo"
+
+
+def _written_here(linking: Linking, path: str, have: _Written | None) -> list[Note]:
+    if have is None:
+        return []
+    return [Note(f"`{have.value}` is written here", linking.span(have.unit, have.element, _name(path)))]
+
+
+def _name(path: str) -> str:
+    return path.rsplit("/", 1)[1]
 
 
 def settle(path: str, value: str) -> str:
@@ -149,7 +171,7 @@ def settle(path: str, value: str) -> str:
     entry = f"{name}: {text}"
     for tag in reversed(inner):
         entry = f"{tag}: {{{entry}}}"
-    return f"say which it is, in the recipe: `{section}: {{{entry}}}`"
+    return f"say in the recipe which it is, for example `{section}: {{{entry}}}`"
 
 
 def _sizes(linking: Linking) -> None:
@@ -166,13 +188,19 @@ def _one_memory(linking: Linking) -> None:
     memory = any(size.get("memory") for size in sizes)
     for size in sizes if memory else ():
         for name in _INSTEAD_OF_MEMORY:
+            span = linking.span(linking.base, size, name)
             value = size.attrib.pop(name, None)
-            if value is not None:
-                linking.sink.warning(
-                    "option-conflict",
-                    f"`size.{name}` = {value} gives way to `size.memory` of another part: only one may be written",
-                    linking.span(linking.base, size),
-                )
+            if value is None:
+                continue
+            for part in linking.parts:
+                for section in part.unit.root.iterchildren("size"):
+                    if section.get(name) == value:
+                        span = linking.span(part.unit, section, name)
+            linking.sink.warning(
+                "option-conflict",
+                f"`size.{name}` = {value} gives way to `size.memory` of another part: only one may be written",
+                span,
+            )
 
 
 def _enlarge(linking: Linking, name: str, value: str) -> None:

@@ -6,13 +6,16 @@ import math
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
 from composer.link.angles import model_angle
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag
+from composer.tree.names import word
 
+_PLACES = ("site", "body", "frame")
 _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
 
@@ -36,13 +39,22 @@ def _nowhere(linking: Linking, part: Part) -> None:
         return
     kind, name = part.place.kind, part.place.name or ""
     names = [each for each in linking.names.of(kind) if not each.startswith(part.prefix or "\0")]
+    notes = [exists_note(kind, names, name)]
+    other = [each for each in linking.names.kinds_of(name) if each != kind]
     near = closest(name, names)
+    help = f"did you mean `{kind}: {near[0]}`?" if near else None
+    if usable := [each for each in other if each in _PLACES]:
+        help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
+    elif other:
+        notes.insert(
+            0, Note(f"`{name}` is {word(other[0], article=True)}; parts hang on sites, bodies and frames")
+        )
     linking.sink.error(
         "attach-place",
-        f"there is no {kind} `{name}` to attach `{part.prefix}` to",
+        f"there is no {kind} `{name}` to attach `{part.called}` to",
         part.place.span or part.span,
-        notes=(exists_note(kind, names, name),),
-        help=f"did you mean `{kind}: {near[0]}`?" if near else None,
+        notes=notes,
+        help=help,
     )
 
 
@@ -83,6 +95,10 @@ def _hang(linking: Linking, part: Part) -> None:
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
     for worldbody in list(part.unit.root.iterchildren("worldbody")):
+        owner = part.unit.origins.owners.get(worldbody)
+        if owner is not None:  # it was included from another file
+            for child in worldbody:
+                part.unit.origins.owners.setdefault(child, owner)
         frame.extend(list(worldbody))
         part.unit.root.remove(worldbody)
     if len(frame):
@@ -117,7 +133,7 @@ def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
     written = {name: str(site.get(name)) for name in _GIVEN if site.get(name) is not None}
     turned = any(name in written for name in ORIENTATIONS)
     name = site.get("class") or childclass_of(site)
-    found = classes.get(str(name) if name else None) if "site" in classes.tags else None
+    found = classes.get(str(name) if name else None) if classes.give("site", *_GIVEN) else None
     for attribute in _GIVEN if found else ():
         if attribute in written or (turned and attribute in ORIENTATIONS):
             continue

@@ -28,8 +28,8 @@ def check_settings(linking: Linking) -> None:
                     linking.sink.error(
                         "compiler-setting",
                         f"`{name}` of `{unit.label}` cannot be kept in a composition",
-                        linking.span(unit, compiler),
-                        help=f'remove `{name}="true"` from the source',
+                        linking.span(unit, compiler, name),
+                        help=f'take `{name}="true"` out of the file, or of a copy of it',
                     )
     for unit in linking.units:
         if unit.settings.alignfree == "true":

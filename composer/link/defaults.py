@@ -45,7 +45,7 @@ def defaults(linking: Linking) -> None:
         for section in list(part.unit.root.iterchildren("default")):
             for wrapped in list(section):
                 top.append(wrapped)
-                linking.base.origins.own(wrapped, part.unit.file)
+                linking.base.origins.own(wrapped, part.unit.origins.owner(section, part.unit.file))
             part.unit.root.remove(section)
     base.forget_classes()
 

@@ -55,7 +55,7 @@ def measure_alone(
     linking.sink.error(
         "compiler-setting",
         f"{setting} of `{unit.label}` cannot be kept in a composition: {why}",
-        linking.span(unit, compiler),
+        linking.span(unit, compiler, setting.split("`")[1]),
         help="remove the setting from the source, or write the values it gives",
     )
     return None

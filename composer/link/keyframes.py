@@ -6,17 +6,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
 from composer.link.angles import model_angle
-from composer.link.layout import Layout, Slot, Unknown, lay_out
+from composer.link.layout import BLOCK, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.pose import Pose, rotate
 from composer.tree.classes import childclass_of
+from composer.tree.line import line_of
 from composer.tree.unit import Unit
 
 _LAST_LINE = 65535  # that lxml lets be set
@@ -32,8 +34,7 @@ class _Key:
     time: str | None
     element: Node
     unit: Unit
-    written: set[str] = field(default_factory=set)
-    values: dict[tuple[str, Node], list[str]] = field(default_factory=dict)
+    values: dict[str, dict[Node, list[str]]] = field(default_factory=dict)
 
 
 def layouts(linking: Linking) -> None:
@@ -77,13 +78,13 @@ def keyframes(linking: Linking) -> None:
         if merged.time is not None:
             element.set("time", merged.time)
         for vector in _VECTORS:
-            if vector in merged.written:
-                row = reference.row(vector, final, merged.values)
+            if vector in merged.values:
+                row = reference.row(vector, final, merged.values[vector])
                 if row:
                     element.set(vector, " ".join(row))
         target.append(element)
         linking.base.origins.own(element, merged.unit.origins.owner(merged.element, merged.unit.file))
-        line = merged.element.sourceline
+        line = line_of(merged.element)
         if line is not None and line <= _LAST_LINE:
             element.sourceline = line
 
@@ -133,7 +134,11 @@ def _final_layout(linking: Linking) -> Layout | None:
 def _slots(linking: Linking) -> dict[Node, Slot]:
     """What the units already knew of their joints and actuators."""
     found = [linking.base_layout, *(part.layout for part in linking.parts)]
-    return {slot.element: slot for layout in found if layout for slot in (*layout.joints, *layout.actuators)}
+    known: dict[Node, Slot] = {}
+    for layout in found:
+        if layout is not None:
+            known |= layout.joints | layout.actuators
+    return known
 
 
 def _not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
@@ -148,8 +153,8 @@ def _not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
 
 def _same(final: Layout, before: Layout) -> bool:
     return (
-        [slot.element for slot in final.joints] == [slot.element for slot in before.joints]
-        and [slot.element for slot in final.actuators] == [slot.element for slot in before.actuators]
+        list(final.joints) == list(before.joints)
+        and list(final.actuators) == list(before.actuators)
         and final.mocaps == before.mocaps
     )
 
@@ -187,58 +192,62 @@ def _take(
     if len(text) > total:
         linking.sink.error(
             "keyframe-conflict",
-            f"`{vector}` has {len(text)} numbers, the model has {total}",
-            linking.span(unit, element),
+            f"`{vector}` of {_called(element)} has {len(text)} numbers, and `{unit.file}` has room for {total}",
+            linking.span(unit, element, vector),
         )
         return
     if len(text) < total and vector in ("mpos", "mquat"):
         return
-    key.written.add(vector)
+    taken = key.values.setdefault(vector, {})
     at = 0
     for holder, width in _holders(layout, vector):
         values = text[at : at + width]
         at += width
         if len(values) < width:
             break
-        key.values[vector, holder] = values
+        taken[holder] = values
     if part is not None:
-        _carry(part, layout, key, vector)
+        _carry(part, layout, vector, taken)
+
+
+def _called(key: Node) -> str:
+    return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
 
 
 def _holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
     if vector in ("qpos", "qvel"):
-        return [(slot.element, slot.widths[vector == "qvel"]) for slot in layout.joints]
+        return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
     if vector in ("ctrl", "act"):
-        return [(slot.element, slot.widths[vector == "act"]) for slot in layout.actuators]
+        return [(actuator, slot.widths[vector == "act"]) for actuator, slot in layout.actuators.items()]
     return [(body, 3 if vector == "mpos" else 4) for body in layout.mocaps]
 
 
-def _carry(part: Part, layout: Layout, key: _Key, vector: str) -> None:
+def _carry(part: Part, layout: Layout, vector: str, taken: dict[Node, list[str]]) -> None:
     """Free joints and mocap bodies say where they are in the world: they move with the part."""
     moved = part.pose_in_world
     if moved is None or moved.is_identity:
         return
     if vector in ("qpos", "qvel"):
-        for slot in layout.joints:
-            values = key.values.get((vector, slot.element)) if slot.kind == "free" else None
+        for joint, slot in layout.joints.items():
+            values = taken.get(joint) if slot.kind == "free" else None
             if values:
                 floats = numbers.read(" ".join(values))
                 if vector == "qvel":  # the linear part is in the world's frame, the angular in the body's own
                     turned = rotate(moved.quat, floats[:3])
-                    key.values[vector, slot.element] = [*numbers.text(turned).split(), *values[3:]]
+                    taken[joint] = [*numbers.text(turned).split(), *values[3:]]
                     continue
                 pose = moved @ Pose((floats[0], floats[1], floats[2]), (floats[3], *floats[4:7]))  # type: ignore[arg-type]
-                key.values[vector, slot.element] = numbers.text([*pose.pos, *pose.quat]).split()
+                taken[joint] = numbers.text([*pose.pos, *pose.quat]).split()
     elif vector in ("mpos", "mquat"):
         for body in layout.mocaps:
-            values = key.values.get((vector, body))
+            values = taken.get(body)
             if values:
                 x = numbers.read(" ".join(values))
                 if vector == "mpos":
                     new: tuple[float, ...] = (moved @ Pose((x[0], x[1], x[2]))).pos
                 else:
                     new = (moved @ Pose(quat=(x[0], x[1], x[2], x[3]))).quat
-                key.values[vector, body] = numbers.text(new).split()
+                taken[body] = numbers.text(new).split()
 
 
 def _times_differ(linking: Linking, unit: Unit, element: Node, key: _Key) -> None:
@@ -246,9 +255,9 @@ def _times_differ(linking: Linking, unit: Unit, element: Node, key: _Key) -> Non
     report(
         "keyframe-conflict",
         f"the keys `{key.name}` of two parts have different times: {element.get('time')} and {key.time}",
-        linking.span(unit, element),
-        notes=(Note("the other one is here", linking.span(key.unit, key.element)),),
-        help="keep them apart: `keyframes: prefix`",
+        linking.span(unit, element, "time"),
+        notes=(Note("the other one is here", linking.span(key.unit, key.element, "time")),),
+        help="write `keyframes: prefix` in one of the parts to keep its keys apart",
     )
 
 
@@ -257,31 +266,35 @@ class _Reference:
 
     def __init__(self, linking: Linking) -> None:
         self.linking = linking
-        self.class_refs = any(
-            joint.get("ref") for top in linking.base.root.iterchildren("default") for joint in top.iter("joint")
-        )
-        self.degrees = model_angle(linking) == "degree"
         self.sequence = linking.base.settings.eulerseq
 
-    def row(self, vector: str, layout: Layout, values: dict[tuple[str, Node], list[str]]) -> list[str]:
+    @cached_property
+    def degrees(self) -> bool:
+        return model_angle(self.linking) == "degree"
+
+    @cached_property
+    def class_refs(self) -> bool:
+        return self.linking.base.classes.give("joint", "ref")
+
+    def row(self, vector: str, layout: Layout, values: dict[Node, list[str]]) -> list[str]:
         row: list[str] = []
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
-                given = values.get((vector, body))
+                given = values.get(body)
                 if given is None:
                     pose = self._pose(body)
                     given = numbers.text(pose.pos if vector == "mpos" else pose.quat).split()
                 row += given
             return row
-        for slot in layout.joints if vector in ("qpos", "qvel") else layout.actuators:
-            given = values.get((vector, slot.element))
+        slots = layout.joints if vector in ("qpos", "qvel") else layout.actuators
+        for element, slot in slots.items():
+            given = values.get(element)
             if given is None:
-                given = self._qpos(slot) if vector == "qpos" else ["0"] * slot.widths[vector in ("qvel", "act")]
+                given = self._qpos(element, slot) if vector == "qpos" else ["0"] * slot.widths[vector in ("qvel", "act")]
             row += given
         return row
 
-    def _qpos(self, slot: Slot) -> list[str]:
-        joint = slot.element
+    def _qpos(self, joint: Node, slot: Slot) -> list[str]:
         if slot.kind == "free":
             body = joint.getparent()
             while body is not None and body.tag != "body":
@@ -289,7 +302,7 @@ class _Reference:
             if body is not None:
                 pose = self._pose(body)
                 return numbers.text([*pose.pos, *pose.quat]).split()
-        if slot.kind == "block":
+        if slot.kind == BLOCK:
             return self.linking.references.get(joint) or ["0"] * slot.widths[0]
         if slot.kind == "ball":
             return _IDENTITY["ball"]

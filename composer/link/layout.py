@@ -7,8 +7,9 @@ order cannot change.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
@@ -16,7 +17,6 @@ from lxml.etree import _Element as Node
 from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
 from composer.tree.unit import Unit
 
-_WIDTHS = {"free": (7, 6), "ball": (4, 3), "slide": (1, 1), "hinge": (1, 1)}
 _BLOCKS = ("replicate", "flexcomp", "composite", "attach")
 # Actuators with one control and, by tag, this many activations; the others only MuJoCo can tell.
 _ACTIVATIONS = {
@@ -39,131 +39,156 @@ class Unknown(Exception):
 
 
 class Slot(NamedTuple):
-    """One joint, actuator or mocap body (or block of them) and how many numbers it has in each vector of a key."""
+    """What a joint, an actuator or a block of them holds: how many numbers in each vector of a key."""
 
-    element: Node
     kind: str
-    widths: tuple[int, ...]
+    widths: tuple[int, int]
+
+
+BLOCK = "block"
+_JOINTS = {
+    "free": Slot("free", (7, 6)),
+    "ball": Slot("ball", (4, 3)),
+    "slide": Slot("slide", (1, 1)),
+    "hinge": Slot("hinge", (1, 1)),
+}
+
+
+def actuator_slot(activations: int, controls: int = 1) -> Slot:
+    return Slot("actuator", (controls, activations))
+
+
+_ACTUATORS = {tag: actuator_slot(activations) for tag, activations in _ACTIVATIONS.items()}
+_STATELESS = actuator_slot(0)
 
 
 @dataclass(slots=True)
 class Layout:
-    """`joints`: (nq, nv) each; `actuators`: (nctrl, nact) each; `mocaps`: bodies."""
+    """In the order of the numbers. Widths of `joints` are (nq, nv), of `actuators` (nctrl, nact)."""
 
-    joints: list[Slot] = field(default_factory=list)
-    actuators: list[Slot] = field(default_factory=list)
+    joints: dict[Node, Slot] = field(default_factory=dict)
+    actuators: dict[Node, Slot] = field(default_factory=dict)
     mocaps: list[Node] = field(default_factory=list)
 
     @property
     def in_world_coordinates(self) -> bool:
         """Whether a key holds poses in the world: of free joints or mocap bodies."""
-        return bool(self.mocaps) or any(slot.kind == "free" for slot in self.joints)
+        return bool(self.mocaps) or any(slot.kind == "free" for slot in self.joints.values())
 
     def total(self, vector: str) -> int:
         if vector in ("qpos", "qvel"):
-            return sum(slot.widths[vector == "qvel"] for slot in self.joints)
+            return sum(slot.widths[vector == "qvel"] for slot in self.joints.values())
         if vector in ("ctrl", "act"):
-            return sum(slot.widths[vector == "act"] for slot in self.actuators)
+            return sum(slot.widths[vector == "act"] for slot in self.actuators.values())
         return len(self.mocaps) * (3 if vector == "mpos" else 4)
 
 
+_STATE = {"position": ("timeconst",), "general": ("dyntype", "actdim", "input")}
 _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
 
 
-def lay_out(unit: Unit, known: Mapping[Node, tuple[int, ...] | Slot]) -> Layout:
+def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
     """The layout of a whole model; raises `Unknown` for what neither the tree nor `known` tells."""
     layout = Layout()
-    root = unit.root
-    reader = _Reader(unit, known, *_class_influence(root))
-    for worldbody in root.iterchildren("worldbody"):
-        found = list(worldbody.iter("joint", "freejoint", *_BLOCKS))
-        if any(element.tag in _BLOCKS or _is_late(element) for element in found):
+    reader = _Reader(unit, known)
+    for worldbody in unit.root.iterchildren("worldbody"):
+        joints = _plain_joints(worldbody)
+        if joints is None:
             reader.visit(worldbody, layout)
-        else:  # joints stand in the order of their bodies: nothing else needs to be looked at
-            layout.joints.extend(map(reader.joint, found))
+        else:
+            layout.joints.update(zip(joints, map(reader.joint, joints), strict=True))
         layout.mocaps.extend(
             body for body in through_frames(worldbody) if body.tag == "body" and body.get("mocap") == "true"
         )
-    for section in root.iterchildren("actuator"):
-        layout.actuators.extend(map(reader.actuator, section.iterchildren("*")))
+    for section in unit.root.iterchildren("actuator"):
+        actuators = list(section.iterchildren("*"))
+        layout.actuators.update(zip(actuators, map(reader.actuator, actuators), strict=True))
     return layout
 
 
-def _is_late(joint: Node) -> bool:
-    """Whether it is written after a child of its body, or in a frame that is."""
-    return next(joint.itersiblings("body", "frame", preceding=True), None) is not None
+def _plain_joints(worldbody: Node) -> list[Node] | None:
+    """The joints, if they stand in the order of their bodies, so that nothing else needs to be looked at."""
+    joints: list[Node] = []
+    body = worldbody
+    for element in worldbody.iter("body", "joint", "freejoint", *_BLOCKS):
+        tag = element.tag
+        if tag == "body":
+            body = element
+        elif tag in _BLOCKS or element.getparent() is not body:  # in a frame, or after a child of its body
+            return None
+        else:
+            joints.append(element)
+    return joints
 
 
-def _class_influence(root: Node) -> tuple[bool, bool]:
-    """Whether any class types joints, and whether any gives actuators a state or inputs."""
-    typed = stateful = False
-    for section in root.iterchildren("default"):
-        for element in section.iter("joint", "position", "general", *_STATEFUL):
-            tag = element.tag
-            if tag == "joint":
-                typed = typed or element.get("type") is not None
-            elif tag == "position":
-                stateful = stateful or element.get("timeconst") is not None
-            elif tag != "general" or any(element.get(name) for name in ("dyntype", "actdim", "input")):
-                stateful = True
-    return typed, stateful
-
-
-@dataclass(frozen=True, slots=True)
 class _Reader:
-    unit: Unit
-    known: Mapping[Node, tuple[int, ...] | Slot]
-    typed: bool
-    stateful: bool
+    """Reads the widths of single elements; what classes say is looked at when it may matter."""
+
+    def __init__(self, unit: Unit, known: Mapping[Node, Slot]) -> None:
+        self.unit = unit
+        self.known = known
+
+    @cached_property
+    def influence(self) -> tuple[bool, bool]:
+        """Whether any class types joints, and whether any gives actuators a state or inputs."""
+        typed = stateful = False
+        for section in self.unit.root.iterchildren("default"):
+            for element in section.iter("joint", "position", "general", *_STATEFUL):
+                tag = element.tag
+                if tag == "joint":
+                    typed = typed or element.get("type") is not None
+                elif not stateful:
+                    telling = _STATE.get(tag)
+                    stateful = telling is None or any(element.get(name) is not None for name in telling)
+        return typed, stateful
 
     def visit(self, body: Node, layout: Layout) -> None:
         """A body's joints, then what is inside it."""
         inner: list[Node] = []
         for child in through_frames(body):
             if child.tag in ("joint", "freejoint"):
-                layout.joints.append(self.joint(child))
+                layout.joints[child] = self.joint(child)
             elif child.tag == "body" or child.tag in _BLOCKS:
                 inner.append(child)
         for child in inner:
             if child.tag == "body":
                 self.visit(child, layout)
             else:
-                layout.joints.append(self.block(child))
+                layout.joints[child] = self.block(child)
 
     def joint(self, joint: Node) -> Slot:
         known = self.known.get(joint)
-        if isinstance(known, Slot):
+        if known is not None:
             return known
-        kind = joint_type(joint, self.unit.classes) if self.typed else _own_type(joint)
-        return Slot(joint, kind, _WIDTHS[kind])
+        return _JOINTS[joint_type(joint, self.unit.classes) if self.influence[0] else _own_type(joint)]
 
     def block(self, block: Node) -> Slot:
         known = self.known.get(block)
         if known is not None:
-            return known if isinstance(known, Slot) else Slot(block, "block", known)
+            return known
         if block.tag != "replicate" or block.xpath("boolean(.//body[@mocap='true'])"):
             raise Unknown(block)
         inside = Layout()
         self.visit(block, inside)
         count = int(str(block.get("count") or 1))
-        return Slot(block, "block", (count * inside.total("qpos"), count * inside.total("qvel")))
+        return Slot(BLOCK, (count * inside.total("qpos"), count * inside.total("qvel")))
 
     def actuator(self, actuator: Node) -> Slot:
-        tag = actuator.tag
         known = self.known.get(actuator)
         if known is not None:
-            return known if isinstance(known, Slot) else Slot(actuator, tag, known)
-        activations = _ACTIVATIONS.get(tag)
-        if activations is not None:
-            return Slot(actuator, tag, (1, activations))
+            return known
+        tag = actuator.tag
+        known = _ACTUATORS.get(tag)
+        if known is not None:
+            return known
         if tag == "position":
-            inherited = self.stateful and self._class(actuator).lookup("position", "timeconst") is not None
+            inherited = self.influence[1] and self._class(actuator).lookup("position", "timeconst") is not None
             if actuator.get("timeconst") is None and not inherited:
-                return Slot(actuator, tag, (1, 0))
-        elif tag == "general" and not (self.stateful and self._inherits_state(actuator)):
+                return _STATELESS
+        elif tag == "general" and not (self.influence[1] and self._inherits_state(actuator)):
             if actuator.get("dyntype") in (None, "none"):
-                return Slot(actuator, tag, (1, 0))
-            return Slot(actuator, tag, (1, int(str(actuator.get("actdim") or 1))))
+                return _STATELESS
+            return actuator_slot(int(str(actuator.get("actdim") or 1)))
         raise Unknown(actuator)
 
     def _inherits_state(self, actuator: Node) -> bool:

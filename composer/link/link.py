@@ -44,12 +44,21 @@ PASSES: tuple[Pass, ...] = (
 )
 
 
-def link(linking: Linking) -> None:
-    """Make `linking.base` the flat model; the units of the parts are used up. Stops after a pass that found errors."""
+# What these find hinders no later pass: those have faults of their own to tell.
+_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, check_planes)
+
+
+def link(linking: Linking) -> bool:
+    """Make `linking.base` the flat model; the units of the parts are used up.
+
+    False where a pass found errors that later passes cannot live with; then the names of the model are not known.
+    """
     for link_pass in PASSES:
+        before = len(linking.sink.errors)
         link_pass(linking)
-        if linking.sink.has_errors and link_pass not in (agreement, roots):
-            return
+        if len(linking.sink.errors) > before and link_pass not in _HINDERS_NOTHING:
+            return False
+    return True
 
 
 def finish(linking: Linking) -> None:

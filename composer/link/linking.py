@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.link.layout import Layout
+from composer.link.layout import Layout, Slot
 from composer.pose import Pose
 from composer.tree.names import Names
 from composer.tree.unit import Unit
@@ -58,6 +58,11 @@ class Part:
     pose_in_world: Pose | None = None
 
     @property
+    def called(self) -> str:
+        """What messages call it: its prefix, or its file where it has none."""
+        return self.prefix or self.unit.label
+
+    @property
     def floats(self) -> bool:
         """Whether it moves freely, so that it can only stand in the world."""
         return self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
@@ -102,7 +107,7 @@ class Linking:
     base_class: str | None = None
     base_layout: Layout | None = None
     files: list[FileUse] = field(default_factory=list)
-    measured: dict[Node, tuple[int, ...]] = field(default_factory=dict)
+    measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
 

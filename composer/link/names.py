@@ -8,10 +8,9 @@ from functools import cache
 
 from lxml.etree import _Element as Node
 
-from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import exists_note
 from composer.grammar import GRAMMAR
-from composer.link.linking import Linking
+from composer.link.linking import Linking, Part
+from composer.link.name_faults import Clash, clash_with_others, loose_end, repeated
 from composer.tree.classes import MAIN
 from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import (
@@ -32,19 +31,19 @@ _RESERVED = frozenset({"", WORLD, MAIN})
 
 def names(linking: Linking) -> None:
     """Rename part by part; afterwards `linking.names` knows every name of the model."""
-    _join(linking, linking.base, "", MAIN)
+    _join(linking, linking.base, "", MAIN, None)
     for part in linking.parts:
-        _join(linking, part.unit, part.prefix, part.top_class)
+        _join(linking, part.unit, part.prefix, part.top_class, part)
 
 
-def _join(linking: Linking, unit: Unit, prefix: str, top_class: str) -> None:
+def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part | None) -> None:
     found = rename(unit, prefix, top_class)
     for namespace, name, element in found.repeated:
-        earlier = found.declared[namespace][name]
-        _clash(linking, unit, namespace, name.removeprefix(prefix), element, earlier, unit)
+        repeated(linking, unit, prefix, (namespace, name, element, found.declared[namespace][name]))
     for namespace, name, element in found.dangling():
         if not may_be_generated(name, unit.root):
-            _loose_end(linking, unit, namespace, name, element, prefix, found)
+            loose_end(linking, unit, prefix, namespace, name, element, found.declared[namespace])
+    clashes: list[Clash] = []
     known = linking.names.declared
     for namespace, declared in found.declared.items():
         earlier_ones = known.setdefault(namespace, declared)
@@ -52,8 +51,10 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str) -> None:
             continue
         if namespace not in _MAY_REPEAT and not earlier_ones.keys().isdisjoint(declared.keys()):
             for name in [name for name in declared if name in earlier_ones]:
-                _clash(linking, unit, namespace, name, declared[name], earlier_ones[name], None)
+                clashes.append((namespace, name, declared[name], earlier_ones[name]))
         earlier_ones.update(declared)
+    if part is not None and clashes:
+        clash_with_others(linking, part, clashes)
 
 
 class _Found:
@@ -212,44 +213,3 @@ def may_be_generated(name: str, root: Node) -> bool:
             if name.startswith(start):
                 return True
     return False
-
-
-def _loose_end(
-    linking: Linking, unit: Unit, namespace: str, name: str, element: Node, prefix: str, found: _Found
-) -> None:
-    own = name.removeprefix(prefix)
-    declared = [each.removeprefix(prefix) for each in found.declared[namespace]]
-    linking.sink.error(
-        "unknown-name",
-        f"`<{element.tag}>` refers to the {namespace} `{own}`, which does not exist",
-        linking.span(unit, element),
-        notes=(exists_note(namespace, declared, own),),
-    )
-
-
-def _clash(
-    linking: Linking,
-    unit: Unit,
-    namespace: str,
-    name: str,
-    element: Node,
-    earlier: Node,
-    earlier_unit: Unit | None,
-) -> None:
-    code = "class-clash" if namespace == "default" else "name-clash"
-    what = "default class" if namespace == "default" else namespace
-    owner = earlier_unit or _unit_of(linking, earlier)
-    first = Note("it is declared here first", linking.span(owner, earlier))
-    help_text = None if owner is unit else "give one of the parts a prefix of its own"
-    linking.sink.error(
-        code,
-        f"two elements are the {what} `{name}`",
-        linking.span(unit, element),
-        notes=(first,),
-        help=help_text,
-    )
-
-
-def _unit_of(linking: Linking, element: Node) -> Unit:
-    root = element.getroottree().getroot()
-    return next((unit for unit in linking.units if unit.root is root), linking.base)

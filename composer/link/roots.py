@@ -42,29 +42,37 @@ def _own_joints(body: Node) -> Iterator[Node]:
 
 def _where(part: Part) -> str:
     if part.place.kind == "world":
-        return "below the joint of its own attachment"
+        return "below the body that `joint` gives it"
     return f"on the {part.place.kind} `{part.place.name}`"
 
 
+def _called(body: Node) -> str:
+    return f"body `{body.get('name')}`" if body.get("name") else "body, which has no name"
+
+
 def _free_joint(linking: Linking, part: Part, body: Node, joint: Node) -> None:
+    if part.place.kind == "world":
+        help = "leave `joint` out: the part floats in the world by its own free joint"
+    else:
+        help = f"write `joint: weld` to fix it there, or leave `{part.place.kind}` out to let it float in the world"
     linking.sink.error(
         "freejoint-on-body",
-        f"`{part.prefix}` has a free joint at its root and cannot hang {_where(part)}: "
+        f"`{part.called}` has a free joint at its root and cannot hang {_where(part)}: "
         "MuJoCo allows free joints only in the world",
-        part.span or linking.span(part.unit, joint),
-        notes=(Note(f"the free joint of the body `{body.get('name') or ''}`", linking.span(part.unit, joint)),),
-        help="fix it there with `joint: weld`, or leave the place out to let it float in the world",
+        part.place.span or part.span or linking.span(part.unit, joint),
+        notes=(Note(f"the free joint of {_called(body)}", linking.span(part.unit, joint)),),
+        help=help,
     )
 
 
 def _mocap(linking: Linking, part: Part, body: Node) -> None:
     linking.sink.error(
         "mocap-on-body",
-        f"`{part.prefix}` has a mocap body at its root and cannot hang {_where(part)}: "
+        f"`{part.called}` has a mocap body at its root and cannot hang {_where(part)}: "
         "MuJoCo allows mocap bodies only in the world",
-        part.span or linking.span(part.unit, body),
-        notes=(Note(f"the mocap body `{body.get('name') or ''}`", linking.span(part.unit, body)),),
-        help="attach it to the world: leave `site`, `body` and `frame` out",
+        part.place.span or part.span or linking.span(part.unit, body),
+        notes=(Note(f"the mocap {_called(body)}", linking.span(part.unit, body)),),
+        help=f"leave `{'joint' if part.place.kind == 'world' else part.place.kind}` out: then it stands in the world",
     )
 
 
@@ -80,11 +88,11 @@ def check_planes(linking: Linking) -> None:
         if _moves(geom):
             linking.sink.error(
                 "plane-on-body",
-                f"`{part.prefix}` brings a plane and hangs {_where(part)}, which moves: "
+                f"`{part.called}` brings a plane and hangs {_where(part)}, which moves: "
                 "MuJoCo allows planes only on what is static",
-                part.span or linking.span(part.unit, geom),
+                part.place.span or part.span or linking.span(part.unit, geom),
                 notes=(Note("the plane", linking.span(linking.base, geom)),),
-                help="leave the plane out of the source, or attach the part to the world",
+                help="attach the part to the world or to what does not move, or take the plane out of its file",
             )
 
 

@@ -20,7 +20,7 @@ def sections(linking: Linking) -> None:
             elif section.tag in _APPENDED:
                 target = linking.base.section(str(section.tag))
                 own = linking.base.origins.owners
-                file = part.unit.file
+                file = part.unit.origins.owner(section, part.unit.file)
                 for element in section:
                     if element not in own:
                         own[element] = file

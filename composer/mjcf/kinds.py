@@ -42,8 +42,6 @@ def kind_of(node: Node) -> ElementType:
 def child_kind(section: str, parent: str, tag: str) -> ElementType:
     """The element type of a tag below another one in a section."""
     outer = GRAMMAR.section(section) if parent == section else GRAMMAR.within(section)[parent]
-    if section == "default":
-        outer = GRAMMAR.section("default") if parent == "default" else outer
     return outer.children[tag]
 
 
@@ -94,6 +92,8 @@ def query(tag: str, section: str | None) -> Query:
     """
     sections = _sections() if section is None else (section,)
     reached = {each: _reachable(each) for each in sections}
+    if section is None:
+        reached["default"] = frozenset({"default"})
     family = frozenset(GRAMMAR.families.get(tag, ()))
     paths = family & frozenset[str]().union(*reached.values())
     if not paths:
@@ -116,7 +116,7 @@ def _sections() -> tuple[str, ...]:
 
 @lru_cache(maxsize=None)
 def _reachable(section: str) -> frozenset[str]:
-    """Paths of all elements of a section, itself included; of `default` from the root only the classes count."""
+    """Paths of all elements of a section, itself included."""
     found: dict[str, None] = {}
     waiting = [GRAMMAR.section(section)]
     while waiting:

@@ -8,7 +8,9 @@ from pathlib import Path
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import exists_note
 from composer.document import load
+from composer.document.decode import MAX_SIZE
 from composer.document.node import Mapping, locate
 from composer.plan.plan import (
     AddElement,
@@ -24,6 +26,7 @@ from composer.recipe.element import Element
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate
 from composer.sources.error import SourceError
+from composer.sources.nearby import model_files, nearest
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
 
@@ -82,12 +85,18 @@ class _Planner:
     def _read(self, path: Path) -> tuple[Recipe, Mapping] | None:
         shown = self.context.shown(path)
         try:
-            text = path.read_bytes()
-        except FileNotFoundError:
-            self.sink.error("file-not-found", f"there is no recipe `{shown}`")
-            return None
+            with path.open("rb") as stream:
+                text = stream.read(MAX_SIZE + 1)
         except OSError as error:
-            self.sink.error("file-unreadable", f"`{shown}` cannot be read: {(error.strerror or '').lower()}")
+            self._unreadable(path, shown, error)
+            return None
+        if text.lstrip().startswith(b"<"):
+            self.sink.error(
+                "source-kind",
+                f"`{shown}` is XML and no recipe",
+                Span(shown, 1, 1),
+                help=f"a recipe names its models: `base: ./{path.with_suffix('.xml').name}`",
+            )
             return None
         before = len(self.sink.errors)
         node = load(text, shown, self.sink)
@@ -95,6 +104,21 @@ class _Planner:
             return None
         found = validate(node, self.sink)
         return (found, node) if found is not None and isinstance(node, Mapping) else None
+
+    def _unreadable(self, path: Path, shown: str, error: OSError) -> None:
+        folder = path if path.is_dir() else path.parent
+        recipes = [each for each in model_files(folder, 1) if each.endswith((".yaml", ".yml"))]
+        if path.is_dir():
+            notes = (exists_note("recipe", recipes),)
+            self.sink.error("file-unreadable", f"`{shown}` is a folder, not a recipe", notes=notes)
+        elif isinstance(error, FileNotFoundError):
+            near = nearest(path.name, recipes)
+            help = f"did you mean `{self.context.shown(folder / near)}`?" if near else None
+            notes = (exists_note("recipe", recipes),) if recipes else ()
+            self.sink.error("file-not-found", f"there is no recipe `{shown}`", notes=notes, help=help)
+        else:
+            reason = (error.strerror or str(error)).lower()
+            self.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
 
     def _base(
         self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]
@@ -114,12 +138,13 @@ class _Planner:
             span = locate(document, at, key=True)
             own = key if attachment.prefix is None else attachment.prefix
             prefix = own + recipe.separator if own else ""
-            if prefix in taken:
+            if prefix and prefix in taken:
                 self.sink.error(
                     "name-clash",
                     f"two parts have the prefix `{prefix}`",
                     locate(document, (*at, "prefix")),
                     notes=(Note("the other part", taken[prefix]),),
+                    help="give one of them another key, or another `prefix`",
                 )
             taken[prefix] = span
             model = self._model(attachment.model, locate(document, (*at, "model")), path, inside, recipe)
@@ -166,12 +191,13 @@ class _Planner:
                 ring.append(mount)
             if mount == part.prefix and part.prefix not in told:
                 told.update(ring)
-                names = " on ".join(f"`{prefix}`" for prefix in [*ring, mount])
+                names = ", which hangs on ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
+                alone = len(ring) == 1
                 self.sink.error(
                     "attach-cycle",
-                    f"parts hang on one another: {names}",
+                    f"`{part.prefix}` hangs on itself" if alone else f"`{part.prefix}` hangs on {names}",
                     part.span,
-                    help="one of them must hang on the base or on the world",
+                    help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
                 )
 
 

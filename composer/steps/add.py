@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from lxml.etree import _Element as Node
+
 from composer.grammar import GRAMMAR
 from composer.link.linking import Linking
 from composer.plan.plan import AddElement
@@ -12,16 +14,18 @@ from composer.tree.classes import NESTED
 
 def add(step: AddElement, linking: Linking, making: Making) -> None:
     """Append the element; in the world it takes the base's top class, as if it were written in the base."""
+    holder: Node | None
     if step.to_kind == "world":
         holder = linking.base.section("worldbody")
     else:
-        found = linking.names.find(step.to_kind, step.to)
-        if found is None:
+        holder = linking.names.find(step.to_kind, step.to)
+        if holder is None:
             _nowhere(step, linking, making)
-            return
-        holder = found
     kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)
     node = make(step.element, kind.children.get(step.element.tag, kind), making)
+    making.register(node, "worldbody")
+    if holder is None:
+        return  # its names count as declared: that they are referred to is no second fault
     if step.to_kind == "world" and linking.base_class is not None:
         if node.tag in NESTED:
             if node.get("childclass") is None:
@@ -29,7 +33,6 @@ def add(step: AddElement, linking: Linking, making: Making) -> None:
         elif node.tag in ("geom", "site", "camera", "light") and node.get("class") is None:
             node.set("class", linking.base_class)
     holder.append(node)
-    making.register(node, "worldbody")
 
 
 def _nowhere(step: AddElement, linking: Linking, making: Making) -> None:

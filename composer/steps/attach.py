@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import locate
 from composer.link import numbers
 from composer.link.bodies import effective_pose
@@ -11,6 +11,7 @@ from composer.link.placing import pose_in_world, read_pose
 from composer.plan.plan import AttachPart
 from composer.pose import quat_from_axisangle, quat_from_euler
 from composer.steps.elements import Making, in_radians, joint_attributes
+from composer.steps.loose_ends import check_class
 from composer.tree.unit import Unit
 
 
@@ -37,11 +38,26 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
         part.joints = (Joint("joint", {"name": step.prefix, "type": "ball", "class": "main"}),)
     elif isinstance(joint, tuple):
         part.joints = tuple(
-            Joint("joint", {"name": step.prefix + str(each.attributes["name"]), **joint_attributes(each, making)})
+            Joint(
+                "joint",
+                {"name": step.prefix + str(each.attributes["name"]), **joint_attributes(each, making)},
+            )
             for each in joint
         )
     elif not isinstance(joint, str):
         part.joints = (Joint("joint", {"name": step.prefix, **joint_attributes(joint, making)}),)
+
+
+def check_joints(step: AttachPart, linking: Linking, making: Making) -> None:
+    """Tell classes of those joints that are not there, once all classes of the model are known."""
+    joint = step.attachment.joint
+    elements = (
+        joint if isinstance(joint, tuple) else () if joint is None or isinstance(joint, str) else (joint,)
+    )
+    for element in elements:
+        name = element.attributes.get("class")
+        if name is not None:
+            check_class(linking, making.sink, str(name), making.span(element, "class"))
 
 
 def _place(step: AttachPart, making: Making) -> Place:
@@ -56,7 +72,9 @@ def _place(step: AttachPart, making: Making) -> Place:
         offset["quat"] = numbers.text(quat_from_euler(angles, making.eulerseq))
     elif attachment.axisangle is not None:
         *axis, angle = attachment.axisangle
-        offset["quat"] = numbers.text(quat_from_axisangle([float(a) for a in axis], in_radians(angle, making)))  # type: ignore[arg-type]
+        offset["quat"] = numbers.text(
+            quat_from_axisangle([float(a) for a in axis], in_radians(angle, making))
+        )  # type: ignore[arg-type]
     elif attachment.xyaxes is not None:
         offset["xyaxes"] = numbers.text(map(float, attachment.xyaxes))
     elif attachment.zaxis is not None:
@@ -80,13 +98,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
         if element.get("name") == name
     ]
     if not named:
-        existing = [str(each.get("name")) for each in unit.root.iter("site", "body") if each.get("name")]
-        making.sink.error(
-            "attach-place",
-            f"the part has no site or body `{name}` to mate with",
-            locate(making.document, (*step.at, "mate")),
-            notes=(exists_note("site or body", existing, name),),
-        )
+        _no_mate(step, unit, making)
         return place
     reading = (unit.settings.angle == "degree", unit.settings.eulerseq)
     element = min(named, key=lambda each: each.tag != "site")
@@ -97,3 +109,19 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
     offset = {"pos": numbers.text(moved.pos), "quat": numbers.text(moved.quat)}
     return Place(place.kind, place.name, offset, place.span)
+
+
+def _no_mate(step: AttachPart, unit: Unit, making: Making) -> None:
+    name = step.attachment.mate or ""
+    sites, bodies = (
+        [str(each.get("name")) for top in unit.root.iterchildren("worldbody") for each in top.iter(tag) if each.get("name")]
+        for tag in ("site", "body")
+    )  # fmt: skip
+    near = closest(name, [*sites, *bodies])
+    making.sink.error(
+        "attach-place",
+        f"`{step.prefix}` has no site or body `{name}` to mate with",
+        locate(making.document, (*step.at, "mate")),
+        notes=(exists_note("site", sites, name), exists_note("body", bodies, name)),
+        help=f"did you mean `mate: {near[0]}`?" if near else None,
+    )

@@ -10,6 +10,8 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.context import Context
+from composer.diagnostics.span import Span
+from composer.document.node import locate
 from composer.link.angles import model_angle
 from composer.link.files import add_file
 from composer.link.layout import joint_type
@@ -18,7 +20,7 @@ from composer.link.linking import FileUse, Linking, Measure
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
 from composer.sources.source import Source
 from composer.steps.add import add
-from composer.steps.attach import add_joints, part_of
+from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
 from composer.steps.loose_ends import check_names
 from composer.steps.section import append, set_default, set_singleton
@@ -57,8 +59,8 @@ class Composer:
 
     def _compose(self, plan: Plan) -> Composed | None:
         before = len(self.context.sink.errors)
-        base = self._unit(plan.base.model) if plan.base.model is not None else _empty(plan)
-        units = [self._unit(step.model) for step in plan.parts]
+        base = self._unit(plan.base.model, plan.base.span) if plan.base.model is not None else _empty(plan)
+        units = [self._unit(step.model, locate(plan.document, (*step.at, "model"))) for step in plan.parts]
         if base is None or any(unit is None for unit in units):
             return None
         base.root.set("model", plan.name)
@@ -69,6 +71,7 @@ class Composer:
             plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
             "radian", base.settings.eulerseq, plan.path.parent, base.file, base.origins,
         )  # fmt: skip
+        base.origins.texts[plan.file] = plan.path
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True) if unit]
         linking = Linking(
             base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
@@ -78,22 +81,24 @@ class Composer:
         making.model_angle = model_angle(linking)
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making)
-        link(linking)
-        if len(self.context.sink.errors) > before:
+        if not link(linking):
             return None
         _carry_out(plan, linking, making)
+        if len(self.context.sink.errors) > before:
+            return None
         finish(linking)
         if len(self.context.sink.errors) > before:
             return None
         flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
         return Composed(flat, tuple(linking.files))
 
-    def _unit(self, model: Source | Plan) -> Unit | None:
+    def _unit(self, model: Source | Plan, span: Span | None) -> Unit | None:
         if isinstance(model, Plan):
             composed = self._compose(model)
             return composed.model if composed else None
         if model.path not in self.parsed:
-            self.parsed[model.path] = parse_file(model.path, self.context.sink, file=self.context.shown(model.path))
+            shown = self.context.shown(model.path)
+            self.parsed[model.path] = parse_file(model.path, self.context.sink, file=shown, span=span)
         unit = self.parsed[model.path]
         self.uses[model.path] -= 1
         if unit is None or self.uses[model.path] <= 0:
@@ -127,5 +132,7 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
 
         settle_joints(making, kind)
     check_names(linking, making)
+    for part in plan.parts:
+        check_joints(part, linking, making)
     for node, attribute, name in making.files:
         add_file(linking, making.directory, node, attribute, name)

@@ -22,6 +22,7 @@ from composer.link import numbers
 from composer.pose import quat_from_euler
 from composer.recipe.element import Angle, Element, Value
 from composer.tree.classes import MAIN
+from composer.tree.line import line_of
 from composer.tree.origin import Origins
 
 # Attributes that MuJoCo reads in degrees, whatever the compiler says.
@@ -182,7 +183,9 @@ def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
 
 def _item_span(making: Making, node: Node, element: Element, name: str, index: int) -> Span:
     path = (*element.at, name, index)
-    return making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
+    return (
+        making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
+    )
 
 
 def joint_attributes(element: Element, making: Making) -> dict[str, str]:
@@ -252,7 +255,7 @@ def _read_fragment(node: Node, element: Element, kind: ElementType, making: Maki
             values[name] = str(text)
     own = Element(element.tag, {**element.attributes, **values}, at=element.at)
     making.made[node] = own
-    making.fragments[node] = line + (node.sourceline or 1)
+    making.fragments[node] = line + (line_of(node) or 1)
     for name, value in values.items():
         if kind.attributes[name].angle in ("orientation-euler", "replicate"):
             del node.attrib[name]

@@ -80,7 +80,9 @@ def not_there(
     elif help is None:
         other = [kind for kind in linking.names.kinds_of(name) if kind != namespace]
         notes = (*(Note(f"`{name}` is {word(kind, article=True)}") for kind in other[:1]), *notes)
-    sink.error("unknown-name", f"there is no {word(namespace)} `{name}`{purpose}", span, notes=notes, help=help)
+    sink.error(
+        "unknown-name", f"there is no {word(namespace)} `{name}`{purpose}", span, notes=notes, help=help
+    )
 
 
 def _declare(linking: Linking, making: Making, node: Node, name: str, namespace: str, value: str) -> None:
@@ -111,5 +113,7 @@ def _look_up(
     help = None
     if typed_by:
         types = [kind for kind in names.kinds_of(value) if GRAMMAR.objtypes.get(kind) == kind]
-        help = f"`{value}` is {word(types[0], article=True)}: write `{typed_by}: {types[0]}`" if types else None
+        help = (
+            f"`{value}` is {word(types[0], article=True)}: write `{typed_by}: {types[0]}`" if types else None
+        )
     not_there(linking, making.sink, namespace, value, making.span_of(node, name), f"{name}: NAME", help=help)

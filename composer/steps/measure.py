@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from lxml import etree
-
 from composer import engine
 from composer.context import Context
 from composer.link.linking import Measure
+from composer.tree.line import element_at
 from composer.tree.unit import Unit
+from composer.tree.write import write
+from composer.verify.compiles import CRASHES, parse
+from composer.verify.judged import tell
+from composer.verify.told import told
 
 _SIZES = ("nq", "nv")
 
@@ -19,15 +22,25 @@ def measure_with(context: Context, limits: engine.Limits | None = None) -> Measu
 
     def measure(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
         wanted = tuple(name for name in arrays if name not in _SIZES)
-        text = etree.tostring(unit.root, encoding="unicode")
-        measured = engine.measure(unit.directory, arrays=wanted, text=text, limits=limits or engine.Limits())
+        text = write(unit.root)
+        measured = engine.measure(
+            unit.directory, arrays=wanted, text=text.decode(), limits=limits or engine.Limits()
+        )
         compiled = measured.compiled
         if not compiled.ok:
-            context.sink.error(
-                "mujoco-rejects", f"MuJoCo rejects `{unit.file}` by itself: {compiled.error or compiled.crash}"
-            )
+            _rejected(compiled, unit, text, context)
             return {}
         found = {name: [float(value) for value in array.ravel()] for name, array in measured.arrays.items()}
         return {**found, **{name: [float(compiled.sizes[name])] for name in _SIZES}}
 
     return measure
+
+
+def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
+    if compiled.crash is not None:
+        code = CRASHES.get(compiled.crash, "mujoco-crash")
+        context.sink.error(code, f"`{unit.file}` by itself: {compiled.error or compiled.crash}")
+        return
+    fault = parse(compiled.error or "")
+    element = None if fault.line is None else element_at(unit.root, text, fault.line)
+    tell(told(" ".join(fault.message.split()), element), element, unit, context)

@@ -94,9 +94,7 @@ def append(step: AppendElement, linking: Linking, making: Making) -> None:
     kind = GRAMMAR.section(step.section)
     node = make(step.element, kind.children[step.element.tag], making)
     if step.section == "extension":
-        existing = next(
-            (plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None
-        )
+        existing = next((plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None)
         if existing is not None:
             existing.extend(list(node))
             for instance in existing:

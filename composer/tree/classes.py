@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from lxml.etree import _Element as Node
 
@@ -42,31 +43,31 @@ class DefaultClass:
 
 
 class Classes:
-    """The class tree of one model."""
+    """The class tree of one model, read when a class is first looked up."""
 
     def __init__(self, root: Node) -> None:
-        self.main = DefaultClass(MAIN, None)
-        self.by_name: dict[str, DefaultClass] = {MAIN: self.main}
-        self.tags: set[str] = set()
-        for section in root.iterchildren("default"):
-            self._read(section, self.main)
+        self._root = root
 
-    def _read(self, section: Node, into: DefaultClass) -> None:
-        for child in section:
-            tag = child.tag
-            if not isinstance(tag, str):
-                continue
-            if tag == "default":
-                nested = DefaultClass(str(child.get("class", "")), into)
-                self.by_name[nested.name] = nested
-                self._read(child, nested)
-            else:
-                self.tags.add(tag)
-                into.elements.setdefault(tag, []).append(child)
+    @cached_property
+    def by_name(self) -> dict[str, DefaultClass]:
+        main = DefaultClass(MAIN, None)
+        found = {MAIN: main}
+        for section in self._root.iterchildren("default"):
+            _read(section, main, found)
+        return found
+
+    def give(self, tag: str, *attributes: str) -> bool:
+        """Whether any class at all gives one of these attributes to elements of `tag`."""
+        return any(
+            element.get(attribute) is not None
+            for section in self._root.iterchildren("default")
+            for element in section.iter(tag)
+            for attribute in attributes
+        )
 
     def get(self, name: str | None) -> DefaultClass:
         """The class of that name; the top class for None and for a name that does not exist."""
-        return self.by_name.get(name or MAIN, self.main)
+        return self.by_name.get(name or MAIN) or self.by_name[MAIN]
 
     def effective(self, element: Node, childclass: str | None, attribute: str) -> str | None:
         """What `attribute` of `element` is, its own value first; `childclass` is the one in force around it."""
@@ -77,6 +78,17 @@ class Classes:
             default_tag(element), attribute
         )
         return found[0] if found else None
+
+
+def _read(section: Node, into: DefaultClass, found: dict[str, DefaultClass]) -> None:
+    for child in section:
+        tag = child.tag
+        if tag == "default":
+            nested = DefaultClass(str(child.get("class", "")), into)
+            found[nested.name] = nested
+            _read(child, nested, found)
+        elif isinstance(tag, str):
+            into.elements.setdefault(tag, []).append(child)
 
 
 def default_tag(element: Node) -> str:

@@ -1,9 +1,15 @@
-"""From a line of written MJCF back to the element it shows."""
+"""The lines of elements: that of the file they were read from, and that of the text they are written to."""
 
 from __future__ import annotations
 
 from lxml import etree
 from lxml.etree import _Element as Node
+
+
+def line_of(element: Node) -> int | None:
+    """The line on which the element's start tag ends in its file; None for an element that was made."""
+    line = element.sourceline
+    return line if isinstance(line, int) else None
 
 
 def element_at(root: Node, text: bytes, line: int) -> Node | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
+from composer.tree.line import line_of
 from composer.tree.start_tag import SourceText
 
 Place = Callable[[str | None], Span]
@@ -40,17 +41,24 @@ class Origins:
             node = node.getparent()
         return default_file
 
-    def span(self, element: Node, default_file: str, attribute: str | None = None) -> Span:
-        """The place to show for `element`: its start tag, or with `attribute` the value of that one if written there."""
-        return self.span_by(self.owner(element, default_file), element, attribute)
+    def span(
+        self, element: Node, default_file: str, attribute: str | None = None, *, key: bool = False
+    ) -> Span:
+        """The place to show for `element`: its start tag.
 
-    def span_by(self, owner: str | Span | Place, element: Node, attribute: str | None = None) -> Span:
+        With `attribute` that is the value of that one, or with `key` its name, if it is written there.
+        """
+        return self.span_by(self.owner(element, default_file), element, attribute, key)
+
+    def span_by(
+        self, owner: str | Span | Place, element: Node, attribute: str | None = None, key: bool = False
+    ) -> Span:
         """The place of `element` as far as `owner`, its own or an earlier one, knows it."""
         if isinstance(owner, Span):
             return owner
         if not isinstance(owner, str):
             return owner(attribute)
-        line = element.sourceline
+        line = line_of(element)
         if line is None:
             return Span(owner, 1, 1)
         text = self.text(owner)
@@ -58,7 +66,7 @@ class Origins:
         if text is not None:
             written = {str(name): str(value) for name, value in element.items()}
             if attribute is not None:
-                found = text.attribute(str(element.tag), line, written, attribute)
+                found = text.attribute(str(element.tag), line, written, attribute, key=key)
             found = found or text.element(str(element.tag), line, written)
         if found is None:
             return Span(owner, line, 1)

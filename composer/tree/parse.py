@@ -15,6 +15,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest
+from composer.tree import xml_fault
 from composer.tree.files import join
 from composer.tree.unit import Unit
 
@@ -24,9 +25,9 @@ _NOT_BREAK = re.compile(r"[^\n]")
 _TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
 _MAX_BYTES = 256 * 1024 * 1024
 _NO_MODEL = {
-    "mujocoinclude": "; it is made to be included by a model",
-    "robot": "; it looks like URDF",
-    "sdf": "; it looks like SDFormat",
+    "mujocoinclude": "refer to the model that includes it",
+    "robot": "it looks like URDF: convert it to MJCF first",
+    "sdf": "it looks like SDFormat: convert it to MJCF first",
 }
 
 
@@ -36,8 +37,12 @@ def parse_file(path: Path, sink: Sink, *, file: str | None = None, span: Span | 
     `file` is how messages name it, `span` where it is asked for.
     """
     shown = file or str(path)
-    data = _read(path, f"the model `{shown}`", sink, span)
-    if data is None:
+    try:
+        data = _read(path)
+    except OSError as error:
+        message, help = _unreadable(f"the model `{shown}`", Path(shown), path, error)
+        code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
+        sink.error(code, message, span, help=help)
         return None
     unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem)
     if unit is not None:
@@ -62,11 +67,11 @@ def parse_text(
     unit = Unit(root, file, directory, label, contents or {})
     unit.origins.texts[file] = data
     if root.tag != "mujoco":
-        told = _NO_MODEL.get(str(root.tag), "")
         sink.error(
             "not-mjcf",
-            f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`{told}",
+            f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`",
             unit.origins.span(root, file),
+            help=_NO_MODEL.get(str(root.tag)),
         )
         return None
     if next(root.iter("include"), None) is not None:
@@ -79,7 +84,7 @@ class _Includes:
 
     def __init__(self, unit: Unit, sink: Sink) -> None:
         self.unit, self.sink = unit, sink
-        self.seen: dict[str, Span] = {}
+        self.seen: dict[str, tuple[Node, str]] = {}
 
     def expand(self, tree: Node, file: str, folder: Path) -> None:
         for element in list(tree.iter("include")):
@@ -87,30 +92,37 @@ class _Includes:
 
     def _replace(self, element: Node, file: str, folder: Path) -> None:
         origins = self.unit.origins
+
+        def refuse(message: str, help: str | None = None, notes: tuple[Note, ...] = ()) -> None:
+            span = origins.span(element, file, "file")
+            self.sink.error("xml-include", message, span, notes=notes, help=help)
+
         name = str(element.get("file") or "")
         if not name:
-            self.sink.error("xml-include", "`<include>` does not say which `file`", origins.span(element, file))
+            refuse("`<include>` does not say which `file`", 'write `<include file="…"/>`')
             return
-        span = origins.span(element, file, "file")
         path = self._find(name, folder)
         shown = self._shown(path)
         if shown in (file, self.unit.file):
-            self.sink.error("xml-include", f"`{shown}` includes itself", span)
+            refuse(f"`{shown}` includes itself", "take this `<include>` out")
             return
         if shown in self.seen:
-            first = Note("it is included here first", self.seen[shown])
-            message = f"`{name}` is included twice, which MuJoCo refuses"
-            self.sink.error("xml-include", message, span, notes=(first,), help="take one of the two out")
+            first = Note("it is included here first", origins.span(*self.seen[shown], "file"))
+            refuse(f"`{name}` is included twice, which MuJoCo refuses", "take one of the two out", (first,))
             return
-        self.seen[shown] = span
-        data = self._content(name, path, span)
-        included = None if data is None else _parse_xml(data, shown, self.sink)
-        if data is None or included is None:
+        self.seen[shown] = element, file
+        try:
+            content = self.unit.contents.get(name)
+            data = content if isinstance(content, bytes) else _read(path)
+        except OSError as error:
+            refuse(*_unreadable(f"the included file `{name}`", Path(name), path, error))
+            return
+        included = _parse_xml(data, shown, self.sink)
+        if included is None:
             return
         origins.texts[shown] = data
         if included.tag not in ("mujoco", "mujocoinclude"):
-            message = f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`"
-            self.sink.error("xml-include", message, span)
+            refuse(f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`")
             return
         self.expand(included, shown, path.parent)
         parent = element.getparent()
@@ -125,35 +137,28 @@ class _Includes:
     def _find(self, name: str, folder: Path) -> Path:
         """Against the main file's folder, then against that of the file that includes."""
         main = Path(join(str(self.unit.directory), name))
-        return main if main.exists() or name in self.unit.contents else Path(join(str(folder), name))
+        return main if os.path.exists(main) or name in self.unit.contents else Path(join(str(folder), name))
 
     def _shown(self, path: Path) -> str:
         """The file as messages name it: beside the model's own file."""
         inside = os.path.relpath(path, self.unit.directory)
         return os.path.normpath(os.path.join(os.path.dirname(self.unit.file), inside))
 
-    def _content(self, name: str, path: Path, span: Span) -> bytes | None:
-        content = self.unit.contents.get(name)
-        if isinstance(content, bytes):
-            return content
-        return _read(path, f"the included file `{name}`", self.sink, span, code="xml-include")
+
+def _read(path: Path) -> bytes:
+    """The bytes of a model file. Raises OSError, also for one that is too large."""
+    with open(path, "rb", buffering=0) as stream:
+        if os.fstat(stream.fileno()).st_size > _MAX_BYTES:
+            raise OSError(f"it is larger than {_MAX_BYTES >> 20} MiB")
+        return stream.readall()
 
 
-def _read(path: Path, what: str, sink: Sink, span: Span | None, *, code: str | None = None) -> bytes | None:
-    try:
-        with open(path, "rb", buffering=0) as stream:
-            if os.fstat(stream.fileno()).st_size > _MAX_BYTES:
-                sink.error(code or "file-unreadable", f"{what} is larger than 256 MiB", span)
-                return None
-            return stream.read()
-    except FileNotFoundError:
-        near = closest(path.name, _beside(path))
-        help = f"did you mean `{near[0]}`?" if near else None
-        sink.error(code or "file-not-found", f"{what} is not there", span, help=help)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        sink.error(code or "file-unreadable", f"{what} cannot be read: {reason}", span)
-    return None
+def _unreadable(what: str, name: Path, path: Path, error: OSError) -> tuple[str, str | None]:
+    """Message and help for a file at `path`, which is written `name`."""
+    if not isinstance(error, FileNotFoundError):
+        return f"{what} cannot be read: {(error.strerror or str(error)).lower()}", None
+    near = closest(path.name, _beside(path))
+    return f"{what} is not there", f"did you mean `{(name.parent / near[0]).as_posix()}`?" if near else None
 
 
 def _beside(path: Path) -> list[str]:
@@ -189,8 +194,8 @@ def _parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
         return etree.fromstring(_as_mujoco_reads(data), _parser())
     except (etree.XMLSyntaxError, UnicodeDecodeError):
         line, column = fault.position
-        message = (fault.msg or "not XML").split(", line ")[0]
-        sink.error("xml-syntax", f"not well-formed XML: {message}", Span(file, max(line, 1), max(column, 1)))
+        text = data.decode("utf-8", "replace")
+        xml_fault.tell(fault.msg or "it cannot be read", file, max(line, 1), max(column, 1), text, sink)
         return None
 
 

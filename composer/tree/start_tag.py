@@ -28,10 +28,11 @@ class Stretch(NamedTuple):
 
 
 class _StartTag(NamedTuple):
-    """A start tag: where it begins, where it ends, and where the value of each attribute stands."""
+    """A start tag: where it begins, where it ends, and where each attribute's name and value stand."""
 
     start: int
     end: int
+    names: Mapping[str, tuple[int, int]]
     values: Mapping[str, tuple[int, int]]
 
 
@@ -54,12 +55,17 @@ class SourceText:
         found = self._find(tag, line, attributes)
         return None if found is None else self._stretch(found.start, found.start + 1 + len(tag))
 
-    def attribute(self, tag: str, line: int, attributes: Mapping[str, str], name: str) -> Stretch | None:
-        """The value of an attribute of that element, without its quotes; None where it has none on one line."""
+    def attribute(
+        self, tag: str, line: int, attributes: Mapping[str, str], name: str, *, key: bool = False
+    ) -> Stretch | None:
+        """The value of an attribute of that element, without its quotes, or with `key` its name.
+
+        None where the element has none, or none on one line.
+        """
         found = self._find(tag, line, attributes)
         if found is None or name not in found.values:
             return None
-        start, end = found.values[name]
+        start, end = (found.names if key else found.values)[name]
         return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
 
     def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> _StartTag | None:
@@ -82,12 +88,13 @@ class SourceText:
         return max(candidates, key=lambda each: self._likeness(each, attributes), default=None)
 
     def _read(self, start: int, at: int) -> _StartTag | None:
-        values = {}
+        names, values = {}, {}
         while attribute := _ATTRIBUTE.match(self._bare, at):
+            names[attribute[1]] = attribute.span(1)
             values[attribute[1]] = (attribute.start(2) + 1, attribute.end(2) - 1)
             at = attribute.end()
         end = _TAG_END.match(self._bare, at)
-        return None if end is None else _StartTag(start, end.end() - 1, values)
+        return None if end is None else _StartTag(start, end.end() - 1, names, values)
 
     def _likeness(self, candidate: _StartTag, attributes: Mapping[str, str]) -> int:
         alike = 0

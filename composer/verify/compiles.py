@@ -12,6 +12,9 @@ from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import unwritable
 from composer.bundle.staging import write_files
 
+CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
+"""Codes of the reasons for which MuJoCo gave no verdict; of all others it is `mujoco-crash`."""
+
 _PREFIX = re.compile(r"^(?:(?:XML )?Error: |ParseXML: )+")
 # "Element name 'left/X', id 0, line 38": by the compiler, about an object of the model
 _OBJECT = re.compile(
@@ -68,7 +71,7 @@ class Verified:
             return None
         if self.crash is None:
             return "mujoco-rejects"
-        return {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}.get(self.crash, "mujoco-crash")
+        return CRASHES.get(self.crash, "mujoco-crash")
 
 
 def verify(

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import OutputError
 from composer.context import Context
-from composer.diagnostics.span import Span
 from composer.engine import Compiled, Limits
+from composer.grammar import GRAMMAR
+from composer.grammar.version import version_key
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, verify
+from composer.verify.told import Told, told, unknown_attribute
+from composer.verify.unread import unread
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
 
 
 def judge(bundle: Bundle, model: Unit, context: Context, limits: Limits | None) -> Compiled | None:
@@ -20,20 +29,44 @@ def judge(bundle: Bundle, model: Unit, context: Context, limits: Limits | None) 
         context.sink.error(error.code, error.message, help=error.help)
         return None
     for warning in verified.warnings:
-        context.sink.warning(
-            "mujoco-warning", f"MuJoCo warns: {warning.message}", _place(warning, bundle, model)
-        )
+        element = _element(warning, bundle, model)
+        span = None if element is None else model.origins.span(element, model.file)
+        said = _with_sources(warning.message, model, context)
+        context.sink.warning("mujoco-warning", f"MuJoCo warns: {said}", span)
     if verified.error is not None and verified.code is not None:
         fault = verified.error
-        said = fault.message if verified.crash else f"MuJoCo rejects the model: {fault.message}"
-        context.sink.error(verified.code, said, _place(fault, bundle, model))
+        message = _with_sources(fault.message, model, context)
+        if verified.crash:
+            context.sink.error(verified.code, message)
+        else:
+            element = _element(fault, bundle, model)
+            tell(told(message, element), element, model, context)
         return None
+    version = verified.compiled.mujoco_version
+    if version is None or version_key(version) <= version_key(
+        GRAMMAR.versions[-1]
+    ):  # a newer one may have more attributes
+        for element, name in unread(model.root):
+            tell(unknown_attribute(element, name), element, model, context)
     return verified.compiled
 
 
-def _place(fault: Fault, bundle: Bundle, model: Unit) -> Span | None:
-    """Where the element of that line of `model.xml` came from."""
+def tell(said: Told, element: Node | None, model: Unit, context: Context) -> None:
+    """An error at the element, or at the attribute that it lies in."""
+    span = None if element is None else model.origins.span(element, model.file, said.attribute, key=said.key)
+    context.sink.error(said.code, said.message, span, notes=said.notes, help=said.help)
+
+
+def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
+    """The element that stands on that line of `model.xml`."""
     if fault.line is None:
         return None
-    element = element_at(model.root, bundle.files[bundle.model], fault.line)
-    return None if element is None else model.origins.span(element, model.file)
+    return element_at(model.root, bundle.files[bundle.model], fault.line)
+
+
+def _with_sources(message: str, model: Unit, context: Context) -> str:
+    """The message with files called what the user calls them, and on one line."""
+    for path, where in model.contents.items():
+        if path in message:
+            message = message.replace(path, context.shown(where) if isinstance(where, Path) else path)
+    return " ".join(message.split())

@@ -20,7 +20,7 @@ from composer.pipeline import build
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
 # Cases that are about several faults, all of which are told.
-SEVERAL = {"several_sources", "several_names", "conflicts"}
+SEVERAL = {"several_sources", "several_names", "several_stages", "conflicts"}
 # Not wrong: something is told, and the model is built.
 BUILT = {"conflict_merge", "conflict_warning", "memory_warning"}
 MUJOCO = "4.0"
@@ -65,7 +65,7 @@ def test_error(case: str) -> None:
 
 
 # There is no file, or nothing in it, to point at.
-WITHOUT_A_PLACE = {"recipe_missing", "recipe_folder"}
+WITHOUT_A_PLACE = {"recipe_missing", "recipe_near", "recipe_folder"}
 
 
 def test_every_folder_is_a_case() -> None:

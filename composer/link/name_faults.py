@@ -1,0 +1,83 @@
+"""What is told of names that are declared twice and of references that lead nowhere."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import closest, exists_note
+from composer.link.linking import Linking, Part
+from composer.tree.line import line_of
+from composer.tree.names import word
+from composer.tree.unit import Unit
+
+Clash = tuple[str, str, Node, Node]
+"""Namespace, name, the element that declares it, and the one that did before."""
+
+
+def loose_end(
+    linking: Linking,
+    unit: Unit,
+    prefix: str,
+    namespace: str,
+    name: str,
+    element: Node,
+    declared: Collection[str],
+) -> None:
+    """A reference within a source; names are told as the source has them, without the prefix."""
+    wanted = name.removeprefix(prefix)
+    own = [each.removeprefix(prefix) for each in declared]
+    attribute = next(
+        (str(key) for key, value in element.items() if name in (value, *str(value).split())), None
+    )
+    near = closest(wanted, own)
+    linking.sink.error(
+        "unknown-name",
+        f"there is no {word(namespace)} `{wanted}`, which `<{element.tag}>` refers to",
+        linking.span(unit, element, attribute),
+        notes=(exists_note(word(namespace), own, wanted),),
+        help=f'did you mean `{attribute}="{near[0]}"`?' if near and attribute else None,
+    )
+
+
+def repeated(linking: Linking, unit: Unit, prefix: str, clash: Clash) -> None:
+    """A name that a source itself declares twice."""
+    namespace, name, element, earlier = clash
+    linking.sink.error(
+        _code(namespace),
+        f"`{unit.file}` has two elements that are the {word(namespace)} `{name.removeprefix(prefix)}`",
+        linking.span(unit, element, "name" if namespace != "default" else "class"),
+        notes=(Note("the first one is here", linking.span(unit, earlier)),),
+    )
+
+
+def clash_with_others(linking: Linking, part: Part, clashes: Sequence[Clash]) -> None:
+    """Names of a part that the model has already: one fault, however many there are."""
+    namespace, name, element, earlier = min(clashes, key=lambda clash: line_of(clash[2]) or 0)
+    here = linking.span(part.unit, element)
+    there = linking.span(_unit_of(linking, earlier), earlier)
+    count = len(clashes) - 1
+    more = f"; {count} more of its names {'is' if count == 1 else 'are'} taken too" if count else ""
+    notes = [Note("it is declared here first", there)]
+    if part.span is not None and here != there:
+        notes.insert(0, Note("the part declares it here", here))
+    linking.sink.error(
+        _code(namespace),
+        f"`{part.called}` brings the {word(namespace)} `{name}`, and the model has one of that name{more}",
+        part.span or here,
+        notes=notes,
+        help="give the part another prefix"
+        if part.prefix
+        else "let the part have a prefix: leave `prefix` out",
+    )
+
+
+def _code(namespace: str) -> str:
+    return "class-clash" if namespace == "default" else "name-clash"
+
+
+def _unit_of(linking: Linking, element: Node) -> Unit:
+    root = element.getroottree().getroot()
+    return next((unit for unit in linking.units if unit.root is root), linking.base)

@@ -1,0 +1,124 @@
+"""Files of a model: meshes, textures, height fields and skins, from disk or from memory."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from lxml import etree
+
+from composer.mjcf.errors import failure
+from composer.mjcf.model import Model
+from composer.tree.files import join, stem, written_path
+from composer.tree.settings import read_settings
+
+
+class Asset:
+    """A file that a model needs.
+
+    `path` is where it came from, None for bytes in memory; `prefix` the stem of its file name; `extension` its
+    suffix with the dot, as written. `Asset(data, '.stl')` may be given to any `file` attribute.
+    """
+
+    __slots__ = ("_data", "extension", "path", "prefix")
+
+    def __init__(
+        self, contents: bytes | None = None, extension: str = "", prefix: str = "asset", *, path: Path | None = None
+    ) -> None:
+        """`contents` or `path`, not both. The bytes of a path are read when they are asked for."""
+        if (contents is None) == (path is None):
+            raise failure("wrong-type", "an `Asset` is made of `contents` or of a `path`, one of them")
+        if contents is not None and not (extension.startswith(".") and len(extension) > 1):
+            raise failure("wrong-type", f"`extension` expects a suffix such as `.stl`, got `{extension}`")
+        self._data = contents
+        self.path = path
+        self.extension = extension if path is None else path.suffix
+        self.prefix = prefix if path is None else stem(path.name)
+
+    @property
+    def contents(self) -> bytes:
+        """The bytes. Raises `MjcfError` if the file cannot be read any more."""
+        if self._data is not None:
+            return self._data
+        assert self.path is not None
+        try:
+            return self.path.read_bytes()
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise failure("asset-missing", f"the file `{self.path}` cannot be read: {reason}") from None
+
+    @property
+    def source(self) -> bytes | Path:
+        """The bytes in memory, or where they are."""
+        if self._data is not None:
+            return self._data
+        assert self.path is not None
+        return self.path
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Asset) and self.source == other.source and self.extension == other.extension
+
+    def __hash__(self) -> int:
+        return hash((self.source, self.extension))
+
+    def __repr__(self) -> str:
+        size = "" if self._data is None else f", {len(self._data)} bytes"
+        return f"Asset({str(self.path) if self.path else self.prefix + self.extension!r}{size})"
+
+
+class Files(Mapping[str, bytes | Path]):
+    """The files of a model that are not where its paths say: bytes, or where they are, by written path.
+
+    What a caller hands over without a folder serves whatever folder asks for it.
+    """
+
+    def __init__(self, given: Mapping[str, bytes | Path] | None = None) -> None:
+        self._exact = {join("", name): content for name, content in (given or {}).items()}
+        self._anywhere = {name: content for name, content in self._exact.items() if "/" not in name}
+
+    def with_files(self, files: Mapping[str, bytes | Path]) -> Files:
+        """These and more, each for exactly its path."""
+        more = Files()
+        more._exact = {**self._exact, **files}
+        more._anywhere = self._anywhere
+        return more
+
+    def __getitem__(self, name: str) -> bytes | Path:
+        found = self._exact.get(name)
+        return self._anywhere[posixpath.basename(name)] if found is None else found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._exact)
+
+    def __len__(self) -> int:
+        return len(self._exact)
+
+
+def asset_of(model: Model, tag: str, name: str) -> Asset:
+    """The file that an element of `tag` names."""
+    unit = model.unit
+    written = _written(model, tag, name)
+    known = unit.contents.get(written)
+    if isinstance(known, bytes):
+        return Asset(known, posixpath.splitext(written)[1] or ".bin", stem(written))
+    return Asset(path=known if isinstance(known, Path) else Path(join(str(unit.directory), written)))
+
+
+def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:
+    """A file name in the model for an asset, noted in `contents`; equal assets share one, others get another."""
+    number = 1
+    while True:
+        name = f"{asset.prefix}{'' if number == 1 else f'-{number}'}{asset.extension}"
+        written = _written(model, tag, name)
+        known = contents.get(written, model.unit.contents.get(written))
+        if known is None and not Path(join(str(model.unit.directory), written)).exists():
+            contents[written] = asset.source
+            return name
+        if known == asset.source:
+            return name
+        number += 1
+
+
+def _written(model: Model, tag: str, name: str) -> str:
+    return written_path(read_settings(model.unit.root), etree.Element(tag), name)

@@ -1,0 +1,40 @@
+"""Copies of models, attachments included, and of nodes their counterparts in a copy."""
+
+from __future__ import annotations
+
+import copy
+
+from lxml.etree import _Element as Node
+
+from composer.mjcf.attachment import AttachmentFrame
+from composer.mjcf.model import Attachment, Model
+from composer.mjcf.root import RootElement
+
+
+def counterpart(node: Node, root: Node, copied: Node) -> Node:
+    """The node of `copied`, a deep copy of `root`, that stands where `node` does below `root`."""
+    steps: list[int] = []
+    while node is not root:
+        parent = node.getparent()
+        assert parent is not None
+        steps.append(parent.index(node))
+        node = parent
+    for step in reversed(steps):
+        copied = copied[step]
+    return copied
+
+
+def duplicate(model: Model) -> Model:
+    """A model of its own with copies of everything attached; it hangs on nothing."""
+    twin = Model(model.unit.copied())
+    RootElement._of(twin)
+    for attachment in model.attachments.values():
+        child = duplicate(attachment.child)
+        frame = copy.deepcopy(attachment.frame)
+        host = counterpart(attachment.host, model.unit.root, twin.unit.root)
+        child.hung = twin.attachments[child.prefix] = Attachment(twin, child, host, frame)
+        twin.views[frame] = AttachmentFrame(twin, frame)
+        twin.unit.origins.owners.update(model.unit.origins.carried(attachment.frame, frame).owners)
+        for joint in frame:
+            twin.note(joint)
+    return twin

@@ -1,0 +1,224 @@
+"""Changes of attributes: checked as a whole first, then written, with every reference following a new name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import ElementType
+from composer.grammar.attribute import Attribute
+from composer.mjcf.asset import Asset, Files, place
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
+from composer.mjcf.kinds import attribute_of, naming_attribute, section_of, spoken
+from composer.mjcf.model import Attachment, Model, Target
+from composer.mjcf.names import MAY_REPEAT, is_list, renamed
+from composer.mjcf.reference import describe, name_for, namespace_of, refers
+from composer.mjcf.value import BadValue, encode
+from composer.tree.classes import ORIENTATIONS
+
+
+@dataclass(slots=True)
+class Edit:
+    """Attributes to write, None for those to remove, and the bytes of files that come with them."""
+
+    texts: dict[str, str | None] = field(default_factory=dict)
+    contents: dict[str, bytes | Path] = field(default_factory=dict)
+
+
+def check(
+    model: Model,
+    kind: ElementType,
+    values: Mapping[str, object],
+    node: Node | None = None,
+    frame: Attachment | None = None,
+) -> Edit:
+    """The edit that gives `node`, or a new element where there is none, these values. Raises `MjcfError`.
+
+    `frame` is the attachment that a new joint is for. Elements among the values must have been replaced by
+    their targets.
+    """
+    if frame is None and node is not None and (above := model.frame_above(node)) is not None:
+        frame = model.attachment_of(above)
+    edit = Edit()
+    attributes: dict[str, Attribute] = {}
+    for name in values:
+        attribute = attribute_of(kind, name)
+        if attribute is None:
+            raise unknown_attribute(kind, name)
+        attributes[name] = attribute
+    written = {} if node is None else {str(name): str(value) for name, value in node.items()}
+    for name, attribute in sorted(attributes.items(), key=lambda each: refers(each[1])):
+        value = values[name]
+        try:
+            text = _text(model, kind, attribute, value, written, edit)
+        except BadValue as fault:
+            raise _bad_value(kind, attribute, fault, model, values.get("name"), node) from None
+        edit.texts[attribute.name] = text
+        if text is None:
+            written.pop(attribute.name, None)
+        else:
+            written[attribute.name] = text
+    turned = [name for name in ORIENTATIONS if edit.texts.get(name)]
+    if len(turned) > 1:
+        both = " and ".join(f"`{name}`" for name in turned)
+        raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}", call_site())
+    _check_name(model, kind, edit, node, frame)
+    return edit
+
+
+def _text(
+    model: Model,
+    kind: ElementType,
+    attribute: Attribute,
+    value: object,
+    written: Mapping[str, str],
+    edit: Edit,
+) -> str | None:
+    if value is None:
+        return None
+    if isinstance(value, Asset):
+        if attribute.type != "file":
+            raise BadValue("expects no file, got an `Asset`")
+        return place(model, kind.tag, value, edit.contents)
+    several = isinstance(value, list | tuple) and any(isinstance(each, Target) for each in value)
+    if isinstance(value, Target) or several:
+        if not refers(attribute):
+            raise BadValue("expects no element, got one")
+        if several and attribute.type != "references":
+            raise BadValue("expects one element, got a list")
+        namespace = namespace_of(attribute, written)
+        targets = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
+        return " ".join(
+            name_for(model, attribute, each, namespace) if isinstance(each, Target) else encode(attribute, each)
+            for each in targets
+        )
+    return encode(attribute, value)
+
+
+def write(model: Model, node: Node, edit: Edit) -> None:
+    """Carry out an edit that has been checked."""
+    _take_contents(model, edit)
+    before = model.declared(node)
+    model.forget(node)
+    for name, text in edit.texts.items():
+        if text is None:
+            node.attrib.pop(name, None)
+            continue
+        if name in ORIENTATIONS:  # one way to write an orientation replaces the others
+            for other in ORIENTATIONS:
+                node.attrib.pop(other, None)
+        node.set(name, text)
+    model.note(node)
+    after = model.declared(node)
+    if before and after and before != after:
+        follow(model, before[0], before[1], after[1])
+
+
+def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:
+    """A new element below `parent`, at the end or before the child at `position`."""
+    _take_contents(model, edit)
+    attributes = {name: text for name, text in edit.texts.items() if text is not None}
+    node = parent.makeelement(tag, attributes)
+    siblings = [] if position is None else list(parent.iterchildren("*"))
+    if position is None or position >= len(siblings):
+        parent.append(node)
+    else:
+        siblings[max(position, -len(siblings))].addprevious(node)
+    model.unit.origins.own(node, call_site())
+    model.note(node)
+    return node
+
+
+def follow(model: Model, namespace: str, old: str, new: str) -> None:
+    """Everything that refers to a renamed element refers to it by its new name, in models above as well."""
+    for here in (model, *model.ancestors()):
+        follow_in(here, namespace, old, new)
+        old, new = here.prefix + old, here.prefix + new
+
+
+def follow_in(model: Model, namespace: str, old: str, new: str) -> None:
+    """The same in one model alone, with the names as that model sees them."""
+    for node, attribute in model.names.users(namespace, old):
+        model.forget(node)
+        listed = is_list(node, attribute, section_of(node))
+        node.set(attribute, renamed(str(node.get(attribute)), old, new, listed))
+        model.note(node)
+
+
+def _take_contents(model: Model, edit: Edit) -> None:
+    if edit.contents:
+        known = model.unit.contents
+        model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(edit.contents)
+
+
+def _check_name(
+    model: Model, kind: ElementType, edit: Edit, node: Node | None, frame: Attachment | None
+) -> None:
+    """A name must be free in the whole composition."""
+    attribute = naming_attribute(kind)
+    if attribute is None or attribute.declares is None or attribute.declares in MAY_REPEAT:
+        return
+    namespace = attribute.declares
+    if node is not None and attribute.name not in edit.texts:
+        return
+    name = edit.texts.get(attribute.name)
+    if frame is not None:
+        name = frame.child.prefix + (name or "")
+    if not name:
+        return
+    taken = model.top.lookup(namespace, model.full_prefix + name)
+    if taken is None or (taken.model is model and taken.node is node):
+        return
+    what = "default class" if namespace == "default" else namespace
+    raise failure(
+        "class-clash" if namespace == "default" else "name-clash",
+        f"there is a {what} `{model.full_prefix + name}` already",
+        call_site(),
+        notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
+        help="give one of the two another name",
+    )
+
+
+def unknown_attribute(kind: ElementType, name: str) -> MjcfAttributeError:
+    """That elements of a kind have no such attribute, with what they do have."""
+    known = [spoken(each) for each in kind.attributes]
+    near = closest(name, known)
+    fault = failure(
+        "unknown-attribute",
+        f"`<{kind.tag}>` has no attribute `{name}`",
+        call_site(),
+        notes=(exists_note("attribute", sorted(known), name),),
+        help=f"did you mean `{near[0]}`?" if near else None,
+        kind=MjcfAttributeError,
+    )
+    assert isinstance(fault, MjcfAttributeError)
+    return fault
+
+
+def _bad_value(
+    kind: ElementType, attribute: Attribute, fault: BadValue, model: Model, name: object, node: Node | None
+) -> MjcfError:
+    if node is not None:
+        what = describe(model, node)
+    else:
+        what = f"`<{kind.tag}>` `{name}`" if isinstance(name, str) else f"`<{kind.tag}>`"
+    message = str(fault)
+    got = message.rpartition(", got ")[2]
+    near: list[str] = []
+    if attribute.type in ("keyword", "keywords"):
+        code = "wrong-keyword"
+        near = closest(got.strip("`"), attribute.keywords)
+    else:
+        code = "wrong-length" if got.isdigit() and attribute.type != "name" else "wrong-type"
+    return failure(
+        code,
+        f"`{spoken(attribute.name)}` of {what} {message}",
+        call_site(),
+        help=f"did you mean `{near[0]}`?" if near else None,
+    )

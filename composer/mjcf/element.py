@@ -1,0 +1,375 @@
+"""The element of a model as Python sees it: a view, made on demand, of one node."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, cast
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import ElementType
+from composer.grammar.attribute import Attribute
+from composer.mjcf import edit, traversal
+from composer.mjcf.asset import asset_of
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import MjcfError, failure
+from composer.mjcf.kinds import Query, attribute_of, kind_of, naming_attribute, query, section_of, spoken, tags_of
+from composer.mjcf.model import Model, Target
+from composer.mjcf.names import own_name
+from composer.mjcf.reference import describe, refers, resolved
+from composer.mjcf.value import BadValue, decode
+from composer.tree.names import WORLD
+
+if TYPE_CHECKING:
+    from composer.mjcf.root import RootElement
+
+# Elements of which these have at most one of each child, made when first asked for; an empty one is not written.
+_HOLDS_ONE_OF_EACH = frozenset({"mujoco", "option", "visual", "compiler", "default"})
+
+
+class Element:
+    """One element of a model.
+
+    Its MJCF attributes are Python attributes: numbers and arrays come as numpy, references as Elements, files as
+    `Asset`, keywords and names as text; what is not set is None, and setting None removes. `class` is spelled
+    `dclass`; a last underscore is dropped (`global_`). Children are reached by tag: one that can occur once as an
+    Element (`model.visual.headlight`), others as a list (`body.geom`).
+
+    There is one Element for each element of a model: `a.find('joint', 'j') is a.find('joint', 'j')`.
+    """
+
+    __slots__ = ("_known_kind", "_model", "_node", "_removed")
+    _model: Model
+    _node: Node
+    _known_kind: ElementType | None
+    _removed: bool
+
+    def __init__(self, model: Model, node: Node) -> None:
+        """For use by this package: Elements come from `add`, `find` and the like."""
+        object.__setattr__(self, "_model", model)
+        object.__setattr__(self, "_node", node)
+        object.__setattr__(self, "_known_kind", None)
+        object.__setattr__(self, "_removed", False)
+
+    # -- what it is ------------------------------------------------------------------------------------------
+
+    @property
+    def tag(self) -> str:
+        """The MJCF tag, `geom`."""
+        return str(self._node.tag)
+
+    @property
+    def parent(self) -> Element | None:
+        """The element it stands in; None for a root, whose model may hang on another: see `parent_model`."""
+        parent = self._alive()._node.getparent()
+        return None if parent is None else view(self._model, parent)
+
+    @property
+    def root(self) -> RootElement:
+        """The root of its own model, attached or not."""
+        return cast("RootElement", view(self._alive()._model, self._model.unit.root))
+
+    @property
+    def name(self) -> str | None:
+        """The name in its own model, without prefixes; None where it has none.
+
+        A new name must be free in the whole composition, and whatever refers to the element follows. The name of a
+        default class is its class, that of an asset without one the stem of its file, as MuJoCo has it.
+        """
+        attribute = naming_attribute(self._kind)
+        return None if attribute is None else own_name(self._node, attribute.name)
+
+    @name.setter
+    def name(self, name: str | None) -> None:
+        attribute = naming_attribute(self._kind)
+        self._write({attribute.name if attribute else "name": name})
+
+    @property
+    def full_identifier(self) -> str | None:
+        """The name in the output of the whole composition, prefixes included; None where it has none."""
+        model = self._alive()._model
+        return model.seen_from(model.top, self._node)
+
+    @property
+    def origin(self) -> Span:
+        """The place it came from: in a file, or the line of the program that added it."""
+        return self._model.span(self._node)
+
+    # -- adding and removing ---------------------------------------------------------------------------------
+
+    def add(self, tag: str, /, **attributes: object) -> Element:
+        """Append a child and give it back.
+
+        Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. Raises `MjcfError`,
+        with what is there instead, for a tag or attribute that MJCF does not have here, a value of a wrong type or
+        length, and a name that is taken; then nothing has changed.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> model.worldbody.add('geom', name='ball', type='sphere', size=[0.1])
+        <geom name="ball" type="sphere" size="0.1"/>
+        """
+        return self._add(tag, None, attributes)
+
+    def insert(self, tag: str, /, position: int, **attributes: object) -> Element:
+        """The same, before the child that stands at `position` now; as with lists, a large one appends."""
+        return self._add(tag, position, attributes)
+
+    def _add(self, tag: str, position: int | None, attributes: Mapping[str, object]) -> Element:
+        self._alive()
+        kind = self._child_kind(tag)
+        if position is not None and (not isinstance(position, int) or isinstance(position, bool)):
+            raise failure("wrong-type", f"`position` expects an integer, got `{position!r}`", call_site())
+        once = kind.max_count == 1 or self._kind.tag == "mujoco"
+        existing = next(self._node.iterchildren(kind.tag), None) if once else None
+        if existing is not None and (len(existing) or existing.attrib):
+            raise failure(
+                "name-clash",
+                f"{self._described()} has a `<{kind.tag}>` already, and can have one only",
+                call_site(),
+                notes=(Note("it is here", self._model.span(existing)),),
+            )
+        checked = edit.check(self._model, kind, _targets(attributes))
+        if existing is None and self._kind.tag == "mujoco":
+            existing = self._model.section(kind.tag)
+        if existing is not None:
+            edit.write(self._model, existing, checked)
+            self._model.unit.origins.own(existing, call_site())
+            return view(self._model, existing)
+        return view(self._model, edit.create(self._model, self._node, kind.tag, checked, position))
+
+    def remove(self, cascade: bool = False) -> None:
+        """Take it and all below it out of the model; models attached there are detached.
+
+        What refers to it stays and is told when the model is written, every referrer by name. With `cascade` it goes
+        too: references to classes and materials are dropped from the elements that have them, any other referrer is
+        removed, in a section as a whole (a tendon goes with a site of its path). A section is emptied.
+        """
+        from composer.mjcf.removal import remove
+
+        self._alive()
+        remove(self._model, self._node, cascade)
+
+    def attach(self, other: RootElement) -> Element:
+        """Hang a model on this site, body, frame or worldbody; gives the attachment frame.
+
+        The child keeps its names and can be edited on; here they are seen under its prefix (`gripper/left_pad`). The
+        frame has an offset (`frame.pos`, `frame.quat`, …) and takes joints; without one the child is fixed and no
+        body is added. Raises `MjcfError` where the child is attached already, contains this model, or has the prefix of
+        another child.
+        """
+        from composer.mjcf.attachment import attach
+
+        return attach(self._alive()._model, self._node, other)
+
+    # -- finding ---------------------------------------------------------------------------------------------
+
+    def find(self, tag: str, name: str | None = None) -> Element | None:
+        """The first match below this element in document order, or None.
+
+        `tag` may be a family: `joint` also finds `freejoint`; `actuator`, `sensor`, `equality`, `tendon` and `key`
+        find all of theirs. `name` is the name in this element's model; of attached models with the prefix
+        (`gripper/left_pad`). Raises `MjcfError` for a tag that MJCF does not have.
+        """
+        wanted = self._query(tag)
+        if name is not None and not isinstance(name, str):
+            raise failure("wrong-type", f"`name` expects a name, got `{name!r}`", call_site())
+        if name is None:
+            first = next(self._matches(wanted), None)
+            return None if first is None else view(*first)
+        here = Target(self._model, self._node)
+        is_root = self._node is self._model.unit.root
+        for namespace in wanted.namespaces:
+            found = self._model.lookup(namespace, name)
+            if found is None:
+                continue
+            fits = kind_of(found.node).path in wanted.paths or (namespace == "body" and name == WORLD)
+            if fits and (is_root or traversal.is_below(here, found)):
+                return view(*found)
+        return None
+
+    def find_all(self, tag: str, immediate_children_only: bool = False) -> list[Element]:
+        """All matches below this element in document order, attached models included, at the place where they hang.
+
+        The list is made once: the model may be edited while going through it.
+        """
+        wanted = self._query(tag)
+        if immediate_children_only:
+            found = traversal.children(self._model, self._node, wanted)
+        else:
+            found = self._matches(wanted)
+        return [view(model, node) for model, node in found]
+
+    def all_children(self) -> list[Element]:
+        """The children in their order, those of its own model only."""
+        return [view(self._model, node) for node in self._alive()._node.iterchildren("*")]
+
+    def _matches(self, wanted: Query) -> Iterator[Target]:
+        if self._node is self._model.unit.root:
+            return traversal.from_root(self._model, wanted)
+        return traversal.below(self._model, self._node, wanted)
+
+    def _query(self, tag: str) -> Query:
+        self._alive()
+        section = None if self._node is self._model.unit.root else section_of(self._node)
+        wanted = query(tag, section)
+        if not wanted.paths and not query(tag, None).paths:
+            raise _unknown_tag(tag, f"MJCF has no element `{tag}`", tags_of(None))
+        return wanted
+
+    # -- attributes ------------------------------------------------------------------------------------------
+
+    def get(self, attribute: str, default: Any = None) -> Any:
+        """The value of an attribute; `default` where it is not set, or where such elements have none of that name."""
+        known = attribute_of(self._kind, attribute)
+        value = None if known is None else self._read(known)
+        return default if value is None else value
+
+    def get_attributes(self) -> dict[str, Any]:
+        """All attributes that are set, by their Python names."""
+        known = self._kind.attributes
+        return {spoken(str(name)): self._read(known[str(name)]) for name in self._node.keys()}  # noqa: SIM118
+
+    def set_attributes(self, **attributes: object) -> None:
+        """Set several attributes, all or none: a fault in one raises `MjcfError` and changes nothing."""
+        self._write(attributes)
+
+    def _read(self, attribute: Attribute) -> Any:
+        if attribute.declares:
+            return own_name(self._node, attribute.name)
+        text = self._node.get(attribute.name)
+        if text is None or (not text.strip() and attribute.type != "string"):
+            return None
+        if refers(attribute):
+            found = [
+                each if isinstance(each, str) else view(*each)
+                for each in resolved(self._model, attribute, self._node, str(text))
+            ]
+            return found if attribute.type == "references" else found[0]
+        if attribute.type == "file":
+            return asset_of(self._model, self.tag, str(text))
+        try:
+            return decode(attribute, str(text))
+        except BadValue as fault:
+            span = self._model.unit.origins.span(self._node, self._model.unit.file, attribute.name)
+            raise failure("wrong-type", f"`{attribute.name}` of {self._described()} {fault}", span) from None
+
+    def _write(self, attributes: Mapping[str, object]) -> None:
+        self._alive()
+        checked = edit.check(self._model, self._kind, _targets(attributes), self._node)
+        edit.write(self._model, self._node, checked)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        attribute = attribute_of(self._kind, name)
+        if attribute is not None:
+            return self._read(attribute)
+        tag = name.rstrip("_")
+        child = self._kind.children.get(tag)
+        if child is None:
+            raise edit.unknown_attribute(self._kind, name)
+        self._alive()
+        own = self._kind.tag
+        if own == "mujoco":
+            return view(self._model, self._model.section(tag))
+        if child.max_count != 1:
+            return [view(self._model, node) for node in self._node.iterchildren(tag)]
+        if own in _HOLDS_ONE_OF_EACH:
+            return view(self._model, self._model.only_child(self._node, tag))
+        node = next(self._node.iterchildren(tag), None)
+        return None if node is None else view(self._model, node)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        found = getattr(type(self), name, None)
+        if isinstance(found, property):
+            object.__setattr__(self, name, value)
+        elif self._kind.children.get(name.rstrip("_")) is not None and attribute_of(self._kind, name) is None:
+            raise failure(
+                "wrong-type",
+                f"`{name}` of {self._described()} is an element and cannot be set",
+                call_site(),
+                help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
+            )
+        else:
+            self._write({name: value})
+
+    def __delattr__(self, name: str) -> None:
+        self._write({name: None})
+
+    def __copy__(self) -> Element:
+        raise failure("not-supported", "a model is copied as a whole: `copy.deepcopy(element.root)`", call_site())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Element:
+        raise failure("not-supported", "a model is copied as a whole: `copy.deepcopy(element.root)`", call_site())
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *map(spoken, self._kind.attributes), *self._kind.children})
+
+    def __repr__(self) -> str:
+        attributes = "".join(f' {name}="{value}"' for name, value in self._node.items())
+        return f"<{self.tag}{attributes}/>" if not len(self._node) else f"<{self.tag}{attributes}>…</{self.tag}>"
+
+    # -- for this package ------------------------------------------------------------------------------------
+
+    @property
+    def _kind(self) -> ElementType:
+        kind = self._known_kind
+        if kind is None:
+            kind = kind_of(self._node)
+            object.__setattr__(self, "_known_kind", kind)
+        return kind
+
+    def _take_out(self) -> None:
+        """Note that the node leaves the model; to be called while it is still there."""
+        object.__setattr__(self, "_known_kind", self._kind)
+        object.__setattr__(self, "_removed", True)
+
+    def _child_kind(self, tag: str) -> ElementType:
+        kind = self._kind.children.get(tag) if isinstance(tag, str) else None
+        if kind is None:
+            raise _unknown_tag(tag, f"`<{self.tag}>` cannot have a `{tag}`", self._kind.children)
+        return kind
+
+    def _described(self) -> str:
+        return describe(self._model, self._node)
+
+    def _alive(self) -> Element:
+        if self._removed:
+            raise failure("unknown-element", f"`<{self.tag}>` was removed from its model", call_site())
+        return self
+
+
+def view(model: Model, node: Node) -> Element:
+    """The one Element of a node."""
+    found = model.views.get(node)
+    return model.views.setdefault(node, Element(model, node)) if found is None else found
+
+
+def _targets(attributes: Mapping[str, object]) -> dict[str, object]:
+    """The attributes with nodes in place of Elements."""
+    return {name: _target(value) for name, value in attributes.items()}
+
+
+def _target(value: object) -> object:
+    if isinstance(value, Element):
+        return Target(value._model, value._node)
+    if isinstance(value, list | tuple) and any(isinstance(each, Element) for each in value):
+        return [_target(each) for each in value]
+    return value
+
+
+def _unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
+    names = sorted(known)
+    written = tag if isinstance(tag, str) else None
+    near = closest(written, names) if written else []
+    return failure(
+        "unknown-element",
+        message,
+        call_site(),
+        notes=(exists_note("element", names, written),),
+        help=f"did you mean `{near[0]}`?" if near else None,
+    )

@@ -1,0 +1,124 @@
+"""The names of one model by namespace, and who refers to them, kept up to date through every edit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from lxml.etree import _Element as Node
+
+from composer.tree.classes import MAIN
+from composer.tree.files import NAMED_AFTER_FILE, stem
+from composer.tree.names import DECLARES, GENERATES, LISTS, REFERS_BY, WORLD, naming_table, object_namespace
+
+SEPARATOR = "/"
+# What may have a name twice: MuJoCo lets two `<model>` assets have one, and so must the names that come with them.
+MAY_REPEAT = frozenset({"model"})
+
+Use = tuple[Node, str]
+"""An element and its attribute that holds a reference."""
+
+
+@dataclass(slots=True)
+class NameIndex:
+    """Names as they are written in one model, in both directions.
+
+    `declared` has the element of a name, `uses` who refers to one; neither `world` nor `main` is in it, as nothing
+    may take them. A node's names are forgotten before it changes and noted again after.
+    """
+
+    declared: dict[str, dict[str, Node]] = field(default_factory=dict)
+    uses: dict[str, dict[str, dict[Use, None]]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, root: Node) -> NameIndex:
+        """The names of a whole `<mujoco>` tree."""
+        index = cls()
+        for section in root.iterchildren("*"):
+            tag = str(section.tag)
+            tags = tuple(naming_table(tag))
+            for node in section.iterdescendants(*tags) if tags else ():
+                index.note(node, tag)
+        return index
+
+    def find(self, namespace: str, name: str) -> Node | None:
+        names = self.declared.get(namespace)
+        return None if names is None else names.get(name)
+
+    def note(self, node: Node, section: str, *, declares: bool = True) -> None:
+        """Take up the names of one node, not of what is below it; the first of two equal names keeps it."""
+        for kind, namespace, attribute, name in _names_in(node, section):
+            if kind != DECLARES:
+                self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None
+            elif declares:
+                self.declared.setdefault(namespace, {}).setdefault(name, node)
+
+    def forget(self, node: Node, section: str) -> None:
+        """Drop the names of one node, as they are written in it now."""
+        for kind, namespace, attribute, name in _names_in(node, section):
+            if kind == DECLARES:
+                names = self.declared.get(namespace, {})
+                if names.get(name) is node:
+                    del names[name]
+            else:
+                users = self.uses.get(namespace, {}).get(name, {})
+                users.pop((node, attribute), None)
+                if not users:
+                    self.uses.get(namespace, {}).pop(name, None)
+
+    def users(self, namespace: str, name: str) -> list[Use]:
+        """Who refers to a name, in the order in which they began to."""
+        return list(self.uses.get(namespace, {}).get(name, ()))
+
+
+def own_name(node: Node, attribute: str) -> str | None:
+    """The name a node declares: the attribute, or what MuJoCo takes from the file of an asset; None without one."""
+    value = node.get(attribute)
+    if value:
+        return str(value)
+    if attribute == "name" and node.tag in NAMED_AFTER_FILE:
+        file = node.get("file")
+        parent = node.getparent()
+        if file and parent is not None and parent.tag == "asset":
+            return stem(str(file))
+    return None
+
+
+def renamed(text: str, old: str, new: str, kind_is_list: bool) -> str:
+    """A reference or a list of references with one name replaced."""
+    if not kind_is_list:
+        return new
+    return " ".join(new if each == old else each for each in text.split())
+
+
+def is_list(node: Node, attribute: str, section: str) -> bool:
+    """Whether an attribute that refers holds several names."""
+    return naming_table(section)[str(node.tag)][attribute][0] == LISTS
+
+
+def _names_in(node: Node, section: str) -> Iterator[tuple[int, str, str, str]]:
+    """Kind, namespace, attribute and name of every name that a node declares or refers to."""
+    actions = naming_table(section).get(str(node.tag))
+    if not actions:
+        return
+    for attribute, (kind, namespace) in actions.items():
+        if kind == DECLARES:
+            name = own_name(node, attribute)
+            if name is not None:
+                yield kind, namespace, attribute, name
+            continue
+        value = node.get(attribute)
+        if not value or kind == GENERATES:
+            continue
+        if kind == LISTS:
+            for each in str(value).split():
+                if each != WORLD:
+                    yield kind, namespace, attribute, each
+            continue
+        if kind == REFERS_BY:
+            target = object_namespace(node, namespace)
+            if target is None:
+                continue
+            namespace = target
+        if not (value == WORLD and namespace == "body") and not (value == MAIN and namespace == "default"):
+            yield kind, namespace, attribute, str(value)

@@ -1,0 +1,76 @@
+"""References: names in attributes to the nodes they mean, and nodes to the names that a model knows them by."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lxml.etree import _Element as Node
+
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.mjcf.kinds import kind_of
+from composer.mjcf.model import Model, Target
+from composer.mjcf.value import BadValue
+from composer.tree.names import WORLD
+
+
+def refers(attribute: Attribute) -> bool:
+    """Whether the attribute names elements of the model."""
+    if attribute.refers_by is not None:
+        return True
+    return attribute.is_reference and not (attribute.refers or "").startswith("attached:")
+
+
+def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None:
+    """The namespace that a reference looks into, given all attributes of its element; None where that is open."""
+    if attribute.refers_by is not None:
+        return GRAMMAR.objtypes.get(written.get(attribute.refers_by, ""))
+    return attribute.refers
+
+
+def name_for(model: Model, attribute: Attribute, target: Target, namespace: str | None) -> str:
+    """What `model` has to write to mean `target`. Raises `BadValue` where it cannot."""
+    node = target.node
+    if not target.model.has(node):
+        raise BadValue(f"got {described(target)}, which was removed")
+    declared = target.model.declared(node)
+    kind = kind_of(node)
+    if namespace is not None and (declared[0] if declared else kind.family) != namespace:
+        raise BadValue(f"expects a {namespace}, got {described(target)}")
+    if declared is None and kind.family is None:
+        raise BadValue(f"got {described(target)}, which nothing can refer to")
+    if declared is None:
+        raise BadValue(f"got {described(target)}, which has no name; give it one first")
+    name = target.model.seen_from(model, node)
+    if name is None:
+        raise BadValue(
+            f"got {described(target)} of the model `{target.model.name}`, which is not attached to `{model.name}`"
+        )
+    if attribute.type == "references" and len(name.split()) != 1:
+        raise BadValue(f"got {described(target)}, but a list of names cannot hold one with a space")
+    return name
+
+
+def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[Target | str]:
+    """The nodes that a reference means, or each several one of a list; the name itself where nothing has it.
+
+    MuJoCo may still make such a name (the copies of a `replicate`); if not, writing the model tells.
+    """
+    written = {str(key): str(value) for key, value in node.items()}
+    namespace = namespace_of(attribute, written)
+    names = text.split() if attribute.type == "references" else [text]
+    return [(model.lookup(namespace, name) if namespace else None) or name for name in names]
+
+
+def described(target: Target) -> str:
+    """An element as messages name it."""
+    return describe(target.model, target.node)
+
+
+def describe(model: Model, node: Node) -> str:
+    """An element as messages name it: its tag, and its name where it has one."""
+    if not model.has(node):
+        return f"`<{node.tag}>`" + (f" `{node.get('name')}`" if node.get("name") else "")
+    declared = model.declared(node)
+    named = f" `{declared[1]}`" if declared and declared[1] != WORLD else ""
+    return f"`<{node.tag}>`{named}"

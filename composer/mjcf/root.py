@@ -1,0 +1,150 @@
+"""The root of a model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from composer.link.linking import Policy
+from composer.mjcf.asset import Files
+from composer.mjcf.attachment import attach, detach, set_model_name
+from composer.mjcf.call_site import call_site
+from composer.mjcf.element import Element, view
+from composer.mjcf.kinds import WORLD_SECTION
+from composer.mjcf.model import UNNAMED, Model
+from composer.tree.unit import Unit
+
+class RootElement(Element):
+    """A whole model; its sections are attributes, made when first asked for.
+
+    >>> model = RootElement('pendulum')
+    >>> pole = model.worldbody.add('body', name='pole', pos=[0, 0, 1])
+    >>> hinge = pole.add('joint', name='hinge', axis=[0, 1, 0])
+    >>> model.actuator.add('motor', name='drive', joint=hinge).joint is hinge
+    True
+    """
+
+    __slots__ = ()
+
+    compiler: Element
+    option: Element
+    size: Element
+    statistic: Element
+    visual: Element
+    default: Element
+    extension: Element
+    asset: Element
+    worldbody: Element
+    deformable: Element
+    contact: Element
+    tendon: Element
+    equality: Element
+    actuator: Element
+    sensor: Element
+    custom: Element
+    keyframe: Element
+
+    def __init__(self, model: str | None = None) -> None:
+        """An empty model called `model`; files that are added to it resolve against the working directory."""
+        super().__init__(Model(_empty_unit()), etree.Element("mujoco"))
+        object.__setattr__(self, "_node", self._model.unit.root)
+        self._model.views[self._node] = self
+        self._model.unit.origins.own(self._node, call_site())
+        if model is not None:
+            set_model_name(self._model, model)
+
+    @classmethod
+    def _of(cls, model: Model) -> RootElement:
+        """The root of a model that exists."""
+        root = cls.__new__(cls)
+        Element.__init__(root, model, model.unit.root)
+        model.views[model.unit.root] = root
+        return root
+
+    @property
+    def model(self) -> str:
+        """The model's name, and with a `/` the prefix that its names get where it is attached.
+
+        Where none is written it is the stem of the model's file, else `unnamed_model`. A new name must differ from those
+        of the models attached to the same parent; references from there follow.
+        """
+        return self._model.name
+
+    @model.setter
+    def model(self, name: str | None) -> None:
+        set_model_name(self._model, name)
+
+    @property
+    def parent_model(self) -> RootElement | None:
+        """The root of the model that this one is attached to, or None."""
+        hung = self._model.hung
+        return None if hung is None else _root_of(hung.parent)
+
+    @property
+    def root_model(self) -> RootElement:
+        """The root of the whole composition; itself where it is not attached."""
+        return _root_of(self._model.top)
+
+    @property
+    def attached_models(self) -> list[RootElement]:
+        """The roots of the models attached to this one, in the order in which they were."""
+        return [_root_of(each.child) for each in self._model.attachments.values()]
+
+    def attach(self, other: RootElement) -> Element:
+        """Hang a model in the world of this one; gives the attachment frame. See `Element.attach`."""
+        return attach(self._model, self._model.section(WORLD_SECTION), other)
+
+    def detach(self) -> None:
+        """Take this model off the one it is attached to.
+
+        The attachment frame and its joints are gone; whatever in the parent refers to something here is told when the
+        parent is written. Raises `MjcfError` where it is not attached.
+        """
+        detach(self._model)
+
+    def to_xml_string(self, *, conflict: Policy = "error") -> str:
+        """The model with everything attached to it, as MJCF text; the model itself stays as it is.
+
+        Files are named as in `assets`, so that `mujoco.MjModel.from_xml_string(root.to_xml_string(), root.assets)`
+        compiles it; no file is read. Each attached model means what it means alone: its units, default classes and
+        inertia rules are its own. Raises `MjcfError` with all faults: references to nothing with everyone who
+        refers, names that clash, what MuJoCo cannot have.
+
+        Of `option`, `visual` and `statistic` a model has one. Where an attached model writes a value that this one does
+        not have, `conflict` says what happens: `error`; `warning`, this model's value stands; `merge`, they are
+        combined as MuJoCo's own attach does (what is not written here is taken over; of two the smaller time step and
+        tolerance, the larger number of iterations). The last two issue an `MjcfWarning` for each.
+        """
+        from composer.mjcf.flat import text
+
+        return text(self._model, conflict)
+
+    @property
+    def assets(self) -> dict[str, bytes]:
+        """The files of the model and of everything attached to it, by the name they have in `to_xml_string()`.
+
+        No two end in the same file name, as MuJoCo goes by that alone. Raises `MjcfError` for files that cannot be read.
+        """
+        from composer.mjcf.flat import assets
+
+        return assets(self._model)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> RootElement:
+        """A copy with copies of everything attached, itself attached to nothing."""
+        from composer.mjcf.duplicate import duplicate
+
+        twin = _root_of(duplicate(self._model))
+        memo[id(self)] = twin
+        return twin
+
+
+def _root_of(model: Model) -> RootElement:
+    root = view(model, model.unit.root)
+    assert isinstance(root, RootElement)
+    return root
+
+
+def _empty_unit() -> Unit:
+    return Unit(etree.Element("mujoco"), UNNAMED, Path(), UNNAMED, Files())

@@ -1,0 +1,164 @@
+"""Document order through a composition: every attached model at the place where it will stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lxml.etree import _Element as Node
+
+from composer.mjcf.kinds import ROOT, WORLD_SECTION, Query, section_of
+from composer.mjcf.model import Attachment, Model, Target
+
+
+def from_root(model: Model, query: Query) -> Iterator[Target]:
+    """All matches of a model, section by section; attached models follow in each section."""
+    for tag in _section_tags(model):
+        if tag in query.sections:
+            yield from _in_section(model, tag, query)
+
+
+def below(model: Model, node: Node, query: Query) -> Iterator[Target]:
+    """All matches below a node, which is not one itself."""
+    frame = model.frame_above(node)
+    if frame is not None:
+        if node is frame:
+            yield from _frame_content(model.attachment_of(frame), query)
+        return
+    section = section_of(node)
+    if section == WORLD_SECTION:
+        yield from _World(model, query).below(node)
+    else:
+        yield from _flat(model, node, section, query)
+        if _is_section(node):
+            for attachment in model.attachments.values():
+                yield from _in_section(attachment.child, section, query, itself=False)
+
+
+def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
+    """All matches among the children of a node; what is attached without a joint counts as children."""
+    frame = model.frame_above(node)
+    if frame is not None:
+        attachment = model.attachment_of(frame)
+        yield from (Target(model, joint) for joint in frame.iterchildren(*query.tags) if _taken(joint, query))
+        yield from _top_level(attachment.child, query)
+        return
+    section = section_of(node)
+    for child in node.iterchildren(*query.tags) if query.tags else ():
+        if query.takes(section, str(node.tag), str(child.tag)):
+            yield Target(model, child)
+    for attachment in model.attachments.values():
+        if attachment.container is node:
+            yield from _attached_children(attachment, query)
+        elif _is_section(node) and section != WORLD_SECTION:
+            for other in attachment.child.unit.root.iterchildren(section):
+                yield from children(attachment.child, other, query)
+
+
+def is_below(outer: Target, inner: Target) -> bool:
+    """Whether `inner` stands anywhere below `outer`, in the output."""
+    model, node = inner
+    while model is not outer.model:
+        if model.hung is None:
+            return False
+        attachment = model.hung
+        if outer == (attachment.parent, attachment.frame):
+            return True
+        section = section_of(node)
+        model = attachment.parent
+        if section == WORLD_SECTION:
+            node = attachment.container
+            if node is outer.node:
+                return True
+        else:
+            return outer.node is model.unit.root or (_is_section(outer.node) and outer.node.tag == section)
+    frame = model.frame_above(node)
+    if frame is not None and outer.node is not frame:
+        node = model.attachment_of(frame).container
+        if node is outer.node:
+            return True
+    return outer.node in node.iterancestors()
+
+
+def _attached_children(attachment: Attachment, query: Query) -> Iterator[Target]:
+    if not attachment.is_body:
+        yield from _top_level(attachment.child, query)
+    elif "body" in query.paths:
+        yield Target(attachment.parent, attachment.frame)
+
+
+def _top_level(model: Model, query: Query) -> Iterator[Target]:
+    for worldbody in model.unit.root.iterchildren(WORLD_SECTION):
+        yield from children(model, worldbody, query)
+
+
+def _in_section(model: Model, tag: str, query: Query, *, itself: bool = True) -> Iterator[Target]:
+    for section in model.unit.root.iterchildren(tag):
+        if itself and tag in query.paths:
+            yield Target(model, section)
+        if tag == WORLD_SECTION:
+            yield from _World(model, query).below(section)
+        else:
+            yield from _flat(model, section, tag, query)
+    if tag != WORLD_SECTION:
+        for attachment in model.attachments.values():
+            yield from _in_section(attachment.child, tag, query, itself=itself)
+
+
+def _flat(model: Model, node: Node, section: str, query: Query) -> Iterator[Target]:
+    """Matches below a node, without a look at what is attached: one pass of lxml's own."""
+    for each in node.iterdescendants(*query.tags) if query.tags else ():
+        parent = each.getparent()
+        if parent is not None and query.takes(section, str(parent.tag), str(each.tag)):
+            yield Target(model, each)
+
+
+class _World:
+    """Matches in the body tree of one model, attached models at their places."""
+
+    def __init__(self, model: Model, query: Query) -> None:
+        self.model, self.query = model, query
+        self.hanging: dict[Node, list[Attachment]] = {}
+        self.leads_there: set[Node] = set()
+        for attachment in model.attachments.values():
+            container = attachment.container
+            self.hanging.setdefault(container, []).append(attachment)
+            self.leads_there.update([container, *container.iterancestors()])
+
+    def below(self, node: Node) -> Iterator[Target]:
+        if node not in self.leads_there:
+            yield from _flat(self.model, node, WORLD_SECTION, self.query)
+            return
+        for child in node.iterchildren("*"):
+            tag = str(child.tag)
+            if tag in self.query.tags and self.query.takes(WORLD_SECTION, str(node.tag), tag):
+                yield Target(self.model, child)
+            yield from self.below(child)
+        for attachment in self.hanging.get(node, ()):
+            if attachment.is_body and "body" in self.query.paths:
+                yield Target(self.model, attachment.frame)
+            yield from _frame_content(attachment, self.query)
+
+
+def _frame_content(attachment: Attachment, query: Query) -> Iterator[Target]:
+    """The joints of a frame, then the bodies of the child."""
+    for joint in attachment.frame.iterchildren(*query.tags) if query.tags else ():
+        if _taken(joint, query):
+            yield Target(attachment.parent, joint)
+    yield from _in_section(attachment.child, WORLD_SECTION, query, itself=False)
+
+
+def _taken(joint: Node, query: Query) -> bool:
+    return query.takes(WORLD_SECTION, "body", str(joint.tag))
+
+
+def _section_tags(model: Model) -> list[str]:
+    """The sections that a model or anything attached to it has, its own in their order first."""
+    tags = dict.fromkeys(str(section.tag) for section in model.unit.root.iterchildren("*"))
+    for attachment in model.attachments.values():
+        tags.update(dict.fromkeys(_section_tags(attachment.child)))
+    return list(tags)
+
+
+def _is_section(node: Node) -> bool:
+    parent = node.getparent()
+    return parent is not None and parent.tag == ROOT

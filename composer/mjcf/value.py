@@ -1,0 +1,84 @@
+"""Values of attributes: Python's and numpy's to MJCF text and back. References are another file's matter."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from composer.grammar.attribute import Attribute
+from composer.grammar.check import check_python, check_value, plain
+from composer.grammar.format import to_text
+from composer.grammar.number import items, parse_real
+
+_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+
+
+class BadValue(ValueError):
+    """A value that does not fit; the message continues the attribute's name."""
+
+
+def encode(attribute: Attribute, value: object) -> str:
+    """The text of a value; text is taken as MJCF writes it. Raises `BadValue`.
+
+    Numbers are written so that they read back to the same bits. An array of more than one dimension is taken row by
+    row where the attribute has no fixed length.
+    """
+    if isinstance(value, str):
+        fault = check_value(attribute, value) if attribute.is_number or attribute.separated else None
+        text = value
+        if fault is None and not (attribute.is_number or attribute.separated):
+            fault = check_python(attribute, value)
+    else:
+        value = _flat(attribute, value)
+        fault = check_python(attribute, value)
+        text = "" if fault else to_text(attribute, value)
+    if fault is not None:
+        raise BadValue(fault)
+    if attribute.is_number and any(math.isnan(parse_real(item) or 0.0) for item in items(text)):
+        raise BadValue("expects numbers, got `nan`")
+    unwritable = _NOT_XML.search(text)
+    if unwritable:
+        raise BadValue(f"has the character {unwritable.group()!r}, which XML cannot hold")
+    return text
+
+
+def decode(attribute: Attribute, text: str) -> object:
+    """What an attribute's text means. Raises `BadValue` for what MuJoCo would refuse.
+
+    A number is a numpy scalar, several are an array (`float64` or `int64`, shape `(n,)`) that cannot be written to:
+    a changed copy has to be set. Keywords are text, a list of them a list, a boolean is a `bool`.
+    """
+    fault = check_value(attribute, text)
+    if fault is not None:
+        raise BadValue(fault)
+    if attribute.type == "bool":
+        return text == "true"
+    if attribute.type == "keywords":
+        return items(text)
+    if not attribute.is_number:
+        return text
+    numbers = [parse_real(item) for item in items(text)]
+    array = np.array(numbers, dtype=np.int64 if attribute.type == "int" else np.float64)
+    if attribute.max_length == 1:
+        return array[0]
+    array.flags.writeable = False
+    return array
+
+
+def _flat(attribute: Attribute, value: object) -> object:
+    """Arrays and tuples as the lists that the grammar checks."""
+    shape = getattr(value, "shape", None)
+    if shape is not None and len(shape) > 1 and attribute.is_number:
+        if attribute.max_length is not None:
+            raise BadValue(f"expects a flat array, got one of shape {tuple(shape)}")
+        value = np.asarray(value).reshape(-1)
+    value = plain(value)
+    if isinstance(value, Sequence) and not isinstance(value, str | bytes):
+        flat = [plain(item) for item in value]
+        if attribute.max_length is None and attribute.is_number and flat and all(isinstance(i, list | tuple) for i in flat):
+            flat = [plain(number) for row in flat for number in row]
+        return flat
+    return value

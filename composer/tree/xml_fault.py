@@ -1,0 +1,91 @@
+"""What is wrong with text that is not XML, in the words of its author rather than of a parser."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+
+_Words = tuple[str, str | None]
+
+
+def tell(said: str, file: str, line: int, column: int, text: str, sink: Sink) -> None:
+    """An `xml-syntax` error for what lxml said of `file`; a tag that it names by its line is shown too."""
+    said = re.sub(r", line \d+, column \d+.*", "", said, flags=re.DOTALL)
+    message, help = next((make(found) for pattern, make in _KNOWN if (found := pattern.match(said))), _plain(said))
+    notes = ()
+    if opened := _OPENED.search(said):
+        lines = text.splitlines()
+        at, tag = int(opened["line"]), opened["tag"]
+        begin = lines[at - 1].rfind(f"<{tag}") if 0 < at <= len(lines) else -1
+        if begin >= 0:
+            span = Span(file, at, begin + 1, at, begin + 2 + len(tag))
+            notes = (Note(f"`<{tag}>` begins here", span),)
+    sink.error("xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help)
+
+
+_OPENED = re.compile(r"(?:Opening and ending tag mismatch:|Premature end of data in tag|Couldn't find end of Start Tag)"
+                     r" (?P<tag>\S+) line (?P<line>\d+)")  # fmt: skip
+
+
+def _words(message: str, help: str | None = None) -> Callable[[re.Match[str]], _Words]:
+    return lambda found: (found.expand(message), found.expand(help) if help else None)
+
+
+def _plain(said: str) -> _Words:
+    return (said[:1].lower() + said[1:] if not said[:2].isupper() else said, None)
+
+
+_KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = tuple(
+    (re.compile(pattern), words)
+    for pattern, words in (
+        (r"Document is empty", _words("it is empty")),
+        (r"Start tag expected, '<' not found", _words("it does not begin with `<`")),
+        (
+            r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)",
+            _words(r"`</\3>` stands where `<\1>` is still open", r"end the tag with `/>`, or write `</\1>` first"),
+        ),
+        (r"Premature end of data in tag (\S+)", _words(r"`<\1>` is never closed", r"write `</\1>`")),
+        (
+            r"Couldn't find end of Start Tag (\S+)",
+            _words(r"the tag `<\1` has no end", "end it with `>`, or with `/>` if nothing stands in it"),
+        ),
+        (
+            r"Unescaped '<' not allowed in attributes values",
+            _words("a `<` stands in the value of an attribute", "close the quote before it; a real `<` is `&lt;`"),
+        ),
+        (r"AttValue: \" or ' expected", _words("the value of an attribute has no quotes", 'write `name="value"`')),
+        (r"AttValue: ' expected", _words("the value of an attribute is never closed", "add the closing quote")),
+        (
+            r"Specification mandates? value for attribute (\S+)",
+            _words(r"the attribute `\1` has no value", r'write `\1="…"`'),
+        ),
+        (r"Attribute (\S+) redefined", _words(r"the attribute `\1` is written twice in one tag", "keep one of them")),
+        (
+            r"xmlParseEntityRef: no name|EntityRef: expecting ';'",
+            _words("a `&` stands by itself", "write `&amp;`"),
+        ),
+        (r"Entity '(\S+)' not defined", _words(r"nothing is known of `&\1;`", "write the character itself")),
+        (
+            r"Comment not terminated|Comment must not contain",
+            _words("a comment is never closed", "close it with `-->`"),
+        ),
+        (
+            r"Extra content at the end of the document",
+            _words("something stands after the end of its one outermost element"),
+        ),
+        (r"StartTag: invalid element name", _words("a `<` begins no tag", "a real `<` is `&lt;`")),
+        (
+            r"error parsing attribute name",
+            _words("a tag is not ended before the next one begins", "end it with `>`, or with `/>`"),
+        ),
+        (r"attributes construct error", _words("attributes are not parted from one another", "put a space between")),
+        (
+            r"Input is not proper UTF-8|Invalid bytes in character encoding|switching encoding: encoder error",
+            _words("it is not UTF-8 text, and does not say what else", "save the file as UTF-8"),
+        ),
+    )
+)
