@@ -14,11 +14,11 @@ from composer import pose
 from composer.pose import Pose, Quat, Vec3
 
 SEQUENCES = ["".join(letters) for letters in itertools.product("xyzXYZ", repeat=3)]
-ANGLES = st.floats(-720, 720, allow_subnormal=False)
-NUMBERS = st.floats(-5, 5, allow_subnormal=False)
+ANGLES = st.floats(-720, 720).map(lambda number: number if abs(number) > 1e-12 else 0.0)
+NUMBERS = st.floats(-5, 5).map(lambda number: number if abs(number) > 1e-12 else 0.0)
 VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS)
-AXES = VECTORS.filter(lambda vector: 1e-3 < math.hypot(*vector))
-QUATS = st.tuples(NUMBERS, NUMBERS, NUMBERS, NUMBERS).filter(lambda quat: 1e-3 < math.hypot(*quat))
+AXES = VECTORS.filter(lambda vector: math.hypot(*vector) > 1e-3)
+QUATS = st.tuples(NUMBERS, NUMBERS, NUMBERS, NUMBERS).filter(lambda quat: math.hypot(*quat) > 1e-3)
 
 
 def text(values: Sequence[float]) -> str:
@@ -73,11 +73,10 @@ def test_a_z_axis_gives_the_bits_that_mujoco_gives(axes: list[Vec3]) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(AXES, AXES), min_size=1, max_size=20))
-def test_two_axes_are_made_orthogonal_as_in_mujoco(axes: list[tuple[Vec3, Vec3]]) -> None:
+def test_two_axes_give_the_bits_that_mujoco_gives(axes: list[tuple[Vec3, Vec3]]) -> None:
     axes = [(x, y) for x, y in axes if math.hypot(*pose.cross(pose.unit(x), pose.unit(y))) > 1e-3]
     found = compiled([f'xyaxes="{text((*x, *y))}"' for x, y in axes])
-    for (x, y), quat in zip(axes, found, strict=True):
-        assert pose.quat_from_xyaxes((*x, *y)) == pytest.approx(quat, abs=1e-14)
+    assert found == [pose.quat_from_xyaxes((*x, *y)) for x, y in axes]
 
 
 @pytest.mark.parametrize(
@@ -94,8 +93,7 @@ def test_two_axes_are_made_orthogonal_as_in_mujoco(axes: list[tuple[Vec3, Vec3]]
     ],
 )
 def test_every_way_of_reading_a_matrix(axes: tuple[float, ...]) -> None:
-    (quat,) = compiled([f'xyaxes="{text(axes)}"'])
-    assert pose.quat_from_xyaxes(axes) == pytest.approx(quat, abs=1e-15)
+    assert compiled([f'xyaxes="{text(axes)}"']) == [pose.quat_from_xyaxes(axes)]
 
 
 @settings(max_examples=100, deadline=None)

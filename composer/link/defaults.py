@@ -11,6 +11,7 @@ from lxml.etree import _Element as Node
 
 from composer.link.linking import Linking
 from composer.tree.classes import MAIN, NESTED
+from composer.tree.order import place_of
 from composer.tree.unit import Unit
 
 # Sections whose elements take a class but stand outside the body tree, where no childclass reaches them.
@@ -33,12 +34,24 @@ def defaults(linking: Linking) -> None:
         own = _wrap(base, linking.base_class)
         _claim_sections(base, linking.base_class, own)
         _claim_world(base, linking.base_class)
+    _join(linking)
+    known = linking.names.declared.setdefault("default", {})
+    wanted = {linking.base_class, *(part.top_class for part in linking.parts)}
+    for section in base.root.iterchildren("default"):
+        for element in section.iter("default"):
+            if element.get("class") in wanted:
+                known.setdefault(str(element.get("class")), element)
+
+
+def _join(linking: Linking) -> None:
+    """Wrap the top class of every part, and move the classes below that of the model."""
+    base = linking.base
     if not linking.parts:
         return
     top = next(base.root.iterchildren("default"), None)
     if top is None:
         top = base.root.makeelement("default")
-        base.root.insert(_after_settings(base.root), top)
+        base.root.insert(place_of(base.root, "default"), top)
     for part in linking.parts:
         own = _wrap(part.unit, part.top_class)
         _claim_sections(part.unit, part.top_class, own)
@@ -84,7 +97,7 @@ def _wrap(unit: Unit, name: str) -> set[str]:
     sections = list(root.iterchildren("default"))
     if not sections:
         sections = [root.makeelement("default")]
-        root.insert(_after_settings(root), sections[0])
+        root.insert(place_of(root, "default"), sections[0])
     outer: Node | None = None
     for at, section in enumerate(sections):
         last = at == len(sections) - 1
@@ -134,12 +147,3 @@ def _claim_world(unit: Unit, name: str) -> None:
         for element in worldbody.iter(*_TREE):
             if element.get("class") == MAIN:
                 element.set("class", name)
-
-
-def _after_settings(root: Node) -> int:
-    """Where a `<default>` goes: after the sections that say how to read the model."""
-    at = 0
-    for index, child in enumerate(root):
-        if child.tag in ("compiler", "option", "size", "statistic", "visual"):
-            at = index + 1
-    return at

@@ -50,6 +50,9 @@ class AttachmentFrame(Element):
         """`PREFIX/`; it follows the child's `model`."""
         return self._attachment.child.prefix if not self._removed else None
 
+    def __repr__(self) -> str:
+        return super().__repr__().replace("<body", f'<body name="{self.name}"', 1)
+
     @property
     def _attachment(self) -> Attachment:
         return self._model.attachment_of(self._node)

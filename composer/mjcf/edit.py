@@ -64,6 +64,7 @@ def check(
             written.pop(attribute.name, None)
         else:
             written[attribute.name] = text
+    edit.texts = {attribute.name: edit.texts[attribute.name] for attribute in attributes.values()}
     turned = [name for name in ORIENTATIONS if edit.texts.get(name)]
     if len(turned) > 1:
         both = " and ".join(f"`{name}`" for name in turned)

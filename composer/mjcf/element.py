@@ -16,7 +16,17 @@ from composer.mjcf import edit, traversal
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, failure
-from composer.mjcf.kinds import Query, attribute_of, kind_of, naming_attribute, query, section_of, spoken, tags_of
+from composer.mjcf.kinds import (
+    HOLDS_ONE_OF_EACH,
+    Query,
+    attribute_of,
+    kind_of,
+    naming_attribute,
+    query,
+    section_of,
+    spoken,
+    tags_of,
+)
 from composer.mjcf.model import Model, Target
 from composer.mjcf.names import own_name
 from composer.mjcf.reference import describe, refers, resolved
@@ -25,9 +35,6 @@ from composer.tree.names import WORLD
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
-
-# Elements of which these have at most one of each child, made when first asked for; an empty one is not written.
-_HOLDS_ONE_OF_EACH = frozenset({"mujoco", "option", "visual", "compiler", "default"})
 
 
 class Element:
@@ -278,7 +285,7 @@ class Element:
             return view(self._model, self._model.section(tag))
         if child.max_count != 1:
             return [view(self._model, node) for node in self._node.iterchildren(tag)]
-        if own in _HOLDS_ONE_OF_EACH:
+        if own in HOLDS_ONE_OF_EACH:
             return view(self._model, self._model.only_child(self._node, tag))
         node = next(self._node.iterchildren(tag), None)
         return None if node is None else view(self._model, node)

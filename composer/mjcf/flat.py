@@ -5,7 +5,7 @@ from __future__ import annotations
 import posixpath
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import get_args
@@ -18,10 +18,11 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.text import render
 from composer.link.defaults import choose_classes
 from composer.link.link import finish, link
-from composer.link.linking import FileUse, Linking, Part, Policy
+from composer.link.linking import FileUse, Linking, Measure, Policy
 from composer.mjcf.asset import Asset
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import MjcfError, MjcfWarning, failure
+from composer.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
+from composer.mjcf.kinds import HOLDS_ONE_OF_EACH
 from composer.mjcf.loose_ends import check_references
 from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.mounting import Mounting
@@ -29,49 +30,57 @@ from composer.tree.unit import Unit
 from composer.tree.write import write
 
 # The linker speaks to the writers of recipes; this is what a Python user can do.
+_RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
 _HELP = {
     "option-conflict": "make the two agree, or pass `conflict='warning'`, which lets the model's own value stand and "
     "says so, or `conflict='merge'`",
     "freejoint-on-body": "remove the free joint, or attach the model to the worldbody",
     "mocap-on-body": "attach the model to the worldbody",
-    "plane-on-body": "remove the plane, or attach the model to the worldbody",
-    "name-clash": "rename one of the two: the element, or the attached model (`child.model = '…'`)",
-    "class-clash": "rename one of the two: the class, or the attached model (`child.model = '…'`)",
+    "plane-on-body": "remove the plane, or attach the model to something that does not move",
+    "name-clash": _RENAME,
+    "class-clash": _RENAME,
+    "keyframe-conflict": None,
     "not-supported": None,
 }
-_HOLDERS = ("option", "visual", "compiler")
 
 
 @dataclass(frozen=True, slots=True)
 class Flat:
-    """One model without attachments, and the files it names."""
+    """One model without attachments, the files it names, and what was settled on the way."""
 
     unit: Unit
     files: list[FileUse]
+    warnings: list[Diagnostic]
 
 
 def flatten(model: Model, conflict: Policy) -> Flat:
-    """The composition below a model, linked. Raises `MjcfError` with everything that is wrong with it."""
+    """The composition below a model, linked. Raises `MjcfError` with what is wrong with it."""
     if conflict not in get_args(Policy):
         words = ", ".join(f"`{word}`" for word in get_args(Policy))
         raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`", call_site())
+    names = Sink()
+    check_references(model, names)
+    raise_errors(names)
     sink = _NamesChecked()
-    check_references(model, sink)
-    if not sink.unresolved:
-        mounting = Mounting(model, _copy)
-        linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=_measure(sink))
-        choose_classes(linking)
-        mounting.add_joints(linking)
-        link(linking)
-        if not sink.has_errors:
-            finish(linking)
-        mounting.clear_up()
+    mounting = Mounting(model, _copy)
+    linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=_measure(sink))
+    choose_classes(linking)
+    mounting.add_joints(linking)
+    link(linking)
+    if not sink.has_errors:
+        finish(linking)
     if sink.has_errors:
-        raise MjcfError([_for_python(each) for each in sink.sorted() if each.severity == "error"])
-    for each in sink.sorted():
-        warnings.warn(render(_for_python(each)), MjcfWarning, stacklevel=_depth())
+        raise MjcfError(map(_for_python, sink.errors))
+    mounting.clear_up()
     _prune(linking.base.root)
-    return Flat(linking.base, linking.files)
+    return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)))
+
+
+def tell(flat: Flat) -> None:
+    """Issue what was settled as Python warnings, at the line that asked for the output."""
+    place = call_site()
+    for each in flat.warnings:
+        warnings.warn_explicit(render(each), MjcfWarning, place.file, place.line)
 
 
 def text(model: Model, conflict: Policy) -> str:
@@ -79,27 +88,75 @@ def text(model: Model, conflict: Policy) -> str:
     flat = flatten(model, conflict)
     for use, name in _told_apart(flat.files):
         use.element.set(use.attribute, name)
+    tell(flat)
     return write(flat.unit.root).decode()
 
 
 def assets(model: Model) -> dict[str, bytes]:
     """See `RootElement.assets`."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", MjcfWarning)
-        flat = flatten(model, "warning")
     found: dict[str, bytes] = {}
-    for use, name in _told_apart(flat.files):
+    for use, name in _told_apart(flatten(model, "warning").files):
         if name not in found:
             found[name] = Asset(path=Path(use.source)).contents if use.content is None else use.content
     return found
 
 
 class _NamesChecked(Sink):
-    """The linker looks up names unit by unit; what refers from one model into another has been looked up before."""
-
-    @property
-    def unresolved(self) -> bool:
-        return self.has_errors
+    """Takes no complaint about names: the linker looks them up unit by unit, and here they go across models."""
 
     def add(self, diagnostic: Diagnostic) -> None:
-        super().add(diagnostic)
+        if diagnostic.code != "unknown-name":
+            super().add(diagnostic)
+
+
+def _copy(model: Model) -> Unit:
+    """A unit for the linker to use up."""
+    unit = model.unit.copied()
+    if unit.label == UNNAMED or not unit.label:
+        unit.label = re.sub(r"[^\w.-]+", "_", model.name)
+    _prune(unit.root)
+    return unit
+
+
+def _prune(root: Node) -> None:
+    """Leave out what is empty because somebody only looked at it, and means nothing."""
+    for section in list(root.iterchildren("*")):
+        if section.tag in HOLDS_ONE_OF_EACH:
+            for child in reversed(list(section.iter("*"))):
+                parent = child.getparent()
+                if child is not section and parent is not None and _is_empty(child):
+                    parent.remove(child)
+        if _is_empty(section):
+            root.remove(section)
+
+
+def _is_empty(node: Node) -> bool:
+    return not len(node) and not node.attrib
+
+
+def _measure(sink: Sink) -> Measure:
+    """MuJoCo, in a process of its own, asked only for what the tree does not tell."""
+
+    def measure(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
+        from composer.steps.measure import measure_with
+
+        return measure_with(Context(sink))(unit, arrays)
+
+    return measure
+
+
+def _told_apart(files: Iterable[FileUse]) -> Iterator[tuple[FileUse, str]]:
+    """A path for each file such that no two have one file name; a file that others name from inside keeps its own."""
+    taken: dict[str, str] = {}
+    for use in files:
+        folder, base = posixpath.split(use.path)
+        stem, suffix = posixpath.splitext(base)
+        number, name = 1, base
+        while use.shared and taken.setdefault(name.lower(), use.path) != use.path:
+            number += 1
+            name = f"{stem}-{number}{suffix}"
+        yield use, f"{folder}/{name}"
+
+
+def _for_python(diagnostic: Diagnostic) -> Diagnostic:
+    return replace(diagnostic, help=_HELP.get(diagnostic.code, diagnostic.help))

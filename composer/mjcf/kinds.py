@@ -12,6 +12,8 @@ from composer.grammar.attribute import Attribute
 
 ROOT = "mujoco"
 WORLD_SECTION = "worldbody"
+# Elements whose children, one of each, are made when first asked for; empty ones are not written.
+HOLDS_ONE_OF_EACH = frozenset({"mujoco", "option", "visual", "compiler", "default"})
 # Python's words for MJCF's: `class` cannot be an argument.
 _SPELLED = {"dclass": "class"}
 _SPOKEN = {name: word for word, name in _SPELLED.items()}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import locate
 from composer.link import numbers
@@ -107,8 +109,12 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
     mate = pose_in_world(outer, *reading) @ read_pose(own, *reading)
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
-    offset = {"pos": numbers.text(moved.pos), "quat": numbers.text(moved.quat)}
+    offset = {"pos": _text(moved.pos), "quat": _text(moved.quat)}
     return Place(place.kind, place.name, offset, place.span)
+
+
+def _text(values: Iterable[float]) -> str:
+    return numbers.text(value + 0.0 for value in values)  # no -0, which an inverse is full of
 
 
 def _no_mate(step: AttachPart, unit: Unit, making: Making) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -77,6 +77,13 @@ class Making:
             if found is not None:
                 return Span(self.file, found.line, found.column, found.line, found.end_column)
         return locate(self.document, (*element.at, "xml"))
+
+    def written(self, node: Node) -> Collection[str]:
+        """The attributes of a node that the recipe wrote."""
+        if node in self.fragments:
+            return [str(name) for name in node.keys()]  # noqa: SIM118 (an element is no mapping)
+        made = self.made.get(node)
+        return made.attributes if made is not None else ()
 
     def place(self, node: Node) -> None:
         """Note where a new node and all below it come from."""

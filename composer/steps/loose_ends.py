@@ -34,10 +34,11 @@ def check_names(linking: Linking, making: Making) -> None:
         table = naming_table(section)
         for node in top.iter("*"):
             actions = table.get(str(node.tag), {})
+            written = making.written(node)
             for key, text in node.items():
                 name, value = str(key), str(text)
                 action = actions.get(name)
-                if action is None or not value:
+                if action is None or not value or name not in written:
                     continue
                 kind, namespace = action
                 if kind == DECLARES:

@@ -16,18 +16,7 @@ from composer.tree.classes import MAIN
 def set_singleton(step: SetSingleton, linking: Linking, making: Making) -> None:
     """`option`, `visual` and the like: what the recipe says is written last, so that it holds."""
     node = linking.base.section(step.section)
-    linking.base.root.remove(node)
-    linking.base.root.insert(_place_of(linking, step.section), node)
     update(node, step.element, GRAMMAR.section(step.section), making)
-
-
-def _place_of(linking: Linking, tag: str) -> int:
-    """Settings stand first, behind those of the same kind."""
-    at = 0
-    for index, child in enumerate(linking.base.root):
-        if child.tag in ("compiler", "option", "size", "statistic", "visual"):
-            at = index + 1
-    return at
 
 
 def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
@@ -35,12 +24,12 @@ def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
     name = (linking.base_class or MAIN) if step.name == MAIN else step.name
     found = linking.names.find("default", name)
     if found is None and name in (MAIN, linking.base_class):
-        found = _top(linking) if name == MAIN else _class_node(linking, name)
+        found = linking.base.section("default") if name == MAIN else _class_node(linking, name)
     if found is None:
         parent = _parent(step, linking, making)
-        if parent is None:
-            return
-        found = etree.SubElement(parent, "default", {"class": name})
+        found = etree.Element("default", {"class": name})
+        if parent is not None:  # else that was told, and the class counts as declared all the same
+            parent.append(found)
         linking.names.declared.setdefault("default", {})[name] = found
         making.origins.own(found, step.span)
     elif step.parent is not None:
@@ -62,25 +51,17 @@ def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
             making.register(node, "default")
         else:
             update(existing, child, kind, making)
+            making.made[existing] = child
+            making.registered.append((existing, "default"))
 
 
 def _parent(step: SetDefault, linking: Linking, making: Making) -> etree._Element | None:
     if step.parent is None or step.parent == MAIN:
-        return _class_node(linking, linking.base_class) if linking.base_class else _top(linking)
+        return _class_node(linking, linking.base_class) if linking.base_class else linking.base.section("default")
     found = linking.names.find("default", step.parent)
     if found is None:
         span = making.span(step.element, "parent")
         not_there(linking, making.sink, "default", step.parent, span, "parent: NAME")
-    return found
-
-
-def _top(linking: Linking) -> etree._Element:
-    found = None
-    for found in linking.base.root.iterchildren("default"):
-        pass
-    if found is None:
-        found = etree.Element("default")
-        linking.base.root.insert(_place_of(linking, "default"), found)
     return found
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.tree.classes import Classes
+from composer.tree.order import place_of
 from composer.tree.origin import Origins
 from composer.tree.settings import Settings, read_settings
 
@@ -60,5 +61,5 @@ class Unit:
             pass
         if found is None:
             found = self.root.makeelement(tag)
-            self.root.append(found)
+            self.root.insert(place_of(self.root, tag), found)
         return found

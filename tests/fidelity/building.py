@@ -36,15 +36,15 @@ def is_there() -> bool:
         return False
 
 
-def build(recipe: Path, out: Path) -> Build:
-    """The recipe built into the folder `out`, in this process and unverified: the harness is the verifier."""
+def build(recipe: Path, out: Path, *, verified: bool = False) -> Build:
+    """The recipe built into the folder `out`, in this process; the harness verifies it."""
     from composer.bundle.write import write
     from composer.context import Context
     from composer.diagnostics import render
     from composer.pipeline import build as run
 
     context = Context(folder=recipe.parent)
-    built = run(recipe, context, verified=False)
+    built = run(recipe, context, verified=verified)
     told = "\n".join(render(found, _source(recipe.parent), False) for found in context.sink.diagnostics)
     if built is None:
         return Build(None, told)

@@ -15,6 +15,7 @@ from types import ModuleType
 import mujoco
 from fidelity.building import Build, build
 from fidelity.corpus import Attachment, Composition
+from fidelity.decided import UNLIKE_MJSPEC
 from fidelity.recipe import write_recipe
 from fidelity.rival import attached
 
@@ -53,7 +54,7 @@ class Verdict:
     @property
     def like_rival(self) -> bool:
         """As MuJoCo's attach has it, but for what that has wrong itself; or it has nothing."""
-        return self.compiled and not self.rival_differences
+        return self.compiled and (not self.rival_differences or self.id in UNLIKE_MJSPEC)
 
     @property
     def fine(self) -> bool:
@@ -81,7 +82,7 @@ class Verdict:
 
 def by_recipe(composition: Composition, out: Path) -> Build:
     """What mjcompose makes of it."""
-    return build(write_recipe(composition, out.parent), out)
+    return build(write_recipe(composition, out.parent), out, verified=bool(composition.refused))
 
 
 def judge(composition: Composition, builder: Builder = by_recipe, roots: Roots = Roots.MOVED) -> Verdict:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from fidelity import corpus as corpora
 from fidelity.building import stand_in
 from fidelity.corpus import Composition
+from fidelity.decided import NOT_YET
 from fidelity.judging import Verdict, judge
 from fidelity.table import cells, markdown, totals
 
@@ -63,7 +65,8 @@ def test_attach_is_judged_as_the_corpus_says(pair: Composition, unchanged: bool)
 
 
 def test_attach_changes_the_parts_of_some_feature_cases_and_of_no_other() -> None:
-    verdicts = [_judged(case) for case in corpora.cases(Path(FOLDER or ""))]
+    cases = corpora.cases(Path(FOLDER or ""))
+    verdicts = [_judged(replace(case, refused="") if case.id in NOT_YET else case) for case in cases]
     refused = [verdict for verdict in verdicts if verdict.refused]
     assert refused
     assert all(verdict.fine for verdict in refused)

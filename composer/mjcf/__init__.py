@@ -1,0 +1,48 @@
+"""MJCF models as Python objects: read, edit, attach to one another, and write.
+
+    from composer import mjcf
+
+    arm = mjcf.from_path('arm.xml')
+    gripper = mjcf.from_path('gripper.xml')
+    arm.find('site', 'flange').attach(gripper)
+    mjcf.export_with_assets_as_zip(arm, 'arm_with_gripper.zip')
+
+Importing it does not import MuJoCo.
+"""
+
+from __future__ import annotations
+
+from composer.mjcf.asset import Asset
+from composer.mjcf.attachment import (
+    AttachmentFrame,
+    get_attachment_frame,
+    get_frame_freejoint,
+    get_frame_joints,
+    get_freejoint,
+)
+from composer.mjcf.element import Element
+from composer.mjcf.errors import MjcfAttributeError, MjcfError, MjcfWarning
+from composer.mjcf.export import export_with_assets, export_with_assets_as_zip
+from composer.mjcf.names import SEPARATOR as PREFIX_SEPARATOR
+from composer.mjcf.parse import from_file, from_path, from_xml_string
+from composer.mjcf.root import RootElement
+
+__all__ = [
+    "PREFIX_SEPARATOR",
+    "Asset",
+    "AttachmentFrame",
+    "Element",
+    "MjcfAttributeError",
+    "MjcfError",
+    "MjcfWarning",
+    "RootElement",
+    "export_with_assets",
+    "export_with_assets_as_zip",
+    "from_file",
+    "from_path",
+    "from_xml_string",
+    "get_attachment_frame",
+    "get_frame_freejoint",
+    "get_frame_joints",
+    "get_freejoint",
+]

@@ -1,0 +1,129 @@
+"""A model and every file it refers to, written to a folder or a zip."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+from composer.diagnostics.sink import Sink
+from composer.link.linking import Policy
+from composer.mjcf.call_site import call_site
+from composer.mjcf.element import Element
+from composer.mjcf.errors import MjcfError, failure, raise_errors
+from composer.mjcf.flat import flatten, tell
+from composer.mjcf.root import RootElement
+from composer.tree.write import write
+
+
+def export_with_assets(
+    model: RootElement,
+    out_dir: str | os.PathLike[str],
+    model_filename: str = "model.xml",
+    *,
+    conflict: Policy = "error",
+) -> None:
+    """Write the model as `model_filename` and its files below `assets/` into the folder `out_dir`, which is made.
+
+    The files of each model stand in a folder named after it, equal bytes are stored once, and the same model gives the
+    same bytes. Other files in the folder stay; nothing is written if anything cannot be. `conflict` is that of
+    `RootElement.to_xml_string`. Raises `MjcfError`, also for files that are missing or cannot be written.
+    """
+    files = _files(model, model_filename, conflict)
+    out = Path(out_dir)
+    from composer.bundle.output_error import OutputError, unwritable
+    from composer.bundle.staging import parents, real, sibling
+
+    target = real(out)
+    stage = sibling(target, "tmp")
+    try:
+        with parents(target):
+            made = not target.exists()
+            if made:
+                target.mkdir()
+            try:
+                _write(files, stage)
+                _move(files, stage, target)
+            except BaseException:
+                if made:
+                    shutil.rmtree(target, ignore_errors=True)
+                raise
+            finally:
+                shutil.rmtree(stage, ignore_errors=True)
+    except OSError as error:
+        raise _output_failure(unwritable(out, error)) from error
+    except OutputError as error:
+        raise _output_failure(error) from error
+
+
+def export_with_assets_as_zip(
+    model: RootElement,
+    zip_path: str | os.PathLike[str],
+    model_filename: str = "model.xml",
+    *,
+    conflict: Policy = "error",
+) -> None:
+    """The same as a zip, which MuJoCo opens as it is (`MjSpec.from_zip`, MJZ).
+
+    The bytes do not depend on clock, place or system. MuJoCo looks for `model.xml`, or the stem of the zip and `.xml`:
+    `model_filename` is one of these. An older zip is replaced in one step or stays. Raises `MjcfError`.
+    """
+    from composer.bundle.archive import write_archive
+    from composer.bundle.bundle import Bundle
+    from composer.bundle.output_error import OutputError
+
+    files = _files(model, model_filename, conflict)
+    try:
+        write_archive(Bundle(files, model_filename), Path(zip_path), os.environ)
+    except OutputError as error:
+        raise _output_failure(error) from error
+
+
+def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[str, bytes]:
+    """Everything that is to be written, by path."""
+    from composer.bundle.bundle import BundleError, check_paths
+    from composer.bundle.collect import collect
+
+    if not isinstance(model, RootElement):
+        what = "an element; its `root` is the model" if isinstance(model, Element) else f"`{type(model).__name__}`"
+        raise failure("wrong-type", f"a model is a `RootElement`, got {what}", call_site())
+    if not isinstance(model_filename, str) or not model_filename.endswith(".xml") or Path(model_filename).name != model_filename:
+        raise failure(
+            "output-kind",
+            f"`model_filename` expects the name of an XML file, got `{model_filename}`",
+            call_site(),
+            help="a name without folders that ends in `.xml`",
+        )
+    flat = flatten(model._model, conflict)
+    sink = Sink()
+    files = collect(flat.unit, flat.files, sink)
+    raise_errors(sink)
+    files[model_filename] = write(flat.unit.root)
+    try:
+        check_paths(files)
+    except BundleError as error:
+        raise failure("file-unreadable", f"a file of the model cannot be exported: {error}", call_site()) from None
+    tell(flat)
+    return files
+
+
+def _write(files: dict[str, bytes], stage: Path) -> None:
+    for path, content in files.items():
+        file = stage / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content)
+
+
+def _move(files: dict[str, bytes], stage: Path, target: Path) -> None:
+    """Into place, the model last: until then an older model has all of its files or newer ones of the same name."""
+    for path in sorted(files, key=lambda path: "/" not in path):
+        place = target / path
+        place.parent.mkdir(parents=True, exist_ok=True)
+        (stage / path).replace(place)
+
+
+def _output_failure(error: Exception) -> MjcfError:
+    from composer.bundle.output_error import OutputError
+
+    assert isinstance(error, OutputError)
+    return failure(error.code, error.message, call_site(), help=error.help)

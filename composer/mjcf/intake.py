@@ -1,0 +1,112 @@
+"""What is looked at and put in order when a model comes in."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR, ElementType
+from composer.tree.unit import Unit
+
+_KEPT_APART = frozenset({"default"})  # a later section does not reach the classes of an earlier one
+
+_Row = dict[str, dict[str, frozenset[str]]]
+
+
+def check_tree(unit: Unit, sink: Sink) -> None:
+    """Tell every element and attribute that MJCF does not have where it stands. Values are not looked at."""
+    for section in unit.root:
+        tag = section.tag
+        if not isinstance(tag, str):
+            continue
+        if tag not in GRAMMAR.root.children:
+            _unknown_element(unit, section, GRAMMAR.root, sink)
+            continue
+        table = _table(tag)
+        _check_attributes(unit, section, GRAMMAR.section(tag), sink)
+        for parent in section.iter("*"):
+            if not len(parent):
+                continue
+            allowed = table.get(parent.tag)
+            if allowed is None:  # told as a child of its parent
+                continue
+            for child in parent:
+                names = allowed.get(child.tag)
+                if names is None:
+                    if isinstance(child.tag, str):
+                        _unknown_element(unit, child, _kind(tag, str(parent.tag)), sink)
+                elif not names.issuperset(child.keys()):
+                    _check_attributes(unit, child, _kind(tag, str(parent.tag)).children[child.tag], sink)
+    if not GRAMMAR.root.attributes.keys() >= set(unit.root.keys()):
+        _check_attributes(unit, unit.root, GRAMMAR.root, sink)
+
+
+def one_of_each_section(unit: Unit) -> None:
+    """Join sections that are written several times: lists one after the other, of settings the last written counts."""
+    first: dict[str, Node] = {}
+    for section in list(unit.root.iterchildren("*")):
+        tag = str(section.tag)
+        if tag in _KEPT_APART or tag not in first:
+            first.setdefault(tag, section)
+            continue
+        owner = unit.origins.owner(section, unit.file)
+        for child in section.iterchildren("*"):
+            if child not in unit.origins.owners:
+                unit.origins.own(child, owner)
+        _join(first[tag], section, GRAMMAR.section(tag))
+        unit.root.remove(section)
+
+
+def _join(into: Node, section: Node, kind: ElementType) -> None:
+    for name, value in section.items():
+        if str(value).strip():
+            into.set(name, value)
+    for child in list(section):
+        once = isinstance(child.tag, str) and kind.children[child.tag].max_count == 1
+        same = next(into.iterchildren(child.tag), None) if once else None
+        if same is None:
+            into.append(child)
+        else:
+            _join(same, child, kind.children[str(child.tag)])
+
+
+@lru_cache(maxsize=None)
+def _table(section: str) -> _Row:
+    """For each tag in a section the children it can have, with their attributes."""
+    return {
+        tag: {name: frozenset(child.attributes) for name, child in _kind(section, tag).children.items()}
+        for tag in (section, *GRAMMAR.within(section))
+    }
+
+
+def _kind(section: str, tag: str) -> ElementType:
+    return GRAMMAR.section(section) if tag == section else GRAMMAR.within(section)[tag]
+
+
+def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) -> None:
+    tag = str(node.tag)
+    near = closest(tag, parent.children)
+    sink.error(
+        "unknown-element",
+        f"`<{parent.tag}>` cannot have a `<{tag}>`",
+        unit.origins.span(node, unit.file),
+        notes=(exists_note("element", sorted(parent.children), tag),),
+        help=f"did you mean `<{near[0]}>`?" if near else None,
+    )
+
+
+def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> None:
+    for name in map(str, node.keys()):  # noqa: SIM118
+        if name in kind.attributes:
+            continue
+        near = closest(name, kind.attributes)
+        sink.error(
+            "unknown-attribute",
+            f"`<{kind.tag}>` has no attribute `{name}`",
+            unit.origins.span(node, unit.file, name),
+            notes=(exists_note("attribute", sorted(kind.attributes), name),),
+            help=f"did you mean `{near[0]}`?" if near else None,
+        )

@@ -1,0 +1,184 @@
+"""From attachments to the linker's parts: where each model hangs, with what offset and which joints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from lxml.etree import _Element as Node
+
+from composer.link.angles import model_angle
+from composer.link.linking import Joint, Linking, Part, Place
+from composer.link.numbers import joint_radians, read
+from composer.link.numbers import text as number_text
+from composer.link.placing import read_pose
+from composer.mjcf.duplicate import counterpart
+from composer.mjcf.errors import failure
+from composer.mjcf.kinds import WORLD_SECTION
+from composer.mjcf.model import Attachment, Model
+from composer.mjcf.names import NameIndex
+from composer.tree.classes import MAIN, ORIENTATIONS, childclass_of
+from composer.tree.unit import Unit
+
+_ANGULAR = {"hinge": ("range", "ref", "springref", "springyield"), "ball": ("range", "springyield")}
+# What a free joint says in either spelling; anything else only `<joint type="free">` can have.
+_OF_FREEJOINTS = frozenset({"name", "class", "group", "type"})
+
+
+@dataclass(slots=True)
+class _Mounted:
+    """An attachment with its copies: the part, the prefix of the parent, and the element it hangs on."""
+
+    attachment: Attachment
+    part: Part
+    parent_unit: Unit
+    parent_prefix: str
+    host: Node
+
+
+@dataclass(slots=True)
+class Mounting:
+    """Copies of all models below one, ready to be linked.
+
+    The linker finds places by name: those without one have one in the copies until `clear_up`.
+    """
+
+    model: Model
+    copy: Callable[[Model], Unit]
+    base: Unit = field(init=False)
+    mounted: list[_Mounted] = field(init=False, default_factory=list)
+    named: list[Node] = field(init=False, default_factory=list)
+    added: list[Node] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.base = self.copy(self.model)
+        self._mount(self.model, self.base, "", None)
+
+    @property
+    def parts(self) -> list[Part]:
+        return [each.part for each in self.mounted]
+
+    def _mount(self, model: Model, unit: Unit, prefix: str, own: _Mounted | None) -> None:
+        """Everything that hangs on a model, each part before what hangs on it."""
+        hosts = [counterpart(each.host, model.unit.root, unit.root) for each in model.attachments.values()]
+        for attachment, host in zip(model.attachments.values(), hosts, strict=True):
+            copied = self.copy(attachment.child)
+            place = self._place(attachment, host, unit, prefix, own)
+            part = Part(
+                copied,
+                prefix + attachment.child.prefix,
+                place,
+                keyframes="prefix",
+                mocap=attachment.frame.get("mocap") == "true",
+                span=model.span(attachment.frame),
+            )
+            mounted = _Mounted(attachment, part, unit, prefix, host)
+            self.mounted.append(mounted)
+            self._mount(attachment.child, copied, part.prefix, mounted)
+
+    def _place(
+        self, attachment: Attachment, host: Node, unit: Unit, prefix: str, own: _Mounted | None
+    ) -> Place:
+        offset = _offset(attachment.frame, unit)
+        if host.tag == WORLD_SECTION:
+            if own is None:
+                return Place("world", None, offset)
+            outer = own.part.place
+            if outer.kind == "world" and not own.attachment.is_body:
+                return replace(outer, offset=_combined(outer.offset, offset))
+            frame = host.makeelement("frame")
+            host.append(frame)
+            self.added.append(frame)
+            host = frame
+        kind = str(host.tag)
+        if not host.get("name"):
+            host.set("name", _free_name(attachment.parent.names, kind, len(self.named)))
+            self.named.append(host)
+        return Place(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
+
+    def add_joints(self, linking: Linking) -> None:
+        """Give each part the joints of its frame; the linker must have chosen the names of the top classes."""
+        tops = {each.part.prefix: each.part.top_class for each in self.mounted}
+        tops[""] = linking.base_class or MAIN
+        in_radians = model_angle(linking) == "radian"
+        for each in self.mounted:
+            to_radians = in_radians and each.parent_unit.settings.angle == "degree"
+            each.part.joints = tuple(
+                _joint(joint, each, tops[each.parent_prefix], to_radians) for joint in each.attachment.frame
+            )
+
+    def clear_up(self) -> None:
+        """Take back the names and frames that were made for the linker."""
+        for node in self.named:
+            del node.attrib["name"]
+        for frame in self.added:
+            parent = frame.getparent()
+            if parent is not None:
+                at = parent.index(frame)
+                parent[at : at + 1] = list(frame)
+
+
+def _offset(frame: Node, unit: Unit) -> dict[str, str]:
+    """The pose attributes of a frame, angles as a quaternion because the model may read them in another unit."""
+    written = {name: str(frame.get(name)) for name in ("pos", *ORIENTATIONS) if frame.get(name)}
+    for name in ("euler", "axisangle"):
+        if written.pop(name, None):
+            settings = unit.settings
+            pose = read_pose(frame, settings.angle == "degree", settings.eulerseq)
+            written["quat"] = number_text(pose.quat)
+    return written
+
+
+def _combined(outer: dict[str, str] | object, inner: dict[str, str]) -> dict[str, str]:
+    """One offset inside another; neither has angles."""
+    assert isinstance(outer, dict)
+    if not outer or not inner:
+        return {**outer, **inner}
+    pose = read_pose(outer, False, "xyz") @ read_pose(inner, False, "xyz")
+    return {"pos": number_text(pose.pos), "quat": number_text(pose.quat)}
+
+
+def _free_name(names: NameIndex, kind: str, number: int) -> str:
+    name = f"attachment-{number}"
+    while names.find(kind, name) is not None:
+        name += "-"
+    return name
+
+
+def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
+    """A joint of a frame as the flat model has it: it belongs to the parent and takes the parent's classes."""
+    part, unit = mounted.part, mounted.parent_unit
+    attributes = {str(name): str(value) for name, value in joint.items()}
+    attributes["name"] = part.prefix + attributes.get("name", "")
+    if joint.tag == "freejoint":
+        return Joint("freejoint", attributes)
+    written = attributes.get("class") or _childclass(mounted.host)
+    found = unit.classes.get(written)
+    kind = attributes.get("type")
+    if kind is None:
+        inherited = found.lookup("joint", "type")
+        kind = inherited[0] if inherited else "hinge"
+    if kind == "free":
+        if attributes.keys() <= _OF_FREEJOINTS:
+            return Joint("freejoint", {k: v for k, v in attributes.items() if k in ("name", "group")})
+        if part.place.kind != "world":
+            parent = mounted.attachment.parent
+            raise failure(
+                "not-supported",
+                f"the free joint of `{part.prefix}` has settings of its own, and can stand in the world only",
+                parent.span(joint),
+                help="use a `freejoint`, or attach the model to the worldbody",
+            )
+    attributes["class"] = top_class if written in (None, MAIN) else mounted.parent_prefix + written
+    if to_radians:
+        for name in _ANGULAR.get(kind, ()):
+            value = attributes.get(name)
+            if value and not (name == "range" and attributes.get("limited") == "false"):
+                attributes[name] = number_text(map(joint_radians, read(value)))
+    return Joint("joint", attributes)
+
+
+def _childclass(host: Node) -> str | None:
+    """The class in force for what is added where a model hangs."""
+    own = host.get("childclass")
+    return str(own) if own and host.tag != "site" else childclass_of(host)

@@ -1,0 +1,79 @@
+"""Models from MJCF text and files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import IO
+
+from composer.diagnostics.sink import Sink
+from composer.mjcf.asset import Files
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import failure, raise_errors
+from composer.mjcf.intake import check_tree, one_of_each_section
+from composer.mjcf.model import UNNAMED, Model
+from composer.mjcf.root import RootElement
+from composer.tree.parse import parse_file, parse_text
+from composer.tree.unit import Unit
+
+_TEXT = "<xml_string>"
+
+
+def from_path(path: str | os.PathLike[str]) -> RootElement:
+    """The model of an MJCF file.
+
+    Its files resolve against its own folder and its compiler's, `<include>` is followed, as MuJoCo does. Raises
+    `MjcfError` for a file that cannot be read, is not well-formed, is no MJCF, or has elements or attributes that MJCF
+    does not have, all of them with file and line. Meshes and textures are not read.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise failure("wrong-type", f"`path` expects a path, got `{type(path).__name__}`", call_site())
+    return _model(lambda sink: parse_file(Path(path), sink))
+
+
+def from_xml_string(
+    xml_string: str | bytes,
+    *,
+    assets: Mapping[str, bytes] | None = None,
+    base_dir: str | os.PathLike[str] | None = None,
+) -> RootElement:
+    """The model of MJCF text.
+
+    `assets` has the bytes of files by the path that the model looks them up by (compiler folder included), or by bare
+    file name; included files may be among them. What is not there is read from `base_dir`, by default the working
+    directory. Raises `MjcfError` as `from_path` does.
+    """
+    if not isinstance(xml_string, str | bytes):
+        raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site())
+    files = Files(assets)
+    directory = Path(base_dir) if base_dir is not None else Path()
+    return _model(
+        lambda sink: parse_text(
+            xml_string, sink, file=_TEXT, directory=directory, label=UNNAMED, contents=files
+        )
+    )
+
+
+def from_file(file_object: IO[str] | IO[bytes]) -> RootElement:
+    """The model of an open file, text or binary; its folder is that of `file_object.name` where there is one.
+
+    Raises `MjcfError` as `from_path` does.
+    """
+    data = file_object.read()
+    name = getattr(file_object, "name", None)
+    if not isinstance(name, str):
+        return from_xml_string(data)
+    path = Path(name)
+    return _model(lambda sink: parse_text(data, sink, file=name, directory=path.parent, label=path.stem))
+
+
+def _model(parse: Callable[[Sink], Unit | None]) -> RootElement:
+    sink = Sink()
+    unit = parse(sink)
+    raise_errors(sink)
+    assert unit is not None
+    check_tree(unit, sink)
+    raise_errors(sink)
+    one_of_each_section(unit)
+    return RootElement._of(Model(unit))
