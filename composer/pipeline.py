@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
-from composer.engine import Compiled, Limits
 from composer.plan.make import make_plan
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
 from composer.steps.measure import measure_with
 from composer.verify.judged import judge
+
+if TYPE_CHECKING:
+    from composer.engine import Compiled, Limits
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +29,9 @@ class Built:
     compiled: Compiled | None
 
 
-def build(recipe: Path, context: Context, *, verified: bool = True, limits: Limits | None = None) -> Built | None:
+def build(
+    recipe: Path, context: Context, *, verified: bool = True, limits: Limits | None = None
+) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors."""
     if (plan := make_plan(recipe, context)) is None:
         return None

@@ -5,19 +5,22 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
 from composer.bundle.licences import licence_files, licence_folder
 from composer.bundle.manifest import Input, Manifest, Recipe, files_of, index_of, with_manifest
 from composer.context import Context
-from composer.engine import Compiled
 from composer.grammar import GRAMMAR
 from composer.link.linking import FileUse
 from composer.plan.plan import Plan
 from composer.sources.source import Source
 from composer.tree.unit import Unit
 from composer.tree.write import write
+
+if TYPE_CHECKING:
+    from composer.engine import Compiled
 
 
 def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
@@ -54,7 +57,7 @@ def described(bundle: Bundle, plan: Plan, compiled: Compiled | None, context: Co
 
 
 def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:
-    """Every source file of a plan and of the recipes in it, with the prefix of its part (the name of a base)."""
+    """Every source file of a plan and of the recipes in it, by the prefix of its part (or the base's name)."""
     for part_prefix, model in [("", plan.base.model), *((part.prefix, part.model) for part in plan.parts)]:
         label = prefix + part_prefix
         if isinstance(model, Plan):

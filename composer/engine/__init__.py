@@ -2,17 +2,21 @@
 
 `compile` tells whether a model compiles and what is in it, `measure` brings back arrays of the compiled
 model, `Session` keeps the child process for several calls. The parent never imports MuJoCo; a missing
-installation is an answer (`Compiled.crash == "missing"`), no exception.
+installation is an answer (`Compiled.crash == "missing"`), no exception. What is not used is not imported.
 """
 
 from __future__ import annotations
 
-from composer.engine.answer import Called, Compiled, Measured
-from composer.engine.index import Actuator, Index, Joint, Sensor
-from composer.engine.limits import Limits
-from composer.engine.request import Request
-from composer.engine.run import call, compile, measure, run_many
-from composer.engine.session import Session
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from composer.engine.answer import Called, Compiled, Measured
+    from composer.engine.index import Actuator, Index, Joint, Sensor
+    from composer.engine.limits import Limits
+    from composer.engine.request import Request
+    from composer.engine.run import call, compile, measure, run_many
+    from composer.engine.session import Session
 
 __all__ = [
     "Actuator",
@@ -30,3 +34,19 @@ __all__ = [
     "measure",
     "run_many",
 ]
+
+_ROOMS = {
+    "answer": ("Called", "Compiled", "Measured"),
+    "index": ("Actuator", "Index", "Joint", "Sensor"),
+    "limits": ("Limits",),
+    "request": ("Request",),
+    "run": ("call", "compile", "measure", "run_many"),
+    "session": ("Session",),
+}
+_HOME = {name: room for room, names in _ROOMS.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"composer.engine.{_HOME[name]}"), name)

@@ -31,16 +31,10 @@ def defaults(linking: Linking) -> None:
     for unit in linking.units:
         unit.forget_classes()
     if linking.base_class is not None:
-        own = _wrap(base, linking.base_class)
+        own = _wrap(linking, base, linking.base_class)
         _claim_sections(base, linking.base_class, own)
         _claim_world(base, linking.base_class)
     _join(linking)
-    known = linking.names.declared.setdefault("default", {})
-    wanted = {linking.base_class, *(part.top_class for part in linking.parts)}
-    for section in base.root.iterchildren("default"):
-        for element in section.iter("default"):
-            if element.get("class") in wanted:
-                known.setdefault(str(element.get("class")), element)
 
 
 def _join(linking: Linking) -> None:
@@ -53,7 +47,7 @@ def _join(linking: Linking) -> None:
         top = base.root.makeelement("default")
         base.root.insert(place_of(base.root, "default"), top)
     for part in linking.parts:
-        own = _wrap(part.unit, part.top_class)
+        own = _wrap(linking, part.unit, part.top_class)
         _claim_sections(part.unit, part.top_class, own)
         for section in list(part.unit.root.iterchildren("default")):
             for wrapped in list(section):
@@ -90,7 +84,7 @@ def _top_kinds(root: Node) -> set[str]:
     }
 
 
-def _wrap(unit: Unit, name: str) -> set[str]:
+def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
     """Make the unit's top class the nested class `name`; gives the tags it sets."""
     root = unit.root
     kinds = _top_kinds(root)
@@ -111,6 +105,8 @@ def _wrap(unit: Unit, name: str) -> set[str]:
             outer.append(wrapped)
             root.remove(section)
         outer = wrapped
+    assert outer is not None
+    linking.names.declared.setdefault("default", {}).setdefault(name, outer)
     return kinds
 
 

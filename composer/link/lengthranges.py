@@ -12,7 +12,7 @@ _ARRAYS = ("actuator_lengthrange",)
 def lengthranges(linking: Linking) -> None:
     """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules."""
     for unit in linking.units if linking.parts else ():
-        rules = unit.root.findall("compiler/lengthrange")
+        rules = list(unit.root.iter("lengthrange"))
         if not rules:
             continue
         actuators = [each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")]

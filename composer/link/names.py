@@ -26,7 +26,6 @@ from composer.tree.names import (
 from composer.tree.unit import Unit
 
 _MAY_REPEAT = ("model",)
-_RESERVED = frozenset({"", WORLD, MAIN})
 
 
 def names(linking: Linking) -> None:
@@ -120,11 +119,17 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
     dictionary, one that does is written and noted at once.
     """
     found = _Found()
-    classes: dict[str, Node] = {}
-    by_slot = [classes, *found.declared.values(), *found.wanted.values(), classes]
+    root = unit.root
+    classes, wanted_classes = found.declared["default"], found.wanted["default"]
+    # Nobody declares these, but they are referred to: while the walk goes on, the root stands for them.
+    reserved = ((found.wanted["body"], WORLD), (classes, MAIN), (wanted_classes, MAIN))
+    for names, name in reserved:
+        names[prefix + name] = root
+    unheeded: dict[str, Node] = {}
+    by_slot = [unheeded, *found.declared.values(), *found.wanted.values(), unheeded]
     note = [names.setdefault for names in by_slot]
     last_declared = len(found.declared)
-    for section in unit.root.iterchildren("*"):
+    for section in root.iterchildren("*"):
         table = _slots(section.tag)
         if not table:
             continue
@@ -136,17 +141,24 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
                 if key in slots:
                     slot = slots[key]
                     value = element.get(key)
-                    if not slot or value in _RESERVED:
+                    if not slot or not value:
                         _rename_special(found, element, key, prefix, top_class, section)
                         continue
                     if prefix:
                         value = prefix + value
                         element.set(key, value)
-                    if note[slot](value, element) is not element and slot <= last_declared:
-                        found.repeat(_namespaces()[slot - 1], value, element)
+                    earlier = note[slot](value, element)
+                    if earlier is not element and (slot <= last_declared or earlier is root):
+                        if earlier is not root:
+                            found.repeat(_namespaces()[slot - 1], value, element)
+                            continue
+                        element.set(key, value.removeprefix(prefix))
+                        _rename_special(found, element, key, prefix, top_class, section)
         if section.tag == "asset":
             _name_assets(section, prefix, found)
-    for composite in unit.root.iter("composite") if prefix else ():
+    for names, name in reserved:
+        del names[prefix + name]
+    for composite in root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
     return found
@@ -162,15 +174,13 @@ def _rename_special(
     if not value or namespace == "key":
         return  # keys are named when they are laid out
     if kind == DECLARES:
-        if element is section:
-            return  # the top class
-        found.declare(namespace, name, element)
+        return  # the top class
     elif kind == REFERS:
         if value == WORLD and namespace == "body":
             return
         if value == MAIN and namespace == "default":
             name = top_class
-        elif section.tag != "default":
+        else:
             found.want(namespace, name, element)
     elif kind == LISTS:
         names = [each if each == WORLD else prefix + each for each in value.split()]

@@ -15,16 +15,17 @@ def sections(linking: Linking) -> None:
     """Move the remaining sections of every part into the base's."""
     for part in linking.parts:
         for section in list(part.unit.root):
-            if section.tag == "extension":
+            tag = section.tag
+            if tag == "extension":
                 _extension(linking, part, section)
-            elif section.tag in _APPENDED:
-                target = linking.base.section(str(section.tag))
+            elif tag in _APPENDED:
+                target = linking.base.section(tag)
                 own = linking.base.origins.owners
                 file = part.unit.origins.owner(section, part.unit.file)
-                for element in section:
-                    if element not in own:
-                        own[element] = file
-                target.extend(list(section))
+                elements = list(section)
+                for element in elements:
+                    own.setdefault(element, file)
+                target.extend(elements)
 
 
 def _extension(linking: Linking, part: Part, section: Node) -> None:

@@ -22,7 +22,7 @@ _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 def submodels(linking: Linking) -> None:
     """Bundle the sub-models of every unit below `assets/LABEL/models/`."""
     for unit in linking.units:
-        for element in unit.root.findall("asset/model"):
+        for element in unit.root.iter("model"):
             file = element.get("file")
             if file:
                 _bundle(linking, unit, element, str(file), str(unit.directory), f"{ASSETS}/{unit.label}/models")

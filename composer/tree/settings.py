@@ -41,7 +41,7 @@ class Settings:
         return self.texturedir if self.texturedir is not None else self.assetdir or ""
 
 
-_KNOWN = tuple(field.name for field in fields(Settings))
+_KNOWN = frozenset(field.name for field in fields(Settings))
 
 
 def read_settings(root: Node) -> Settings:
@@ -49,6 +49,6 @@ def read_settings(root: Node) -> Settings:
     written: dict[str, str] = {}
     for compiler in root.iterchildren("compiler"):
         for name, value in compiler.items():
-            if value.strip() and name in _KNOWN:
+            if name in _KNOWN and value.strip():
                 written[str(name)] = value.strip()
     return Settings(**written)

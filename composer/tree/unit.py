@@ -56,9 +56,7 @@ class Unit:
 
     def section(self, tag: str) -> Node:
         """The last section of that tag, to which new elements go; made where there is none."""
-        found = None
-        for found in self.root.iterchildren(tag):
-            pass
+        found = next(self.root.iterchildren(tag, reversed=True), None)
         if found is None:
             found = self.root.makeelement(tag)
             self.root.insert(place_of(self.root, tag), found)

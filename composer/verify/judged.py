@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import OutputError
 from composer.context import Context
-from composer.engine import Compiled, Limits
 from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
 from composer.tree.line import element_at
@@ -19,6 +18,8 @@ from composer.verify.unread import unread
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
+
+    from composer.engine import Compiled, Limits
 
 
 def judge(bundle: Bundle, model: Unit, context: Context, limits: Limits | None) -> Compiled | None:

@@ -1,4 +1,4 @@
-"""Where the tests of the linker work: models from text, linked, and each judged by MuJoCo alone and together."""
+"""Where the tests of the linker work: models from text, linked, each judged by MuJoCo alone and together."""
 
 from __future__ import annotations
 
