@@ -27,7 +27,7 @@ ORIENTED = """
   <worldbody>
     <geom type="box" size="1 2 3" axisangle="0 1 1 33"/>
     <site euler="-10 .5 200"/>
-    <body name="mount" pos="0 0 5" euler="1 2 3"/>
+    <body name="mount" pos="0 0 4"/>
     <body euler="7 8 9" pos="1 0 0">
       <inertial pos="0 0 .1" mass="1" diaginertia="1 1.2 1.4" euler="5 5 5"/>
       <geom class="turned"/>
@@ -86,7 +86,7 @@ BACKWARD = ['<joint class="backward" limited="auto"/>']
 
 
 def joints(angle: str, autolimits: str, kinds: list[str]) -> str:
-    limited = 'limited="true" range="-1 1"' if autolimits == "false" else ""
+    limited = 'limited="true" range="0 1"' if autolimits == "false" else ""
     bodies = "".join(f'<body><geom size=".1"/>{kind}</body>' for kind in kinds)
     return JOINTS.format(angle=angle, autolimits=autolimits, limited=limited, bodies=bodies)
 
