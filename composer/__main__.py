@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import sys
 
-from composer.cli.main import main
-
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        from composer.cli.main import main
+
+        main()
+    except KeyboardInterrupt:  # before the command itself could take care of it
+        sys.exit(130)

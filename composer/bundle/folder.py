@@ -41,7 +41,7 @@ def write_folder(bundle: Bundle, out: Path) -> None:
 
 def _swap(stage: Path, target: Path) -> None:
     """Put `stage` in the place of `target`; a target that was there is put back if that fails."""
-    if not target.exists():
+    if not os.path.exists(target):
         stage.replace(target)
         return
     aside = sibling(target, "old")
@@ -55,9 +55,9 @@ def _swap(stage: Path, target: Path) -> None:
 
 
 def _check_replaceable(target: Path, out: Path) -> None:
-    if not target.exists():
+    if not os.path.exists(target):
         return
-    if not target.is_dir():
+    if not os.path.isdir(target):
         raise OutputError(
             "output-unwritable",
             f"cannot write the folder `{out}`: a file of that name is there",

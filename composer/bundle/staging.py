@@ -25,7 +25,7 @@ def staged_file(out: Path) -> Iterator[Path]:
     untouched; failures of the file system become OutputError.
     """
     target = real(out)
-    if target.is_dir():
+    if os.path.isdir(target):
         raise OutputError(
             "output-unwritable",
             f"cannot write the file `{out}`: a folder of that name is there",
@@ -47,7 +47,7 @@ def staged_file(out: Path) -> Iterator[Path]:
 def parents(target: Path) -> Iterator[None]:
     """The folders above `target` exist inside the block; those made here go away again if it fails."""
     made: list[Path] = []
-    missing = [folder for folder in target.parents if not folder.exists()]
+    missing = [folder for folder in target.parents if not os.path.exists(folder)]
     try:
         for folder in reversed(missing):
             folder.mkdir(exist_ok=True)

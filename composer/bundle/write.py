@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from enum import StrEnum
 from os import PathLike, fspath
@@ -38,7 +39,7 @@ def form_of(out: str | PathLike[str]) -> Form:
     """
     name = fspath(out)
     path = Path(name)
-    if name.endswith(("/", "\\")) or not path.suffix or path.is_dir():
+    if name.endswith(("/", "\\")) or not path.suffix or os.path.isdir(path):
         return Form.FOLDER
     form = _SUFFIXES.get(path.suffix.lower())
     if form is None:

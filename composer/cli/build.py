@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_
 if TYPE_CHECKING:
     from composer.bundle.write import Form
     from composer.context import Context
+    from composer.engine import Limits
     from composer.pipeline import Built
 
 
@@ -50,19 +52,24 @@ def command(
     if built is None:
         report(context, form)
         sys.exit(FINDINGS)
-    target = out or f"build/{built.plan.name}.zip"
+    target = out or f"build/{_file_name(built.plan.name)}.zip"
     try:
-        _write(built, target, kind if out else Form.ARCHIVE, context)
+        _write(built, target, kind if out else Form.ARCHIVE, context, Limits(seconds=timeout))
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
-    report(context, form)
+    report(context, form, err=out == "-")
     if context.sink.has_errors:
         sys.exit(FINDINGS)
     if out != "-":
         _say(built, target, form)
 
 
-def _write(built: Built, out: str, kind: Form, context: Context) -> None:
+def _file_name(name: str) -> str:
+    """A model's name as that of a file, which stays in its folder."""
+    return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"
+
+
+def _write(built: Built, out: str, kind: Form, context: Context, limits: Limits) -> None:
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
 
@@ -70,8 +77,9 @@ def _write(built: Built, out: str, kind: Form, context: Context) -> None:
         text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
         if text is not None:
             sys.stdout.buffer.write(text)
+            sys.stdout.buffer.flush()
         return
-    write(built.bundle, out, environment=context.environment)
+    write(built.bundle, out, environment=context.environment, limits=limits)
 
 
 def _say(built: Built, out: str, form: str) -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import os
+import re
+import shlex
 import sys
 from pathlib import Path
 
 import click
 
-from composer.cli.reporting import FINDINGS, USAGE, report
+from composer.cli.reporting import FINDINGS, report
 
 _STARTER = '''\
 # For completion in your editor: mjcompose schema > recipe.schema.json, and as the first line here:
@@ -52,6 +56,12 @@ sensor:
 '''
 
 
+def _yaml(name: str) -> str:
+    """A name as YAML text: as it stands where it reads as a name, else quoted."""
+    plain = re.fullmatch(r"[A-Za-z_][\w-]*", name, re.ASCII) and name.lower() not in ("true", "false", "null")
+    return name if plain else json.dumps(name, ensure_ascii=False)
+
+
 @click.command()
 @click.argument("path", type=click.Path(path_type=Path), default=Path("model.yaml"))
 def command(path: Path) -> None:
@@ -63,13 +73,17 @@ def command(path: Path) -> None:
     if path.suffix.lower() not in (".yaml", ".yml"):
         raise click.UsageError(f"a recipe's name ends in .yaml: {path.with_suffix('.yaml')}")
     context = Context()
-    if path.exists():
-        context.sink.error("output-unwritable", f"`{path}` exists already and is left as it is")
+    if os.path.lexists(path):
+        context.sink.error(
+            "output-unwritable",
+            f"`{path}` is there already and is left as it is",
+            help="choose another name, or remove the file",
+        )
         report(context, "text")
         sys.exit(FINDINGS)
     try:
         with staged_file(path) as stage:
-            stage.write_text(_STARTER.format(name=path.stem), encoding="utf-8")
+            stage.write_text(_STARTER.format(name=_yaml(path.stem)), encoding="utf-8")
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
     except OSError as error:
@@ -77,5 +91,5 @@ def command(path: Path) -> None:
         context.sink.error(told.code, told.message, help=told.help)
     report(context, "text")
     if context.sink.has_errors:
-        sys.exit(USAGE)
-    click.echo(f"wrote {path}; build it with: mjcompose build {path}")
+        sys.exit(FINDINGS)
+    click.echo(f"wrote {path}; build it with: mjcompose build {shlex.quote(str(path))}")

@@ -27,16 +27,19 @@ def reporting_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )(command)  # fmt: skip
 
 
-def report(context: Context, form: str) -> None:
-    """Print all diagnostics: text to standard error, JSON and GitHub commands to standard output."""
+def report(context: Context, form: str, *, err: bool = False) -> None:
+    """Print all diagnostics: text to standard error, JSON and GitHub commands to standard output.
+
+    With `err` these go to standard error too, for a command that has a model to print.
+    """
     found = context.sink.sorted()
     if form == "json":
         for diagnostic in found:
-            click.echo(json_format.render(diagnostic))
+            click.echo(json_format.render(diagnostic), err=err)
         return
     if form == "github":
         for diagnostic in found:
-            click.echo(github.render(diagnostic))
+            click.echo(github.render(diagnostic), err=err)
         return
     color = use_color()
     read = _reader(context.folder)
@@ -47,8 +50,8 @@ def report(context: Context, form: str) -> None:
 
 
 def use_color() -> bool:
-    """Colours only on a terminal, and never where NO_COLOR is set."""
-    return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
+    """Colours only on a terminal that has them, and never where NO_COLOR is set."""
+    return sys.stderr.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
 
 def progress(message: str) -> None:

@@ -18,11 +18,15 @@ class Sink:
     def __init__(self) -> None:
         # A dict keeps the order of insertion and finds repetitions in constant time.
         self._found: dict[Diagnostic, None] = {}
+        self._errors: list[Diagnostic] = []
 
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code not in CODES:
             raise KeyError(diagnostic.code)
-        self._found.setdefault(diagnostic)
+        if diagnostic not in self._found:
+            self._found[diagnostic] = None
+            if diagnostic.severity is Severity.ERROR:
+                self._errors.append(diagnostic)
 
     def error(
         self,
@@ -69,11 +73,11 @@ class Sink:
     @property
     def errors(self) -> list[Diagnostic]:
         """The diagnostics that stop the work, in the order they were added."""
-        return [each for each in self._found if each.severity is Severity.ERROR]
+        return list(self._errors)
 
     @property
     def has_errors(self) -> bool:
-        return any(each.severity is Severity.ERROR for each in self._found)
+        return bool(self._errors)
 
 
 def _place(diagnostic: Diagnostic) -> tuple[bool, str, int, int]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 from lxml.etree import _Element as Node
 
@@ -76,12 +77,12 @@ def _written(unit: Unit) -> Iterator[tuple[str, _Written]]:
 def _attributes(element: Node, path: str, unit: Unit) -> Iterator[tuple[str, _Written]]:
     for name, value in element.items():
         if str(value).strip():
-            yield f"{path}/{name}", _Written(str(value), element, unit)
-    for child in element:
-        if isinstance(child.tag, str):
-            yield from _attributes(child, f"{path}/{child.tag}", unit)
+            yield f"{path}/{name!s}", _Written(str(value), element, unit)
+    for child in element.iterchildren("*"):
+        yield from _attributes(child, f"{path}/{child.tag!s}", unit)
 
 
+@cache
 def _default(path: str) -> str | None:
     element, name = path.rsplit("/", 1)
     attribute = GRAMMAR.element(element).attributes.get(name)
@@ -189,9 +190,10 @@ def _one_memory(linking: Linking) -> None:
     for size in sizes if memory else ():
         for name in _INSTEAD_OF_MEMORY:
             span = linking.span(linking.base, size, name)
-            value = size.attrib.pop(name, None)
+            value = size.get(name)
             if value is None:
                 continue
+            del size.attrib[name]
             for part in linking.parts:
                 for section in part.unit.root.iterchildren("size"):
                     if section.get(name) == value:

@@ -6,16 +6,18 @@ with MuJoCo's own arithmetic and so to the same bits, and radians into degrees c
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.link import numbers
 from composer.link.linking import Linking
 from composer.pose import quat_from_euler
-from composer.tree.classes import Classes, walk_bodies
+from composer.tree.classes import NESTED, Classes, childclass_of
 from composer.tree.unit import Unit
 
+_TURNED = etree.XPath("(worldbody | default)//*[@euler or @axisangle]")
 _LIMITED = "range"
 _ANGULAR = ("range", "ref", "springref", "springyield")
 _OF_BALLS = ("range", "springyield")
@@ -40,24 +42,23 @@ def model_angle(linking: Linking) -> str:
 def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str) -> None:
     own = unit.settings.eulerseq
     degrees = unit.settings.angle == "degree"
-    for section in unit.root.iterchildren("worldbody", "default"):
-        for element in section.iter():
-            euler = element.get("euler")
-            if euler is not None and euler.strip():
-                values = numbers.read(euler)
-                if element.tag == "replicate":
-                    _replicate(linking, unit, element, values, sequence, to_radians)
-                elif own != sequence:
-                    radians = [numbers.orientation_radians(v) for v in values] if degrees else values
-                    del element.attrib["euler"]
-                    element.set("quat", numbers.text(quat_from_euler(radians, own)))
-                elif to_radians:
-                    element.set("euler", numbers.text(map(numbers.orientation_radians, values)))
-            axisangle = element.get("axisangle")
-            if to_radians and axisangle is not None and axisangle.strip():
-                *axis, angle = axisangle.split()
-                turned = numbers.text([numbers.orientation_radians(*numbers.read(angle))])
-                element.set("axisangle", " ".join([*axis, turned]))
+    for element in _TURNED(unit.root):
+        euler = element.get("euler")
+        if euler is not None and euler.strip():
+            values = numbers.read(euler)
+            if element.tag == "replicate":
+                _replicate(linking, unit, element, values, sequence, to_radians)
+            elif own != sequence:
+                radians = [numbers.orientation_radians(v) for v in values] if degrees else values
+                del element.attrib["euler"]
+                element.set("quat", numbers.text(quat_from_euler(radians, own)))
+            elif to_radians:
+                element.set("euler", numbers.text(map(numbers.orientation_radians, values)))
+        axisangle = element.get("axisangle")
+        if to_radians and axisangle is not None and axisangle.strip():
+            *axis, angle = axisangle.split()
+            turned = numbers.text([numbers.orientation_radians(*numbers.read(angle))])
+            element.set("axisangle", " ".join([*axis, turned]))
 
 
 def _replicate(
@@ -91,15 +92,21 @@ def _joints(unit: Unit) -> None:
     A class may give one value to hinges and to slides: then each hinge gets the converted value on itself.
     """
     classes = unit.classes
+    in_classes = {
+        str(name)
+        for section in unit.root.iterchildren("default")
+        for joint in section.iter("joint")
+        for name in joint.keys()  # noqa: SIM118 (an element is no mapping)
+    }
     given: dict[tuple[Node, str], list[tuple[Node, bool]]] = {}
     done: set[tuple[Node, str]] = set()
     own: list[tuple[Node, str]] = []
-    for joint, childclass in walk_bodies(unit.root):
-        if joint.tag != "joint":
-            continue
-        found = classes.get(str(joint.get("class") or childclass or "") or None)
+    for joint in _joints_of_bodies(unit.root):
+        childclass = childclass_of(joint)
         for attribute in _ANGULAR:
-            writer = _writer(joint, found.lookup("joint", attribute), attribute)
+            writer: Node | None = joint
+            if joint.get(attribute) is None:
+                writer = _writer(joint, classes, childclass, attribute) if attribute in in_classes else None
             if writer is None:
                 continue
             turns = _is_angle(unit, classes, joint, childclass, attribute)
@@ -117,7 +124,7 @@ def _joints(unit: Unit) -> None:
                 if turns:
                     joint.set(attribute, str(writer.get(attribute)))
                     own.append((joint, attribute))
-    for section in unit.root.iterchildren("default"):
+    for section in unit.root.iterchildren("default") if in_classes else ():
         for joint in section.iter("joint"):
             for attribute in _ANGULAR:
                 if joint.get(attribute) and (joint, attribute) not in done and joint.get("type") != "slide":
@@ -126,9 +133,18 @@ def _joints(unit: Unit) -> None:
         _convert(element, attribute, numbers.joint_radians)
 
 
-def _writer(joint: Node, inherited: tuple[str, Node] | None, attribute: str) -> Node | None:
-    if joint.get(attribute) is not None:
-        return joint
+def _joints_of_bodies(root: Node) -> Iterator[Node]:
+    """Not those of a `<composite>`, which are patterns for joints."""
+    for worldbody in root.iterchildren("worldbody"):
+        for joint in worldbody.iter("joint"):
+            parent = joint.getparent()
+            if parent is not None and parent.tag in NESTED:
+                yield joint
+
+
+def _writer(joint: Node, classes: Classes, childclass: str | None, attribute: str) -> Node | None:
+    """The element of a class that gives the joint its value."""
+    inherited = classes.get(str(joint.get("class") or childclass or "") or None).lookup("joint", attribute)
     return inherited[1] if inherited else None
 
 

@@ -6,11 +6,13 @@ move to the class `base/`, because an attribute without a neutral value could no
 
 from __future__ import annotations
 
+from collections.abc import Set
+
 from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.link.linking import Linking
-from composer.tree.classes import MAIN, NESTED
+from composer.tree.classes import NESTED
 from composer.tree.order import place_of
 from composer.tree.unit import Unit
 
@@ -32,7 +34,7 @@ def defaults(linking: Linking) -> None:
         unit.forget_classes()
     if linking.base_class is not None:
         own = _wrap(linking, base, linking.base_class)
-        _claim_sections(base, linking.base_class, own)
+        _claim_sections(base, linking.base_class, own | linking.isolate_base)
         _claim_world(base, linking.base_class)
     _join(linking)
 
@@ -60,18 +62,30 @@ def _join(linking: Linking) -> None:
 def choose_classes(linking: Linking) -> None:
     """Decide the name of every top class before anything is renamed."""
     separator = linking.separator
-    taken = {part.prefix for part in linking.parts}
+    prefixes = {part.prefix for part in linking.parts}
+    # A unit that is itself a composition has wrapped classes already.
+    taken = _class_names(linking.base, *(part.unit for part in linking.parts if not part.prefix))
     for part in linking.parts:
-        part.top_class = part.prefix or _free(f"{part.unit.model or part.unit.label}{separator}", taken)
+        own = part.prefix or f"{part.unit.model or part.unit.label}{separator}"
+        part.top_class = _free(own, taken if part.prefix else taken | prefixes)
+        taken.add(part.top_class)
     if linking.parts and (linking.isolate_base or _top_kinds(linking.base.root)):
-        linking.base_class = _free(f"base{separator}", taken)
+        linking.base_class = _free(f"base{separator}", taken | prefixes)
 
 
-def _free(name: str, taken: set[str]) -> str:
+def _free(name: str, taken: Set[str]) -> str:
     while name in taken:
         name = "_" + name
-    taken.add(name)
     return name
+
+
+def _class_names(*units: Unit) -> set[str]:
+    return {
+        str(element.get("class"))
+        for unit in units
+        for section in unit.root.iterchildren("default")
+        for element in section.iter("default")
+    }
 
 
 def _top_kinds(root: Node) -> set[str]:
@@ -126,7 +140,7 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
                 continue
             if section.tag in ("asset", "contact") and tag not in kinds:
                 continue
-            if element.get("class") is None or element.get("class") == MAIN:
+            if element.get("class") is None:
                 element.set("class", name)
 
 
@@ -139,7 +153,4 @@ def _claim_world(unit: Unit, name: str) -> None:
                 if not element.get("childclass"):
                     element.set("childclass", name)
             elif tag in _TREE and element.get("class") is None:
-                element.set("class", name)
-        for element in worldbody.iter(*_TREE):
-            if element.get("class") == MAIN:
                 element.set("class", name)

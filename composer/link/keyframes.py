@@ -86,7 +86,7 @@ def keyframes(linking: Linking) -> None:
         linking.base.origins.own(element, merged.unit.origins.owner(merged.element, merged.unit.file))
         line = line_of(merged.element)
         if line is not None and line <= _LAST_LINE:
-            element.sourceline = line
+            element.sourceline = line  # type: ignore[assignment]  # the stubs know it as read alone
 
 
 def _keys(unit: Unit) -> list[Node]:
@@ -286,11 +286,11 @@ class _Reference:
                     given = numbers.text(pose.pos if vector == "mpos" else pose.quat).split()
                 row += given
             return row
-        slots = layout.joints if vector in ("qpos", "qvel") else layout.actuators
-        for element, slot in slots.items():
+        second = vector in ("qvel", "act")
+        for element, slot in (layout.joints if vector in ("qpos", "qvel") else layout.actuators).items():
             given = values.get(element)
             if given is None:
-                given = self._qpos(element, slot) if vector == "qpos" else ["0"] * slot.widths[vector in ("qvel", "act")]
+                given = self._qpos(element, slot) if vector == "qpos" else ["0"] * slot.widths[second]
             row += given
         return row
 

@@ -17,6 +17,7 @@ from lxml.etree import _Element as Node
 from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
 from composer.tree.unit import Unit
 
+JOINTS = ("joint", "freejoint")
 _BLOCKS = ("replicate", "flexcomp", "composite", "attach")
 # Actuators with one control and, by tag, this many activations; the others only MuJoCo can tell.
 _ACTIVATIONS = {
@@ -73,7 +74,7 @@ class Layout:
     @property
     def in_world_coordinates(self) -> bool:
         """Whether a key holds poses in the world: of free joints or mocap bodies."""
-        return bool(self.mocaps) or any(slot.kind == "free" for slot in self.joints.values())
+        return bool(self.mocaps) or _JOINTS["free"] in self.joints.values()
 
     def total(self, vector: str) -> int:
         if vector in ("qpos", "qvel"):
@@ -83,7 +84,7 @@ class Layout:
         return len(self.mocaps) * (3 if vector == "mpos" else 4)
 
 
-_STATE = {"position": ("timeconst",), "general": ("dyntype", "actdim", "input")}
+_STATE = {"position": {"timeconst"}, "general": {"dyntype", "actdim", "input"}}
 _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
 
 
@@ -96,13 +97,13 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
         if joints is None:
             reader.visit(worldbody, layout)
         else:
-            layout.joints.update(zip(joints, map(reader.joint, joints), strict=True))
+            layout.joints.update([(joint, known.get(joint) or reader.joint(joint)) for joint in joints])
         layout.mocaps.extend(
             body for body in through_frames(worldbody) if body.tag == "body" and body.get("mocap") == "true"
         )
     for section in unit.root.iterchildren("actuator"):
-        actuators = list(section.iterchildren("*"))
-        layout.actuators.update(zip(actuators, map(reader.actuator, actuators), strict=True))
+        actuators = section.iterchildren("*")
+        layout.actuators.update([(each, known.get(each) or reader.actuator(each)) for each in actuators])
     return layout
 
 
@@ -110,19 +111,19 @@ def _plain_joints(worldbody: Node) -> list[Node] | None:
     """The joints, if they stand in the order of their bodies, so that nothing else needs to be looked at."""
     joints: list[Node] = []
     body = worldbody
-    for element in worldbody.iter("body", "joint", "freejoint", *_BLOCKS):
+    for element in worldbody.iter("body", *JOINTS, *_BLOCKS):
         tag = element.tag
         if tag == "body":
             body = element
-        elif tag in _BLOCKS or element.getparent() is not body:  # in a frame, or after a child of its body
-            return None
-        else:
+        elif tag in JOINTS and element.getparent() is body:
             joints.append(element)
+        else:  # a block, or a joint in a frame or after a child of its body
+            return None
     return joints
 
 
 class _Reader:
-    """Reads the widths of single elements; what classes say is looked at when it may matter."""
+    """Reads the widths of elements that are not known; what classes say is looked at when it may matter."""
 
     def __init__(self, unit: Unit, known: Mapping[Node, Slot]) -> None:
         self.unit = unit
@@ -138,34 +139,29 @@ class _Reader:
                 if tag == "joint":
                     typed = typed or element.get("type") is not None
                 elif not stateful:
-                    telling = _STATE.get(tag)
-                    stateful = telling is None or any(element.get(name) is not None for name in telling)
+                    stateful = tag not in _STATE or not _STATE[tag].isdisjoint(element.keys())
         return typed, stateful
 
     def visit(self, body: Node, layout: Layout) -> None:
         """A body's joints, then what is inside it."""
         inner: list[Node] = []
         for child in through_frames(body):
-            if child.tag in ("joint", "freejoint"):
-                layout.joints[child] = self.joint(child)
+            if child.tag in JOINTS:
+                layout.joints[child] = self.known.get(child) or self.joint(child)
             elif child.tag == "body" or child.tag in _BLOCKS:
                 inner.append(child)
         for child in inner:
             if child.tag == "body":
                 self.visit(child, layout)
             else:
-                layout.joints[child] = self.block(child)
+                layout.joints[child] = self.known.get(child) or self.block(child)
 
     def joint(self, joint: Node) -> Slot:
-        known = self.known.get(joint)
-        if known is not None:
-            return known
-        return _JOINTS[joint_type(joint, self.unit.classes) if self.influence[0] else _own_type(joint)]
+        if self.influence[0]:
+            return _JOINTS[joint_type(joint, self.unit.classes)]
+        return _JOINTS["free" if joint.tag == "freejoint" else joint.get("type") or "hinge"]
 
     def block(self, block: Node) -> Slot:
-        known = self.known.get(block)
-        if known is not None:
-            return known
         if block.tag != "replicate" or block.xpath("boolean(.//body[@mocap='true'])"):
             raise Unknown(block)
         inside = Layout()
@@ -174,9 +170,6 @@ class _Reader:
         return Slot(BLOCK, (count * inside.total("qpos"), count * inside.total("qvel")))
 
     def actuator(self, actuator: Node) -> Slot:
-        known = self.known.get(actuator)
-        if known is not None:
-            return known
         tag = actuator.tag
         known = _ACTUATORS.get(tag)
         if known is not None:
@@ -206,7 +199,3 @@ def joint_type(joint: Node, classes: Classes) -> str:
     if joint.tag == "freejoint":
         return "free"
     return classes.effective(joint, childclass_of(joint), "type") or "hinge"
-
-
-def _own_type(joint: Node) -> str:
-    return "free" if joint.tag == "freejoint" else str(joint.get("type") or "hinge")

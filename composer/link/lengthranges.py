@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
 from composer.link.inertia import measure_alone
 from composer.link.linking import Linking
+from composer.tree.unit import Unit
 
 _ARRAYS = ("actuator_lengthrange",)
 
@@ -25,7 +29,25 @@ def lengthranges(linking: Linking) -> None:
                 low, high = measured[2 * at : 2 * at + 2]
                 if (low, high) != (0.0, 0.0):
                     actuator.set("lengthrange", numbers.text([low, high]))
+                elif _is_muscle(actuator):
+                    _no_range(linking, unit, rules[-1], actuator)
+                    break
         for rule in rules:
             compiler = rule.getparent()
             assert compiler is not None
             compiler.remove(rule)
+
+
+def _is_muscle(actuator: Node) -> bool:
+    return actuator.tag == "muscle" or "muscle" in (actuator.get("gaintype"), actuator.get("biastype"))
+
+
+def _no_range(linking: Linking, unit: Unit, rule: Node, actuator: Node) -> None:
+    """MuJoCo takes no range for an unwritten one, and would compute it under the model's rules."""
+    linking.sink.error(
+        "compiler-setting",
+        f"`lengthrange` of `{unit.label}` cannot be kept in a composition: it leaves a muscle without a range",
+        linking.span(unit, rule),
+        notes=(Note("the muscle", linking.span(unit, actuator)),),
+        help="write the `lengthrange` of the muscle",
+    )

@@ -92,7 +92,8 @@ class FileUse(NamedTuple):
 class Linking:
     """The state that the passes share, from parts apart to one flat model.
 
-    `settled` holds the option paths (`option/cone`) that the recipe sets itself: no conflict there.
+    `settled` holds the option paths (`option/cone`) that the recipe sets itself: no conflict there. `isolate_base` has
+    the tags for which it sets the base's top class, which must not reach the parts.
     """
 
     base: Unit
@@ -101,7 +102,7 @@ class Linking:
     separator: str = "/"
     conflict: Policy = "error"
     settled: frozenset[str] = frozenset()
-    isolate_base: bool = False
+    isolate_base: frozenset[str] = frozenset()
     measure: Measure | None = None
     names: Names = field(default_factory=Names)
     base_class: str | None = None
@@ -113,7 +114,7 @@ class Linking:
 
     @property
     def units(self) -> list[Unit]:
-        return [self.base, *(part.unit for part in self.parts)]
+        return [self.base, *[part.unit for part in self.parts]]
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
         """Where an element of a unit, or the value of its attribute, is written."""

@@ -15,6 +15,7 @@ from composer.tree.classes import MAIN
 from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import (
     DECLARES,
+    GENERATES,
     GENERATORS,
     LISTS,
     REFERS,
@@ -26,11 +27,12 @@ from composer.tree.names import (
 from composer.tree.unit import Unit
 
 _MAY_REPEAT = ("model",)
+_RESERVED = frozenset({"", WORLD, MAIN})
 
 
 def names(linking: Linking) -> None:
     """Rename part by part; afterwards `linking.names` knows every name of the model."""
-    _join(linking, linking.base, "", MAIN, None)
+    _join(linking, linking.base, "", linking.base_class or MAIN, None)
     for part in linking.parts:
         _join(linking, part.unit, part.prefix, part.top_class, part)
 
@@ -119,17 +121,11 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
     dictionary, one that does is written and noted at once.
     """
     found = _Found()
-    root = unit.root
-    classes, wanted_classes = found.declared["default"], found.wanted["default"]
-    # Nobody declares these, but they are referred to: while the walk goes on, the root stands for them.
-    reserved = ((found.wanted["body"], WORLD), (classes, MAIN), (wanted_classes, MAIN))
-    for names, name in reserved:
-        names[prefix + name] = root
     unheeded: dict[str, Node] = {}
     by_slot = [unheeded, *found.declared.values(), *found.wanted.values(), unheeded]
     note = [names.setdefault for names in by_slot]
     last_declared = len(found.declared)
-    for section in root.iterchildren("*"):
+    for section in unit.root.iterchildren("*"):
         table = _slots(section.tag)
         if not table:
             continue
@@ -141,24 +137,17 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
                 if key in slots:
                     slot = slots[key]
                     value = element.get(key)
-                    if not slot or not value:
+                    if not slot or value in _RESERVED:
                         _rename_special(found, element, key, prefix, top_class, section)
                         continue
                     if prefix:
                         value = prefix + value
                         element.set(key, value)
-                    earlier = note[slot](value, element)
-                    if earlier is not element and (slot <= last_declared or earlier is root):
-                        if earlier is not root:
-                            found.repeat(_namespaces()[slot - 1], value, element)
-                            continue
-                        element.set(key, value.removeprefix(prefix))
-                        _rename_special(found, element, key, prefix, top_class, section)
+                    if note[slot](value, element) is not element and slot <= last_declared:
+                        found.repeat(_namespaces()[slot - 1], value, element)
         if section.tag == "asset":
             _name_assets(section, prefix, found)
-    for names, name in reserved:
-        del names[prefix + name]
-    for composite in root.iter("composite") if prefix else ():
+    for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
     return found
@@ -171,16 +160,18 @@ def _rename_special(
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
     value = str(element.get(key))
     name = prefix + value
-    if not value or namespace == "key":
+    if namespace == "key" or (not value and kind != GENERATES):
         return  # keys are named when they are laid out
     if kind == DECLARES:
-        return  # the top class
+        if element is section:
+            return  # the top class
+        found.declare(namespace, name, element)
     elif kind == REFERS:
         if value == WORLD and namespace == "body":
             return
         if value == MAIN and namespace == "default":
             name = top_class
-        else:
+        elif section.tag != "default":
             found.want(namespace, name, element)
     elif kind == LISTS:
         names = [each if each == WORLD else prefix + each for each in value.split()]
@@ -194,7 +185,7 @@ def _rename_special(
             return
         if target:
             found.want(target, name, element)
-    if prefix:
+    if name != value:
         element.set(key, name)
 
 
@@ -205,9 +196,10 @@ def _name_assets(section: Node, prefix: str, found: _Found) -> None:
             file = element.get("file")
             if file:
                 name = prefix + stem(file)
-                found.declare(element.tag, name, element)
                 if prefix:
                     element.set("name", name)
+                if found.declared[element.tag].setdefault(name, element) is not element:
+                    found.repeat(element.tag, name, element)
 
 
 def may_be_generated(name: str, root: Node) -> bool:

@@ -17,14 +17,19 @@ from composer.tree.settings import read_settings
 class Asset:
     """A file that a model needs.
 
-    `path` is where it came from, None for bytes in memory; `prefix` the stem of its file name; `extension` its
-    suffix with the dot, as written. `Asset(data, '.stl')` may be given to any `file` attribute.
+    `path` is where it came from, None for bytes in memory; `prefix` the stem of its file name; `extension`
+    its suffix with the dot, as written. `Asset(data, '.stl')` may be given to any `file` attribute.
     """
 
     __slots__ = ("_data", "extension", "path", "prefix")
 
     def __init__(
-        self, contents: bytes | None = None, extension: str = "", prefix: str = "asset", *, path: Path | None = None
+        self,
+        contents: bytes | None = None,
+        extension: str = "",
+        prefix: str = "asset",
+        *,
+        path: Path | None = None,
     ) -> None:
         """`contents` or `path`, not both. The bytes of a path are read when they are asked for."""
         if (contents is None) == (path is None):
@@ -106,7 +111,9 @@ def asset_of(model: Model, tag: str, name: str) -> Asset:
 
 
 def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:
-    """A file name in the model for an asset, noted in `contents`; equal assets share one, others get another."""
+    """A file name in the model for an asset, noted in `contents`; equal assets share one, others get
+    another.
+    """
     number = 1
     while True:
         name = f"{asset.prefix}{'' if number == 1 else f'-{number}'}{asset.extension}"

@@ -16,7 +16,7 @@ from composer.mjcf.errors import failure
 from composer.mjcf.kinds import WORLD_SECTION, kind_of
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.reference import describe
-from composer.mjcf.removal import discard, release
+from composer.mjcf.removal import release
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
 
 if TYPE_CHECKING:
@@ -31,10 +31,11 @@ _JOINTS = ("joint", "freejoint")
 class AttachmentFrame(Element):
     """The body called `PREFIX/` between a model and the one it hangs on.
 
-    It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (metres, and the
-    parent's unit of angle); `add('joint', …)` lets the child move: a joint called `name` is `PREFIX/name` in the
-    output, one without a name is `PREFIX/`. With a free joint, or as a `mocap` body, the child stands in the world at
-    the pose that the place has in the reference configuration. Without any of these no body is written.
+    It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (metres,
+    and the parent's unit of angle); `add('joint', …)` lets the child move: a joint called `name` is
+    `PREFIX/name` in the output, one without a name is `PREFIX/`. With a free joint, or as a `mocap` body,
+    the child stands in the world at the pose that the place has in the reference configuration. Without any
+    of these no body is written.
     """
 
     __slots__ = ()
@@ -45,13 +46,11 @@ class AttachmentFrame(Element):
         attachment = cast(AttachmentFrame, self._alive())._attachment
         return view(self._model, attachment.container)
 
-    @property
-    def name(self) -> str | None:
-        """`PREFIX/`; it follows the child's `model`."""
-        return self._attachment.child.prefix if not self._removed else None
-
     def __repr__(self) -> str:
         return super().__repr__().replace("<body", f'<body name="{self.name}"', 1)
+
+    def _own_name(self) -> str | None:
+        return None if self._removed else self._attachment.child.prefix
 
     @property
     def _attachment(self) -> Attachment:
@@ -86,13 +85,15 @@ class AttachmentFrame(Element):
                     "unknown-attribute",
                     f"an attachment frame has no `{name}` of its own",
                     call_site(),
-                    help="its attributes are `pos`, one orientation, and `mocap`; its name is the child's `model`",
+                    help="it has `pos`, one orientation, and `mocap`; its name is the child's `model`",
                 )
         super()._write(attributes)
 
     def remove(self, cascade: bool = False) -> None:
         """Not possible: `detach()` the child instead."""
-        raise failure("not-supported", "an attachment frame goes with its model: `detach()` that", call_site())
+        raise failure(
+            "not-supported", "an attachment frame goes with its model: `detach()` that", call_site()
+        )
 
     def attach(self, other: RootElement) -> Element:
         """Not possible: attach to something of the parent or of the child."""
@@ -104,7 +105,9 @@ def attach(model: Model, host: Node, other: RootElement) -> Element:
     from composer.mjcf.root import RootElement
 
     if not isinstance(other, RootElement):
-        raise failure("wrong-type", f"what is attached is a `RootElement`, got `{type(other).__name__}`", call_site())
+        raise failure(
+            "wrong-type", f"what is attached is a `RootElement`, got `{type(other).__name__}`", call_site()
+        )
     place = describe(model, host)
     if kind_of(host).path not in HOSTS or model.frame_above(host) is not None:
         raise failure(
@@ -114,7 +117,9 @@ def attach(model: Model, host: Node, other: RootElement) -> Element:
             help="attach to a site, a body, a frame or the worldbody",
         )
     if any(above.tag == "replicate" for above in host.iterancestors()):
-        raise failure("not-supported", f"{place} is inside a `<replicate>`, where nothing can be attached", call_site())
+        raise failure(
+            "not-supported", f"{place} is inside a `<replicate>`, where nothing can be attached", call_site()
+        )
     child = other._model
     if child is model or child in model.ancestors():
         message = f"`{child.name}` cannot be attached to itself" if child is model else (
@@ -125,7 +130,8 @@ def attach(model: Model, host: Node, other: RootElement) -> Element:
         there = child.hung
         raise failure(
             "attach-place",
-            f"`{child.name}` is attached already, to {describe(there.parent, there.host)} of `{there.parent.name}`",
+            f"`{child.name}` is attached already, to {describe(there.parent, there.host)} of "
+            f"`{there.parent.name}`",
             call_site(),
             notes=(Note("it was attached here", there.parent.span(there.frame)),),
             help="`detach()` it first, or attach a copy: `copy.deepcopy(model)`",
@@ -157,7 +163,7 @@ def set_model_name(model: Model, name: str | None) -> None:
         _check_prefix(attachment.parent, model, name or model.unit.label, itself=model)
     text = written.texts["model"]
     if text is None:
-        model.unit.root.attrib.pop("model", None)
+        edit.drop(model.unit.root, "model")
     else:
         model.unit.root.set("model", text)
     if attachment is None or model.prefix == old:
@@ -218,7 +224,9 @@ def get_attachment_frame(element: Element) -> AttachmentFrame | None:
 
 
 def get_frame_joints(frame: Element) -> list[Element]:
-    """The joints of an attachment frame, free ones included; takes the frame or anything in the attached model."""
+    """The joints of an attachment frame, free ones included; takes the frame or anything in the attached
+    model.
+    """
     found = frame if isinstance(frame, AttachmentFrame) else get_attachment_frame(frame)
     return [] if found is None else found.all_children()
 

@@ -1,4 +1,4 @@
-"""Changes of attributes: checked as a whole first, then written, with every reference following a new name."""
+"""Changes of attributes: checked as a whole first, then written; references follow a new name."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
 from composer.mjcf.asset import Asset, Files, place
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
+from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.kinds import attribute_of, naming_attribute, section_of, spoken
+from composer.mjcf.misspelled import unknown_attribute
 from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.names import MAY_REPEAT, is_list, renamed
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
@@ -94,10 +95,12 @@ def _text(
         if several and attribute.type != "references":
             raise BadValue("expects one element, got a list")
         namespace = namespace_of(attribute, written)
-        targets = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
+        names = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
         return " ".join(
-            name_for(model, attribute, each, namespace) if isinstance(each, Target) else encode(attribute, each)
-            for each in targets
+            name_for(model, attribute, each, namespace)
+            if isinstance(each, Target)
+            else encode(attribute, each)
+            for each in names
         )
     return encode(attribute, value)
 
@@ -109,16 +112,22 @@ def write(model: Model, node: Node, edit: Edit) -> None:
     model.forget(node)
     for name, text in edit.texts.items():
         if text is None:
-            node.attrib.pop(name, None)
+            drop(node, name)
             continue
         if name in ORIENTATIONS:  # one way to write an orientation replaces the others
             for other in ORIENTATIONS:
-                node.attrib.pop(other, None)
+                drop(node, other)
         node.set(name, text)
     model.note(node)
     after = model.declared(node)
     if before and after and before != after:
         follow(model, before[0], before[1], after[1])
+
+
+def drop(node: Node, attribute: str) -> None:
+    """Take an attribute away if it is there."""
+    if attribute in node.attrib:
+        del node.attrib[attribute]
 
 
 def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:
@@ -184,22 +193,6 @@ def _check_name(
         notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
         help="give one of the two another name",
     )
-
-
-def unknown_attribute(kind: ElementType, name: str) -> MjcfAttributeError:
-    """That elements of a kind have no such attribute, with what they do have."""
-    known = [spoken(each) for each in kind.attributes]
-    near = closest(name, known)
-    fault = failure(
-        "unknown-attribute",
-        f"`<{kind.tag}>` has no attribute `{name}`",
-        call_site(),
-        notes=(exists_note("attribute", sorted(known), name),),
-        help=f"did you mean `{near[0]}`?" if near else None,
-        kind=MjcfAttributeError,
-    )
-    assert isinstance(fault, MjcfAttributeError)
-    return fault
 
 
 def _bad_value(

@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, cast
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
-from composer.mjcf import edit, traversal
+from composer.mjcf import edit, finding
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import MjcfError, failure
+from composer.mjcf.errors import failure
 from composer.mjcf.kinds import (
     HOLDS_ONE_OF_EACH,
-    Query,
     attribute_of,
     kind_of,
     naming_attribute,
-    query,
-    section_of,
     spoken,
-    tags_of,
 )
+from composer.mjcf.misspelled import unknown_attribute, unknown_tag
 from composer.mjcf.model import Model, Target
 from composer.mjcf.names import own_name
 from composer.mjcf.reference import describe, refers, resolved
 from composer.mjcf.value import BadValue, decode
-from composer.tree.names import WORLD
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
@@ -40,10 +35,10 @@ if TYPE_CHECKING:
 class Element:
     """One element of a model.
 
-    Its MJCF attributes are Python attributes: numbers and arrays come as numpy, references as Elements, files as
-    `Asset`, keywords and names as text; what is not set is None, and setting None removes. `class` is spelled
-    `dclass`; a last underscore is dropped (`global_`). Children are reached by tag: one that can occur once as an
-    Element (`model.visual.headlight`), others as a list (`body.geom`).
+    Its MJCF attributes are Python attributes: numbers and arrays come as numpy, references as Elements,
+    files as `Asset`, keywords and names as text; what is not set is None, and setting None removes. `class`
+    is spelled `dclass`; a last underscore is dropped (`global_`). Children are reached by tag: one that can
+    occur once as an Element (`model.visual.headlight`), others as a list (`body.geom`).
 
     There is one Element for each element of a model: `a.find('joint', 'j') is a.find('joint', 'j')`.
     """
@@ -83,11 +78,11 @@ class Element:
     def name(self) -> str | None:
         """The name in its own model, without prefixes; None where it has none.
 
-        A new name must be free in the whole composition, and whatever refers to the element follows. The name of a
-        default class is its class, that of an asset without one the stem of its file, as MuJoCo has it.
+        A new name must be free in the whole composition, and whatever refers to the element follows. The
+        name of a default class is its class, that of an asset without one the stem of its file, as MuJoCo
+        has it.
         """
-        attribute = naming_attribute(self._kind)
-        return None if attribute is None else own_name(self._node, attribute.name)
+        return self._own_name()
 
     @name.setter
     def name(self, name: str | None) -> None:
@@ -110,9 +105,9 @@ class Element:
     def add(self, tag: str, /, **attributes: object) -> Element:
         """Append a child and give it back.
 
-        Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. Raises `MjcfError`,
-        with what is there instead, for a tag or attribute that MJCF does not have here, a value of a wrong type or
-        length, and a name that is taken; then nothing has changed.
+        Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. Raises
+        `MjcfError`, with what is there instead, for a tag or attribute that MJCF does not have here, a
+        value of a wrong type or length, and a name that is taken; then nothing has changed.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement()
@@ -151,9 +146,10 @@ class Element:
     def remove(self, cascade: bool = False) -> None:
         """Take it and all below it out of the model; models attached there are detached.
 
-        What refers to it stays and is told when the model is written, every referrer by name. With `cascade` it goes
-        too: references to classes and materials are dropped from the elements that have them, any other referrer is
-        removed, in a section as a whole (a tendon goes with a site of its path). A section is emptied.
+        What refers to it stays and is told when the model is written, every referrer by name. With
+        `cascade` it goes too: references to classes and materials are dropped from the elements that have
+        them, any other referrer is removed, in a section as a whole (a tendon goes with a site of its
+        path). A section is emptied.
         """
         from composer.mjcf.removal import remove
 
@@ -163,10 +159,10 @@ class Element:
     def attach(self, other: RootElement) -> Element:
         """Hang a model on this site, body, frame or worldbody; gives the attachment frame.
 
-        The child keeps its names and can be edited on; here they are seen under its prefix (`gripper/left_pad`). The
-        frame has an offset (`frame.pos`, `frame.quat`, …) and takes joints; without one the child is fixed and no
-        body is added. Raises `MjcfError` where the child is attached already, contains this model, or has the prefix of
-        another child.
+        The child keeps its names and can be edited on; here they are seen under its prefix
+        (`gripper/left_pad`). The frame has an offset (`frame.pos`, `frame.quat`, …) and takes joints;
+        without one the child is fixed and no body is added. Raises `MjcfError` where the child is attached
+        already, contains this model, or has the prefix of another child.
         """
         from composer.mjcf.attachment import attach
 
@@ -177,60 +173,32 @@ class Element:
     def find(self, tag: str, name: str | None = None) -> Element | None:
         """The first match below this element in document order, or None.
 
-        `tag` may be a family: `joint` also finds `freejoint`; `actuator`, `sensor`, `equality`, `tendon` and `key`
-        find all of theirs. `name` is the name in this element's model; of attached models with the prefix
-        (`gripper/left_pad`). Raises `MjcfError` for a tag that MJCF does not have.
+        `tag` may be a family: `joint` also finds `freejoint`; `actuator`, `sensor`, `equality`, `tendon`
+        and `key` find all of theirs. `name` is the name in this element's model; of attached models with
+        the prefix (`gripper/left_pad`). Raises `MjcfError` for a tag that MJCF does not have.
         """
-        wanted = self._query(tag)
-        if name is not None and not isinstance(name, str):
-            raise failure("wrong-type", f"`name` expects a name, got `{name!r}`", call_site())
-        if name is None:
-            first = next(self._matches(wanted), None)
-            return None if first is None else view(*first)
-        here = Target(self._model, self._node)
-        is_root = self._node is self._model.unit.root
-        for namespace in wanted.namespaces:
-            found = self._model.lookup(namespace, name)
-            if found is None:
-                continue
-            fits = kind_of(found.node).path in wanted.paths or (namespace == "body" and name == WORLD)
-            if fits and (is_root or traversal.is_below(here, found)):
-                return view(*found)
-        return None
+        found = finding.first(Target(self._alive()._model, self._node), tag, name)
+        return None if found is None else view(*found)
 
     def find_all(self, tag: str, immediate_children_only: bool = False) -> list[Element]:
-        """All matches below this element in document order, attached models included, at the place where they hang.
+        """All matches below this element in document order, attached models included, at the place where
+        they hang.
 
         The list is made once: the model may be edited while going through it.
         """
-        wanted = self._query(tag)
-        if immediate_children_only:
-            found = traversal.children(self._model, self._node, wanted)
-        else:
-            found = self._matches(wanted)
-        return [view(model, node) for model, node in found]
+        here = Target(self._alive()._model, self._node)
+        return [view(*found) for found in finding.every(here, tag, immediate_children_only)]
 
     def all_children(self) -> list[Element]:
         """The children in their order, those of its own model only."""
         return [view(self._model, node) for node in self._alive()._node.iterchildren("*")]
 
-    def _matches(self, wanted: Query) -> Iterator[Target]:
-        if self._node is self._model.unit.root:
-            return traversal.from_root(self._model, wanted)
-        return traversal.below(self._model, self._node, wanted)
-
-    def _query(self, tag: str) -> Query:
-        self._alive()
-        section = None if self._node is self._model.unit.root else section_of(self._node)
-        wanted = query(tag, section)
-        if not wanted.paths and not query(tag, None).paths:
-            raise _unknown_tag(tag, f"MJCF has no element `{tag}`", tags_of(None))
-        return wanted
-
     # -- attributes ------------------------------------------------------------------------------------------
 
     def get(self, attribute: str, default: Any = None) -> Any:
-        """The value of an attribute; `default` where it is not set, or where such elements have none of that name."""
+        """The value of an attribute; `default` where it is not set, or where such elements have none of
+        that name.
+        """
         known = attribute_of(self._kind, attribute)
         value = None if known is None else self._read(known)
         return default if value is None else value
@@ -278,7 +246,7 @@ class Element:
         tag = name.rstrip("_")
         child = self._kind.children.get(tag)
         if child is None:
-            raise edit.unknown_attribute(self._kind, name)
+            raise unknown_attribute(self._kind, name)
         self._alive()
         own = self._kind.tag
         if own == "mujoco":
@@ -307,20 +275,29 @@ class Element:
     def __delattr__(self, name: str) -> None:
         self._write({name: None})
 
-    def __copy__(self) -> Element:
-        raise failure("not-supported", "a model is copied as a whole: `copy.deepcopy(element.root)`", call_site())
-
     def __deepcopy__(self, memo: dict[int, Any]) -> Element:
-        raise failure("not-supported", "a model is copied as a whole: `copy.deepcopy(element.root)`", call_site())
+        raise failure(
+            "not-supported",
+            "an element cannot be copied without its model",
+            call_site(),
+            help="copy the model: `copy.deepcopy(element.root)`",
+        )
+
+    def __copy__(self) -> Element:
+        return self.__deepcopy__({})
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *map(spoken, self._kind.attributes), *self._kind.children})
 
     def __repr__(self) -> str:
-        attributes = "".join(f' {name}="{value}"' for name, value in self._node.items())
-        return f"<{self.tag}{attributes}/>" if not len(self._node) else f"<{self.tag}{attributes}>…</{self.tag}>"
+        attributes = "".join(f' {name!s}="{value!s}"' for name, value in self._node.items())
+        return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
 
     # -- for this package ------------------------------------------------------------------------------------
+
+    def _own_name(self) -> str | None:
+        attribute = naming_attribute(self._kind)
+        return None if attribute is None else own_name(self._node, attribute.name)
 
     @property
     def _kind(self) -> ElementType:
@@ -338,7 +315,7 @@ class Element:
     def _child_kind(self, tag: str) -> ElementType:
         kind = self._kind.children.get(tag) if isinstance(tag, str) else None
         if kind is None:
-            raise _unknown_tag(tag, f"`<{self.tag}>` cannot have a `{tag}`", self._kind.children)
+            raise unknown_tag(tag, f"`<{self.tag}>` cannot have a `{tag}`", self._kind.children)
         return kind
 
     def _described(self) -> str:
@@ -367,16 +344,3 @@ def _target(value: object) -> object:
     if isinstance(value, list | tuple) and any(isinstance(each, Element) for each in value):
         return [_target(each) for each in value]
     return value
-
-
-def _unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
-    names = sorted(known)
-    written = tag if isinstance(tag, str) else None
-    near = closest(written, names) if written else []
-    return failure(
-        "unknown-element",
-        message,
-        call_site(),
-        notes=(exists_note("element", names, written),),
-        help=f"did you mean `{near[0]}`?" if near else None,
-    )

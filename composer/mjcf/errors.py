@@ -13,8 +13,8 @@ from composer.diagnostics.span import Span
 class MjcfError(MjcomposeError, ValueError):
     """A model, or a call on one, that is wrong; after a failed call the model is as it was.
 
-    `diagnostics` holds every fault with its code, place, what exists instead and what to write; `str()` is all of
-    them as text.
+    `diagnostics` holds every fault with its code, place, what exists instead and what to write; `str()` is
+    all of them as text.
     """
 
 

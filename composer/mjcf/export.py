@@ -23,11 +23,13 @@ def export_with_assets(
     *,
     conflict: Policy = "error",
 ) -> None:
-    """Write the model as `model_filename` and its files below `assets/` into the folder `out_dir`, which is made.
+    """Write the model as `model_filename` and its files below `assets/` into the folder `out_dir`, which is
+    made.
 
-    The files of each model stand in a folder named after it, equal bytes are stored once, and the same model gives the
-    same bytes. Other files in the folder stay; nothing is written if anything cannot be. `conflict` is that of
-    `RootElement.to_xml_string`. Raises `MjcfError`, also for files that are missing or cannot be written.
+    The files of each model stand in a folder named after it, equal bytes are stored once, and the same
+    model gives the same bytes. Other files in the folder stay; nothing is written if anything cannot be.
+    `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError`, also for files that are missing
+    or cannot be written.
     """
     files = _files(model, model_filename, conflict)
     out = Path(out_dir)
@@ -65,8 +67,9 @@ def export_with_assets_as_zip(
 ) -> None:
     """The same as a zip, which MuJoCo opens as it is (`MjSpec.from_zip`, MJZ).
 
-    The bytes do not depend on clock, place or system. MuJoCo looks for `model.xml`, or the stem of the zip and `.xml`:
-    `model_filename` is one of these. An older zip is replaced in one step or stays. Raises `MjcfError`.
+    The bytes do not depend on clock, place or system. MuJoCo looks for `model.xml`, or the stem of the zip
+    and `.xml`: `model_filename` is one of these. An older zip is replaced in one step or stays. Raises
+    `MjcfError`.
     """
     from composer.bundle.archive import write_archive
     from composer.bundle.bundle import Bundle
@@ -84,10 +87,12 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[st
     from composer.bundle.bundle import BundleError, check_paths
     from composer.bundle.collect import collect
 
-    if not isinstance(model, RootElement):
-        what = "an element; its `root` is the model" if isinstance(model, Element) else f"`{type(model).__name__}`"
-        raise failure("wrong-type", f"a model is a `RootElement`, got {what}", call_site())
-    if not isinstance(model_filename, str) or not model_filename.endswith(".xml") or Path(model_filename).name != model_filename:
+    _check_is_model(model)
+    if (
+        not isinstance(model_filename, str)
+        or not model_filename.endswith(".xml")
+        or Path(model_filename).name != model_filename
+    ):
         raise failure(
             "output-kind",
             f"`model_filename` expects the name of an XML file, got `{model_filename}`",
@@ -102,9 +107,20 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[st
     try:
         check_paths(files)
     except BundleError as error:
-        raise failure("file-unreadable", f"a file of the model cannot be exported: {error}", call_site()) from None
+        raise failure(
+            "file-unreadable", f"a file of the model cannot be exported: {error}", call_site()
+        ) from None
     tell(flat)
     return files
+
+
+def _check_is_model(model: object) -> None:
+    if isinstance(model, RootElement):
+        return
+    what = f"`{type(model).__name__}`"
+    if isinstance(model, Element):
+        what = "an element; its `root` is the model"
+    raise failure("wrong-type", f"a model is a `RootElement`, got {what}", call_site())
 
 
 def _write(files: dict[str, bytes], stage: Path) -> None:
@@ -115,7 +131,9 @@ def _write(files: dict[str, bytes], stage: Path) -> None:
 
 
 def _move(files: dict[str, bytes], stage: Path, target: Path) -> None:
-    """Into place, the model last: until then an older model has all of its files or newer ones of the same name."""
+    """Into place, the model last: until then an older model has all of its files or newer ones of the same
+    name.
+    """
     for path in sorted(files, key=lambda path: "/" not in path):
         place = target / path
         place.parent.mkdir(parents=True, exist_ok=True)

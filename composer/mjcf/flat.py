@@ -32,8 +32,8 @@ from composer.tree.write import write
 # The linker speaks to the writers of recipes; this is what a Python user can do.
 _RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
 _HELP = {
-    "option-conflict": "make the two agree, or pass `conflict='warning'`, which lets the model's own value stand and "
-    "says so, or `conflict='merge'`",
+    "option-conflict": "make the two agree, or pass `conflict='warning'`, which lets the model's own "
+    "value stand and says so, or `conflict='merge'`",
     "freejoint-on-body": "remove the free joint, or attach the model to the worldbody",
     "mocap-on-body": "attach the model to the worldbody",
     "plane-on-body": "remove the plane, or attach the model to something that does not move",
@@ -63,7 +63,8 @@ def flatten(model: Model, conflict: Policy) -> Flat:
     raise_errors(names)
     sink = _NamesChecked()
     mounting = Mounting(model, _copy)
-    linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=_measure(sink))
+    measure = _measure(sink) if mounting.parts else None
+    linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
     choose_classes(linking)
     mounting.add_joints(linking)
     link(linking)
@@ -102,7 +103,9 @@ def assets(model: Model) -> dict[str, bytes]:
 
 
 class _NamesChecked(Sink):
-    """Takes no complaint about names: the linker looks them up unit by unit, and here they go across models."""
+    """Takes no complaint about names: the linker looks them up unit by unit, and here they go across
+    models.
+    """
 
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code != "unknown-name":
@@ -146,7 +149,9 @@ def _measure(sink: Sink) -> Measure:
 
 
 def _told_apart(files: Iterable[FileUse]) -> Iterator[tuple[FileUse, str]]:
-    """A path for each file such that no two have one file name; a file that others name from inside keeps its own."""
+    """A path for each file such that no two have one file name; a file that others name from inside keeps
+    its own.
+    """
     taken: dict[str, str] = {}
     for use in files:
         folder, base = posixpath.split(use.path)

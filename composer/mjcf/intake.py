@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 from lxml.etree import _Element as Node
 
@@ -18,10 +18,8 @@ _Row = dict[str, dict[str, frozenset[str]]]
 
 def check_tree(unit: Unit, sink: Sink) -> None:
     """Tell every element and attribute that MJCF does not have where it stands. Values are not looked at."""
-    for section in unit.root:
-        tag = section.tag
-        if not isinstance(tag, str):
-            continue
+    for section in unit.root.iterchildren("*"):
+        tag = str(section.tag)
         if tag not in GRAMMAR.root.children:
             _unknown_element(unit, section, GRAMMAR.root, sink)
             continue
@@ -45,7 +43,9 @@ def check_tree(unit: Unit, sink: Sink) -> None:
 
 
 def one_of_each_section(unit: Unit) -> None:
-    """Join sections that are written several times: lists one after the other, of settings the last written counts."""
+    """Join sections that are written several times: lists one after the other, of settings the last written
+    counts.
+    """
     first: dict[str, Node] = {}
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)
@@ -73,7 +73,7 @@ def _join(into: Node, section: Node, kind: ElementType) -> None:
             _join(same, child, kind.children[str(child.tag)])
 
 
-@lru_cache(maxsize=None)
+@cache
 def _table(section: str) -> _Row:
     """For each tag in a section the children it can have, with their attributes."""
     return {
@@ -99,7 +99,7 @@ def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) ->
 
 
 def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> None:
-    for name in map(str, node.keys()):  # noqa: SIM118
+    for name in map(str, node.keys()):
         if name in kind.attributes:
             continue
         near = closest(name, kind.attributes)

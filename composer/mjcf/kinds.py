@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 from lxml.etree import _Element as Node
 
@@ -40,7 +40,7 @@ def kind_of(node: Node) -> ElementType:
     return child_kind(section_of(node), str(parent.tag), str(node.tag))
 
 
-@lru_cache(maxsize=None)
+@cache
 def child_kind(section: str, parent: str, tag: str) -> ElementType:
     """The element type of a tag below another one in a section."""
     outer = GRAMMAR.section(section) if parent == section else GRAMMAR.within(section)[parent]
@@ -61,7 +61,7 @@ def spoken(attribute: str) -> str:
     return _SPOKEN.get(attribute, attribute)
 
 
-@lru_cache(maxsize=None)
+@cache
 def naming_attribute(kind: ElementType) -> Attribute | None:
     """The attribute that declares an element's own name: `name`, or `class` of a default class."""
     return next((each for each in kind.attributes.values() if each.declares), None)
@@ -84,13 +84,13 @@ class Query:
         return child_kind(section, parent, tag).path in self.paths
 
 
-@lru_cache(maxsize=None)
+@cache
 def query(tag: str, section: str | None) -> Query:
     """What `find(tag)` looks for, from the root (`section` None) or from inside a section.
 
-    A family takes all of its tags; any other tag takes itself. From the root what stands in default classes is not
-    found, as it is no part of the model; inside a section the section's own elements of that tag are meant
-    (`joint` in `tendon` is the joint of a fixed tendon).
+    A family takes all of its tags; any other tag takes itself. From the root what stands in default classes
+    is not found, as it is no part of the model; inside a section the section's own elements of that tag are
+    meant (`joint` in `tendon` is the joint of a fixed tendon).
     """
     sections = _sections() if section is None else (section,)
     reached = {each: _reachable(each) for each in sections}
@@ -111,12 +111,12 @@ def query(tag: str, section: str | None) -> Query:
     )
 
 
-@lru_cache(maxsize=None)
+@cache
 def _sections() -> tuple[str, ...]:
     return tuple(GRAMMAR.root.children)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _reachable(section: str) -> frozenset[str]:
     """Paths of all elements of a section, itself included."""
     found: dict[str, None] = {}
@@ -129,8 +129,7 @@ def _reachable(section: str) -> frozenset[str]:
     return frozenset(found)
 
 
-def tags_of(section: str | None) -> list[str]:
+def tags_of() -> list[str]:
     """Every tag and family that `find` knows, for suggestions."""
-    sections = _sections() if section is None else (section,)
-    tags = {path.rpartition("/")[2] for each in sections for path in _reachable(each)}
+    tags = {path.rpartition("/")[2] for section in _sections() for path in _reachable(section)}
     return sorted(tags | GRAMMAR.families.keys())

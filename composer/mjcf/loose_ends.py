@@ -18,8 +18,8 @@ _SHOWN = 20
 def check_references(model: Model, sink: Sink) -> None:
     """One error for each name that is referred to and that nothing has, with everyone who refers to it.
 
-    References in default classes do not count as long as nothing takes them. A name that MuJoCo may make itself, as
-    the copies of a `replicate`, is let through.
+    References in default classes do not count as long as nothing takes them. A name that MuJoCo may make
+    itself, as the copies of a `replicate`, is let through.
     """
     for namespace, uses in model.names.uses.items():
         for name, users in uses.items():

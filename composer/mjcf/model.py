@@ -36,7 +36,8 @@ class Attachment:
     """A model that hangs on another: on `host`, a site, body, frame or the worldbody of `parent`.
 
     `frame` is a body of its own, not in the parent's tree: its pose is the offset, and its joints are those
-    between the two models. Their names stand under the child's prefix, a joint without a name has the bare prefix.
+    between the two models. Their names stand under the child's prefix, a joint without a name has the bare
+    prefix.
     """
 
     parent: Model
@@ -72,8 +73,8 @@ class Model:
     """What a `RootElement` and all Elements of one model share.
 
     Asking for a section that is not there makes it, under a lock: reading is safe in several threads.
-    `views` has the Element of every node that has been asked for, so that each has one. `attachments` are by prefix,
-    in the order in which they were made.
+    `views` has the Element of every node that has been asked for, so that each has one. `attachments` are
+    by prefix, in the order in which they were made.
     """
 
     unit: Unit
@@ -188,7 +189,9 @@ class Model:
         return None
 
     def lookup_attached(self, namespace: str, name: str) -> Target | None:
-        """The same for a model that hangs: its world is no body, and its top class has the bare prefix as name."""
+        """The same for a model that hangs: its world is no body, and its top class has the bare prefix as
+        name.
+        """
         if namespace == "default" and not name:
             return Target(self, self.section("default"))
         if (namespace, name) in (("body", WORLD), ("default", MAIN)):

@@ -97,7 +97,9 @@ class Mounting:
         return Place(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
 
     def add_joints(self, linking: Linking) -> None:
-        """Give each part the joints of its frame; the linker must have chosen the names of the top classes."""
+        """Give each part the joints of its frame; the linker must have chosen the names of the top
+        classes.
+        """
         tops = {each.part.prefix: each.part.top_class for each in self.mounted}
         tops[""] = linking.base_class or MAIN
         in_radians = model_angle(linking) == "radian"
@@ -119,7 +121,9 @@ class Mounting:
 
 
 def _offset(frame: Node, unit: Unit) -> dict[str, str]:
-    """The pose attributes of a frame, angles as a quaternion because the model may read them in another unit."""
+    """The pose attributes of a frame, angles as a quaternion because the model may read them in another
+    unit.
+    """
     written = {name: str(frame.get(name)) for name in ("pos", *ORIENTATIONS) if frame.get(name)}
     for name in ("euler", "axisangle"):
         if written.pop(name, None):
@@ -146,7 +150,9 @@ def _free_name(names: NameIndex, kind: str, number: int) -> str:
 
 
 def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
-    """A joint of a frame as the flat model has it: it belongs to the parent and takes the parent's classes."""
+    """A joint of a frame as the flat model has it: it belongs to the parent and takes the parent's
+    classes.
+    """
     part, unit = mounted.part, mounted.parent_unit
     attributes = {str(name): str(value) for name, value in joint.items()}
     attributes["name"] = part.prefix + attributes.get("name", "")

@@ -12,7 +12,7 @@ from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import DECLARES, GENERATES, LISTS, REFERS_BY, WORLD, naming_table, object_namespace
 
 SEPARATOR = "/"
-# What may have a name twice: MuJoCo lets two `<model>` assets have one, and so must the names that come with them.
+# MuJoCo lets two `<model>` assets have one name.
 MAY_REPEAT = frozenset({"model"})
 
 Use = tuple[Node, str]
@@ -23,8 +23,8 @@ Use = tuple[Node, str]
 class NameIndex:
     """Names as they are written in one model, in both directions.
 
-    `declared` has the element of a name, `uses` who refers to one; neither `world` nor `main` is in it, as nothing
-    may take them. A node's names are forgotten before it changes and noted again after.
+    `declared` has the element of a name, `uses` who refers to one; neither `world` nor `main` is in it, as
+    nothing may take them. A node's names are forgotten before it changes and noted again after.
     """
 
     declared: dict[str, dict[str, Node]] = field(default_factory=dict)
@@ -72,7 +72,9 @@ class NameIndex:
 
 
 def own_name(node: Node, attribute: str) -> str | None:
-    """The name a node declares: the attribute, or what MuJoCo takes from the file of an asset; None without one."""
+    """The name a node declares: the attribute, or what MuJoCo takes from the file of an asset; None without
+    one.
+    """
     value = node.get(attribute)
     if value:
         return str(value)

@@ -23,9 +23,9 @@ _TEXT = "<xml_string>"
 def from_path(path: str | os.PathLike[str]) -> RootElement:
     """The model of an MJCF file.
 
-    Its files resolve against its own folder and its compiler's, `<include>` is followed, as MuJoCo does. Raises
-    `MjcfError` for a file that cannot be read, is not well-formed, is no MJCF, or has elements or attributes that MJCF
-    does not have, all of them with file and line. Meshes and textures are not read.
+    Its files resolve against its own folder and its compiler's, `<include>` is followed, as MuJoCo does.
+    Raises `MjcfError` for a file that cannot be read, is not well-formed, is no MJCF, or has elements or
+    attributes that MJCF does not have, all of them with file and line. Meshes and textures are not read.
     """
     if not isinstance(path, str | os.PathLike):
         raise failure("wrong-type", f"`path` expects a path, got `{type(path).__name__}`", call_site())
@@ -40,12 +40,14 @@ def from_xml_string(
 ) -> RootElement:
     """The model of MJCF text.
 
-    `assets` has the bytes of files by the path that the model looks them up by (compiler folder included), or by bare
-    file name; included files may be among them. What is not there is read from `base_dir`, by default the working
-    directory. Raises `MjcfError` as `from_path` does.
+    `assets` has the bytes of files by the path that the model looks them up by (compiler folder included),
+    or by bare file name; included files may be among them. What is not there is read from `base_dir`, by
+    default the working directory. Raises `MjcfError` as `from_path` does.
     """
     if not isinstance(xml_string, str | bytes):
-        raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site())
+        raise failure(
+            "wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site()
+        )
     files = Files(assets)
     directory = Path(base_dir) if base_dir is not None else Path()
     return _model(

@@ -1,4 +1,6 @@
-"""References: names in attributes to the nodes they mean, and nodes to the names that a model knows them by."""
+"""References: names in attributes to the nodes they mean, and nodes to the names that a model knows them
+by.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ def refers(attribute: Attribute) -> bool:
 
 
 def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None:
-    """The namespace that a reference looks into, given all attributes of its element; None where that is open."""
+    """The namespace that a reference looks into, given all attributes of its element; None where that is
+    open.
+    """
     if attribute.refers_by is not None:
         return GRAMMAR.objtypes.get(written.get(attribute.refers_by, ""))
     return attribute.refers
@@ -44,7 +48,8 @@ def name_for(model: Model, attribute: Attribute, target: Target, namespace: str 
     name = target.model.seen_from(model, node)
     if name is None:
         raise BadValue(
-            f"got {described(target)} of the model `{target.model.name}`, which is not attached to `{model.name}`"
+            f"got {described(target)} of the model `{target.model.name}`, which is not attached to "
+            f"`{model.name}`"
         )
     if attribute.type == "references" and len(name.split()) != 1:
         raise BadValue(f"got {described(target)}, but a list of names cannot hold one with a space")

@@ -16,6 +16,7 @@ from composer.mjcf.kinds import WORLD_SECTION
 from composer.mjcf.model import UNNAMED, Model
 from composer.tree.unit import Unit
 
+
 class RootElement(Element):
     """A whole model; its sections are attributes, made when first asked for.
 
@@ -67,8 +68,8 @@ class RootElement(Element):
     def model(self) -> str:
         """The model's name, and with a `/` the prefix that its names get where it is attached.
 
-        Where none is written it is the stem of the model's file, else `unnamed_model`. A new name must differ from those
-        of the models attached to the same parent; references from there follow.
+        Where none is written it is the stem of the model's file, else `unnamed_model`. A new name must
+        differ from those of the models attached to the same parent; references from there follow.
         """
         return self._model.name
 
@@ -99,23 +100,24 @@ class RootElement(Element):
     def detach(self) -> None:
         """Take this model off the one it is attached to.
 
-        The attachment frame and its joints are gone; whatever in the parent refers to something here is told when the
-        parent is written. Raises `MjcfError` where it is not attached.
+        The attachment frame and its joints are gone; whatever in the parent refers to something here is
+        told when the parent is written. Raises `MjcfError` where it is not attached.
         """
         detach(self._model)
 
     def to_xml_string(self, *, conflict: Policy = "error") -> str:
         """The model with everything attached to it, as MJCF text; the model itself stays as it is.
 
-        Files are named as in `assets`, so that `mujoco.MjModel.from_xml_string(root.to_xml_string(), root.assets)`
-        compiles it; no file is read. Each attached model means what it means alone: its units, default classes and
-        inertia rules are its own. Raises `MjcfError` with all faults: references to nothing with everyone who
-        refers, names that clash, what MuJoCo cannot have.
+        Files are named as in `assets`, so that `mujoco.MjModel.from_xml_string(root.to_xml_string(),
+        root.assets)` compiles it; no file is read. Each attached model means what it means alone: its
+        units, default classes and inertia rules are its own. Raises `MjcfError` with all faults: references
+        to nothing with everyone who refers, names that clash, what MuJoCo cannot have.
 
-        Of `option`, `visual` and `statistic` a model has one. Where an attached model writes a value that this one does
-        not have, `conflict` says what happens: `error`; `warning`, this model's value stands; `merge`, they are
-        combined as MuJoCo's own attach does (what is not written here is taken over; of two the smaller time step and
-        tolerance, the larger number of iterations). The last two issue an `MjcfWarning` for each.
+        Of `option`, `visual` and `statistic` a model has one. Where an attached model writes a value that
+        this one does not have, `conflict` says what happens: `error`; `warning`, this model's value stands;
+        `merge`, they are combined as MuJoCo's own attach does (what is not written here is taken over; of
+        two the smaller time step and tolerance, the larger number of iterations). The last two issue an
+        `MjcfWarning` for each.
         """
         from composer.mjcf.flat import text
 
@@ -123,9 +125,11 @@ class RootElement(Element):
 
     @property
     def assets(self) -> dict[str, bytes]:
-        """The files of the model and of everything attached to it, by the name they have in `to_xml_string()`.
+        """The files of the model and of everything attached to it, by the name they have in
+        `to_xml_string()`.
 
-        No two end in the same file name, as MuJoCo goes by that alone. Raises `MjcfError` for files that cannot be read.
+        No two end in the same file name, as MuJoCo goes by that alone. Raises `MjcfError` for files that
+        cannot be read.
         """
         from composer.mjcf.flat import assets
 

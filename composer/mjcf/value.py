@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,8 +22,8 @@ class BadValue(ValueError):
 def encode(attribute: Attribute, value: object) -> str:
     """The text of a value; text is taken as MJCF writes it. Raises `BadValue`.
 
-    Numbers are written so that they read back to the same bits. An array of more than one dimension is taken row by
-    row where the attribute has no fixed length.
+    Numbers are written so that they read back to the same bits. An array of more than one dimension is
+    taken row by row where the attribute has no fixed length.
     """
     if isinstance(value, str):
         fault = check_value(attribute, value) if attribute.is_number or attribute.separated else None
@@ -48,8 +47,9 @@ def encode(attribute: Attribute, value: object) -> str:
 def decode(attribute: Attribute, text: str) -> object:
     """What an attribute's text means. Raises `BadValue` for what MuJoCo would refuse.
 
-    A number is a numpy scalar, several are an array (`float64` or `int64`, shape `(n,)`) that cannot be written to:
-    a changed copy has to be set. Keywords are text, a list of them a list, a boolean is a `bool`.
+    A number is a numpy scalar, several are an array (`float64` or `int64`, shape `(n,)`) that cannot be
+    written to: a changed copy has to be set. Keywords are text, a list of them a list, a boolean is a
+    `bool`.
     """
     fault = check_value(attribute, text)
     if fault is not None:
@@ -69,16 +69,17 @@ def decode(attribute: Attribute, text: str) -> object:
 
 
 def _flat(attribute: Attribute, value: object) -> object:
-    """Arrays and tuples as the lists that the grammar checks."""
+    """Arrays and tuples as lists; rows are joined where any number of items will do."""
+    open_ended = attribute.is_number and attribute.max_length is None
     shape = getattr(value, "shape", None)
     if shape is not None and len(shape) > 1 and attribute.is_number:
-        if attribute.max_length is not None:
+        if not open_ended:
             raise BadValue(f"expects a flat array, got one of shape {tuple(shape)}")
         value = np.asarray(value).reshape(-1)
     value = plain(value)
-    if isinstance(value, Sequence) and not isinstance(value, str | bytes):
-        flat = [plain(item) for item in value]
-        if attribute.max_length is None and attribute.is_number and flat and all(isinstance(i, list | tuple) for i in flat):
-            flat = [plain(number) for row in flat for number in row]
-        return flat
-    return value
+    if not isinstance(value, list | tuple):
+        return value
+    flat = [plain(item) for item in value]
+    if open_ended and flat and all(isinstance(item, list | tuple) for item in flat):
+        return [plain(number) for row in flat if isinstance(row, list | tuple) for number in row]
+    return flat

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -45,7 +46,7 @@ class _Planner:
 
     def plan(self, path: Path, outer: tuple[tuple[Path, Span | None], ...], span: Span | None = None) -> Plan | None:
         """The plan of one recipe; `outer` are the recipes it is nested in, outermost first."""
-        key = path.resolve()
+        key = Path(os.path.realpath(path))
         if any(each == key for each, _ in outer):
             ring = [each.name for each, _ in outer[[each for each, _ in outer].index(key) :]]
             self.sink.error(
@@ -109,12 +110,12 @@ class _Planner:
         folder = path if path.is_dir() else path.parent
         recipes = [each for each in model_files(folder, 1) if each.endswith((".yaml", ".yml"))]
         if path.is_dir():
-            notes = (exists_note("recipe", recipes),)
+            notes = [exists_note("recipe", recipes)]
             self.sink.error("file-unreadable", f"`{shown}` is a folder, not a recipe", notes=notes)
         elif isinstance(error, FileNotFoundError):
             near = nearest(path.name, recipes)
             help = f"did you mean `{self.context.shown(folder / near)}`?" if near else None
-            notes = (exists_note("recipe", recipes),) if recipes else ()
+            notes = [exists_note("recipe", recipes)] if recipes else []
             self.sink.error("file-not-found", f"there is no recipe `{shown}`", notes=notes, help=help)
         else:
             reason = (error.strerror or str(error)).lower()

@@ -12,7 +12,8 @@ from composer.link.linking import Joint, Linking, Part, Place
 from composer.link.placing import pose_in_world, read_pose
 from composer.plan.plan import AttachPart
 from composer.pose import quat_from_axisangle, quat_from_euler
-from composer.steps.elements import Making, in_radians, joint_attributes
+from composer.recipe.element import Single
+from composer.steps.elements import Making, in_radians, joint_attributes, plain
 from composer.steps.loose_ends import check_class
 from composer.tree.unit import Unit
 
@@ -46,7 +47,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
             )
             for each in joint
         )
-    elif not isinstance(joint, str):
+    else:
         part.joints = (Joint("joint", {"name": step.prefix, **joint_attributes(joint, making)}),)
 
 
@@ -66,21 +67,19 @@ def _place(step: AttachPart, making: Making) -> Place:
     attachment = step.attachment
     offset: dict[str, str] = {}
     if attachment.pos is not None:
-        offset["pos"] = numbers.text(map(float, attachment.pos))
+        offset["pos"] = _numbers(attachment.pos)
     if attachment.quat is not None:
-        offset["quat"] = numbers.text(map(float, attachment.quat))
+        offset["quat"] = _numbers(attachment.quat)
     elif attachment.euler is not None:
         angles = [in_radians(angle, making) for angle in attachment.euler]
         offset["quat"] = numbers.text(quat_from_euler(angles, making.eulerseq))
     elif attachment.axisangle is not None:
         *axis, angle = attachment.axisangle
-        offset["quat"] = numbers.text(
-            quat_from_axisangle([float(a) for a in axis], in_radians(angle, making))
-        )  # type: ignore[arg-type]
+        offset["quat"] = _text(quat_from_axisangle([plain(each) for each in axis], in_radians(angle, making)))
     elif attachment.xyaxes is not None:
-        offset["xyaxes"] = numbers.text(map(float, attachment.xyaxes))
+        offset["xyaxes"] = _numbers(attachment.xyaxes)
     elif attachment.zaxis is not None:
-        offset["zaxis"] = numbers.text(map(float, attachment.zaxis))
+        offset["zaxis"] = _numbers(attachment.zaxis)
     for kind in ("site", "body", "frame"):
         name = getattr(attachment, kind)
         if name == "world" and kind == "body":
@@ -111,6 +110,10 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
     offset = {"pos": _text(moved.pos), "quat": _text(moved.quat)}
     return Place(place.kind, place.name, offset, place.span)
+
+
+def _numbers(values: Iterable[Single]) -> str:
+    return numbers.text(plain(value) for value in values)
 
 
 def _text(values: Iterable[float]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from composer.link.files import add_file
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
+from composer.link.malformed import STUMBLES, malformed
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
 from composer.sources.source import Source
 from composer.steps.add import add
@@ -24,6 +26,7 @@ from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
 from composer.steps.loose_ends import check_names
 from composer.steps.section import append, set_default, set_singleton
+from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 
@@ -58,11 +61,26 @@ class Composer:
                 self.uses[model.path] += 1
 
     def _compose(self, plan: Plan) -> Composed | None:
-        before = len(self.context.sink.errors)
         base = self._unit(plan.base.model, plan.base.span) if plan.base.model is not None else _empty(plan)
         units = [self._unit(step.model, locate(plan.document, (*step.at, "model"))) for step in plan.parts]
-        if base is None or any(unit is None for unit in units):
+        given = [unit for unit in units if unit is not None]
+        if base is None or len(given) < len(units):
             return None
+        try:
+            return self._joined(plan, base, given)
+        except STUMBLES:
+            if malformed([base, *given], self.context.sink):
+                return None
+            raise
+        except RecursionError:
+            self.context.sink.error(
+                "not-supported", f"elements of a model in `{plan.file}` stand too deep inside one another"
+            )
+            return None
+
+    def _joined(self, plan: Plan, base: Unit, units: list[Unit]) -> Composed | None:
+        """The parts hung on the base, and the recipe's own elements in it."""
+        before = len(self.context.sink.errors)
         base.root.set("model", plan.name)
         if plan.base.keyframes == "none":
             for section in list(base.root.iterchildren("keyframe")):
@@ -72,10 +90,10 @@ class Composer:
             "radian", base.settings.eulerseq, plan.path.parent, base.file, base.origins,
         )  # fmt: skip
         base.origins.texts[plan.file] = plan.path
-        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True) if unit]
+        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
         linking = Linking(
             base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
-            isolate_base=any(isinstance(s, SetDefault) and s.name == "main" for s in plan.steps),
+            isolate_base=frozenset(_top_tags(plan)),
             measure=self.measure,
         )  # fmt: skip
         making.model_angle = model_angle(linking)
@@ -104,6 +122,13 @@ class Composer:
         if unit is None or self.uses[model.path] <= 0:
             return unit
         return unit.copied()
+
+
+def _top_tags(plan: Plan) -> Iterator[str]:
+    """The tags for which the recipe sets the top class."""
+    for step in plan.steps:
+        if isinstance(step, SetDefault) and step.name == MAIN:
+            yield from (child.tag for child in step.element.children)
 
 
 def _empty(plan: Plan) -> Unit:

@@ -20,7 +20,7 @@ from composer.grammar.element import ElementType
 from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.pose import quat_from_euler
-from composer.recipe.element import Angle, Element, Value
+from composer.recipe.element import Angle, Element, Single, Value
 from composer.tree.classes import MAIN
 from composer.tree.line import line_of
 from composer.tree.origin import Origins
@@ -237,6 +237,11 @@ def _plain(value: object, unit: str) -> object:
     return value
 
 
+def plain(value: Single) -> float:
+    """A number of a pose, where an angle with its unit counts in radians."""
+    return float(_plain(value, "radian"))  # type: ignore[arg-type]
+
+
 def _parsed(element: Element, kind: ElementType, making: Making) -> Node:
     """A fragment of MJCF: its angles are in the recipe's unit, like everything in the recipe."""
     parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
@@ -251,7 +256,8 @@ def _parsed(element: Element, kind: ElementType, making: Making) -> Node:
 def _read_fragment(node: Node, element: Element, kind: ElementType, making: Making, line: int) -> None:
     """The fragment's numbers go the way of the recipe's own; its other attributes stay as they are written."""
     values: dict[str, Value] = {}
-    for name, text in node.items():
+    for key, text in node.items():
+        name = str(key)
         attribute = kind.attributes.get(name)
         if attribute is None:
             continue

@@ -49,7 +49,9 @@ def file_attributes(root: Node) -> Iterator[tuple[Node, str, str]]:
 
 def is_plain(name: str) -> bool:
     """Whether a path needs no shortening and stands for a file below the folder it is joined to."""
-    return not (_has_empty_steps(name) or is_absolute(name) or "\\" in name or ":" in name)
+    if "/" in name and (_has_empty_steps(name) or is_absolute(name)):
+        return False
+    return not (name.startswith(".") or "\\" in name or ":" in name)
 
 
 def written_path(settings: Settings, element: Node, name: str) -> str:

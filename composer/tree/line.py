@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from lxml import etree
 from lxml.etree import _Element as Node
 
 
 def line_of(element: Node) -> int | None:
     """The line on which the element's start tag ends in its file; None for an element that was made."""
-    line = element.sourceline
+    line: Any = element.sourceline
     return line if isinstance(line, int) else None
 
 

@@ -14,7 +14,8 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR
 from composer.tree import xml_fault
 from composer.tree.files import join
 from composer.tree.unit import Unit
@@ -76,7 +77,23 @@ def parse_text(
         return None
     if next(root.iter("include"), None) is not None:
         _Includes(unit, sink).expand(root, file, directory)
+    for section in root.iterchildren("*") if len(sink.errors) == before else ():
+        if section.tag not in GRAMMAR.root.children:
+            _unknown_section(section, unit, sink)
     return None if len(sink.errors) > before else unit
+
+
+def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
+    """MuJoCo refuses it too; to the linker it would be nothing that can be joined to anything."""
+    tag, known = str(section.tag), list(GRAMMAR.root.children)
+    near = closest(tag, known)
+    sink.error(
+        "unknown-element",
+        f"`<{tag}>` cannot stand in `<mujoco>`",
+        unit.origins.span(section, unit.file),
+        notes=(exists_note("section", known, tag),),
+        help=f"did you mean `<{near[0]}>`?" if near else None,
+    )
 
 
 class _Includes:
@@ -156,7 +173,7 @@ def _read(path: Path) -> bytes:
 def _unreadable(what: str, name: Path, path: Path, error: OSError) -> tuple[str, str | None]:
     """Message and help for a file at `path`, which is written `name`."""
     if not isinstance(error, FileNotFoundError):
-        return f"{what} cannot be read: {(error.strerror or str(error)).lower()}", None
+        return f"{what} cannot be read: {error.strerror.lower() if error.strerror else error}", None
     near = closest(path.name, _beside(path))
     return f"{what} is not there", f"did you mean `{(name.parent / near[0]).as_posix()}`?" if near else None
 

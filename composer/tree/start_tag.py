@@ -36,11 +36,16 @@ class _StartTag(NamedTuple):
     values: Mapping[str, tuple[int, int]]
 
 
+def _decoded(data: bytes) -> str:
+    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    return data.decode("utf-16" if wide else "utf-8-sig", "replace")
+
+
 class SourceText:
     """The text of an XML file, for looking up where its elements are written. No I/O."""
 
     def __init__(self, data: bytes | str) -> None:
-        text = data if isinstance(data, str) else data.decode("utf-8-sig", "replace")
+        text = data if isinstance(data, str) else _decoded(data)
         self._text = text.replace("\r\n", "\n").replace("\r", "\n")
         # What stands in a comment is no element, however much it looks like one.
         self._bare = _COMMENT.sub(lambda comment: _NOT_BREAK.sub(" ", comment.group()), self._text)

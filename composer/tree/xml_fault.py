@@ -16,7 +16,7 @@ def tell(said: str, file: str, line: int, column: int, text: str, sink: Sink) ->
     """An `xml-syntax` error for what lxml said of `file`; a tag that it names by its line is shown too."""
     said = re.sub(r", line \d+, column \d+.*", "", said, flags=re.DOTALL)
     message, help = next((make(found) for pattern, make in _KNOWN if (found := pattern.match(said))), _plain(said))
-    notes = ()
+    notes: tuple[Note, ...] = ()
     if opened := _OPENED.search(said):
         lines = text.splitlines()
         at, tag = int(opened["line"]), opened["tag"]
@@ -77,6 +77,7 @@ _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = 
             r"Extra content at the end of the document",
             _words("something stands after the end of its one outermost element"),
         ),
+        (r"[Ee]xcessive depth in document: (\d+)", _words(r"elements stand more than \1 deep inside one another")),
         (r"StartTag: invalid element name", _words("a `<` begins no tag", "a real `<` is `&lt;`")),
         (
             r"error parsing attribute name",

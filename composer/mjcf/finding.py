@@ -1,0 +1,51 @@
+"""Elements by tag and name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from composer.mjcf import traversal
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import failure
+from composer.mjcf.kinds import Query, kind_of, query, section_of, tags_of
+from composer.mjcf.misspelled import unknown_tag
+from composer.mjcf.model import Target
+from composer.tree.names import WORLD
+
+
+def first(here: Target, tag: str, name: str | None) -> Target | None:
+    """See `Element.find`: the first match below `here`, or the one of that name."""
+    wanted = _query(here, tag)
+    if name is None:
+        return next(_matches(here, wanted), None)
+    if not isinstance(name, str):
+        raise failure("wrong-type", f"`name` expects a name, got `{name!r}`", call_site())
+    for namespace in wanted.namespaces:
+        found = here.model.lookup(namespace, name)
+        if found is None:
+            continue
+        fits = kind_of(found.node).path in wanted.paths or (namespace, name) == ("body", WORLD)
+        if fits and (_is_root(here) or traversal.is_below(here, found)):
+            return found
+    return None
+
+
+def every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Target]:
+    """See `Element.find_all`."""
+    wanted = _query(here, tag)
+    return traversal.children(*here, wanted) if immediate_children_only else _matches(here, wanted)
+
+
+def _matches(here: Target, wanted: Query) -> Iterator[Target]:
+    return traversal.from_root(here.model, wanted) if _is_root(here) else traversal.below(*here, wanted)
+
+
+def _query(here: Target, tag: str) -> Query:
+    wanted = query(tag, None if _is_root(here) else section_of(here.node)) if isinstance(tag, str) else None
+    if wanted is None or not (wanted.paths or query(tag, None).paths):
+        raise unknown_tag(tag, f"MJCF has no element `{tag}`", tags_of())
+    return wanted
+
+
+def _is_root(here: Target) -> bool:
+    return here.node is here.model.unit.root

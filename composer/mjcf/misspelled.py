@@ -1,0 +1,39 @@
+"""Tags and attributes that MJCF does not have, told with what it has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import ElementType
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
+from composer.mjcf.kinds import spoken
+
+
+def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
+    """That there is no such element here, with those that there are."""
+    names = sorted(known)
+    written = tag if isinstance(tag, str) else None
+    near = closest(written, names) if written else []
+    return failure(
+        "unknown-element",
+        message,
+        call_site(),
+        notes=(exists_note("element", names, written),),
+        help=f"did you mean `{near[0]}`?" if near else None,
+    )
+
+
+def unknown_attribute(kind: ElementType, name: str) -> MjcfError:
+    """That elements of a kind have no such attribute, with what they do have."""
+    known = sorted(map(spoken, kind.attributes))
+    near = closest(name, known)
+    return failure(
+        "unknown-attribute",
+        f"`<{kind.tag}>` has no attribute `{name}`",
+        call_site(),
+        notes=(exists_note("attribute", known, name),),
+        help=f"did you mean `{near[0]}`?" if near else None,
+        kind=MjcfAttributeError,
+    )

@@ -1,0 +1,286 @@
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import zipfile
+from pathlib import Path
+
+import mujoco
+import pytest
+from cli.shell import RECIPE, process, run, snapshot
+
+from composer.bundle import archive
+
+MODEL_FILES = {"model.xml", "assets/arm/cover.obj", "LICENSES/arm/LICENSE", "LICENSES/tool/LICENSE", "manifest.json"}
+
+
+def names_in(file: Path) -> set[str]:
+    with zipfile.ZipFile(file) as bundle:
+        return set(bundle.namelist())
+
+
+# -- where the output goes -----------------------------------------------------------------------------------
+
+
+def test_default_output_is_named_after_the_model(folder: Path) -> None:
+    result = run("build", "cell.yaml", "--no-verify")
+    assert result.exit_code == 0
+    assert names_in(folder / "build" / "cell.zip") == MODEL_FILES
+    assert "wrote build/cell.zip" in result.stdout
+    assert result.stderr == ""
+
+
+@pytest.mark.parametrize("name", ["../outside", "a/b", "..", "a b", "é"])
+def test_default_output_stays_in_its_folder(folder: Path, name: str) -> None:
+    (folder / "odd.yaml").write_text(RECIPE.replace("name: cell", f'name: "{name}"'), encoding="utf-8")
+    assert run("build", "odd.yaml", "--no-verify").exit_code == 0
+    (written,) = (folder / "build").iterdir()
+    assert written.suffix == ".zip" and names_in(written) == MODEL_FILES
+    assert not (folder.parent / "outside.zip").exists()
+
+
+@pytest.mark.parametrize("out", ["out/", "out", "deep/er/out/"])
+def test_folder(folder: Path, out: str) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", out).exit_code == 0
+    written = {name for name, content in snapshot(folder / out).items() if content is not None}
+    assert written == MODEL_FILES
+
+
+@pytest.mark.parametrize("out", ["cell.zip", "cell.mjz", "CELL.ZIP", "sub/cell.zip"])
+def test_archive_opens_in_mujoco(folder: Path, out: str) -> None:
+    result = run("build", "cell.yaml", "-o", out)
+    assert result.exit_code == 0, result.stderr
+    assert names_in(folder / out) == MODEL_FILES
+    assert "cell: nq 1, nv 1, nu 0, 4 bodies, 1 sensors, 0 keyframes" in result.stdout
+    if hasattr(mujoco.MjSpec, "from_zip"):
+        model = mujoco.MjSpec.from_zip(str(folder / out)).compile()
+        assert model.body("tool/palm").id > 0 and model.nmesh == 1
+
+
+def test_text_names_the_files_where_they_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", "out/cell.xml").exit_code == 0
+    assert set(snapshot(folder / "out")) == {"cell.xml"}
+    monkeypatch.chdir("/")
+    model = mujoco.MjModel.from_xml_path(str(folder / "out" / "cell.xml"))
+    assert model.nmesh == 1
+
+
+def test_text_on_standard_output(folder: Path) -> None:
+    before = snapshot(folder)
+    result = run("build", "cell.yaml", "--no-verify", "-o", "-")
+    assert result.exit_code == 0 and result.stderr == ""
+    assert result.stdout.startswith('<mujoco model="cell">') and result.stdout.endswith("</mujoco>\n")
+    model = mujoco.MjModel.from_xml_string(result.stdout)  # from the folder that the text is printed in
+    assert model.nmesh == 1
+    assert snapshot(folder) == before
+
+
+def test_warnings_stay_out_of_the_text(folder: Path) -> None:
+    text = RECIPE.replace("name: cell", "conflict: merge")
+    (folder / "models" / "tool.xml").write_text(
+        (folder / "models" / "tool.xml").read_text().replace("<worldbody>", '<option timestep="0.001"/>\n<worldbody>')
+    )
+    (folder / "cell.yaml").write_text(text)
+    for form in ("text", "json", "github"):
+        result = run("build", "cell.yaml", "--no-verify", "-o", "-", "--format", form)
+        assert result.exit_code == 0
+        assert result.stdout.startswith("<mujoco") and result.stdout.endswith("</mujoco>\n")
+        assert "option-conflict" in result.stderr
+
+
+def test_mjb(folder: Path) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", "cell.mjb").exit_code == 0
+    assert mujoco.MjModel.from_binary_path(str(folder / "cell.mjb")).nmesh == 1
+
+
+def test_recipe_and_output_anywhere(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    assert run("build", "../work/cell.yaml", "--no-verify", "-o", str(tmp_path / "a.zip")).exit_code == 0
+    assert run("build", str(folder / "cell.yaml"), "--no-verify", "-o", "../b.zip").exit_code == 0
+    assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
+    assert list(elsewhere.iterdir()) == []
+
+
+# -- exit codes and what is told -----------------------------------------------------------------------------
+
+
+def test_what_was_built_as_json(folder: Path) -> None:
+    result = run("build", "cell.yaml", "-o", "cell.zip", "--json")
+    assert result.exit_code == 0
+    (line,) = result.stdout.splitlines()
+    told = json.loads(line)
+    assert told["output"] == "cell.zip" and told["name"] == "cell"
+    assert len(told["sha256"]) == 64 and told["sizes"]["nbody"] == 4
+
+
+@pytest.mark.parametrize("recipe", ["wrong.yaml", "rejected.yaml", "nowhere.yaml"])
+def test_findings(folder: Path, recipe: str) -> None:
+    before = snapshot(folder)
+    result = run("build", recipe, "-o", "out.zip")
+    assert result.exit_code == 1
+    assert result.stdout == ""
+    assert result.stderr.endswith("1 error\n")
+    assert snapshot(folder) == before
+
+
+def test_a_rejected_model_is_told_at_its_line(folder: Path) -> None:
+    result = run("build", "rejected.yaml", "-o", "out.zip")
+    assert result.stderr.startswith("rejected.yaml:9:16: error[mujoco-rejects]: ")
+    assert run("build", "rejected.yaml", "-o", "out.zip", "--no-verify").exit_code == 0
+
+
+def test_usage(folder: Path) -> None:
+    before = snapshot(folder)
+    result = run("build", "cell.yaml", "-o", "out.foo")
+    assert result.exit_code == 2 and "error[output-kind]" in result.stderr
+    assert run("build").exit_code == 2
+    assert run("build", "cell.yaml", "--timeout", "0").exit_code == 2
+    assert run("build", "cell.yaml", "--format", "xml").exit_code == 2
+    assert snapshot(folder) == before
+
+
+def test_a_timeout_is_told(folder: Path) -> None:
+    result = run("build", "cell.yaml", "-o", "out.zip", "--timeout", "0.0001")
+    assert result.exit_code == 1 and "error[mujoco-timeout]" in result.stderr
+    assert not (folder / "out.zip").exists()
+
+
+# -- outputs that cannot be written --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("out", ["cell.yaml/out.zip", "cell.yaml/out/", "/proc/none/out.zip", "x" * 300 + ".zip", "models.zip"])
+def test_unwritable_output(folder: Path, out: str) -> None:
+    (folder / "models.zip").mkdir()
+    (folder / "models.zip" / "mine").write_text("mine")
+    before = snapshot(folder)
+    result = run("build", "cell.yaml", "--no-verify", "-o", out)
+    assert result.exit_code == 1
+    assert "error[output-unwritable]" in result.stderr
+    assert snapshot(folder) == before
+
+
+def test_read_only_folder(folder: Path) -> None:
+    (folder / "closed").mkdir(mode=0o500)
+    if os.access(folder / "closed", os.W_OK):
+        pytest.skip("who runs this may write everywhere")
+    result = run("build", "cell.yaml", "--no-verify", "-o", "closed/out.zip")
+    assert result.exit_code == 1 and "permission denied" in result.stderr
+
+
+@pytest.mark.parametrize("out", ["out.zip", "out/", "out.xml"])
+def test_an_output_stays_as_it_was_when_a_build_fails(folder: Path, out: str) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", out).exit_code == 0
+    before = snapshot(folder)
+    assert run("build", "wrong.yaml", "-o", out).exit_code == 1
+    assert run("build", "rejected.yaml", "-o", out).exit_code == 1
+    assert snapshot(folder) == before
+
+
+def test_a_folder_with_other_files_is_not_replaced(folder: Path) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", "out/").exit_code == 0
+    (folder / "out" / "notes.txt").write_text("mine")
+    before = snapshot(folder)
+    result = run("build", "cell.yaml", "--no-verify", "-o", "out/")
+    assert result.exit_code == 1 and "notes.txt" in result.stderr
+    assert snapshot(folder) == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files have no size limit there")
+@pytest.mark.parametrize("out", ["out.zip", "out/"])
+def test_a_disk_that_is_full(folder: Path, out: str) -> None:
+    import resource
+
+    assert run("build", "cell.yaml", "--no-verify", "-o", out).exit_code == 0
+    before = snapshot(folder)
+
+    def small() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+
+    (folder / "cell.yaml").write_text(RECIPE.replace("cell", "other"))
+    before["cell.yaml"] = RECIPE.replace("cell", "other").encode()
+    result = process("build", "cell.yaml", "--no-verify", "-o", out, preexec_fn=small)
+    assert result.returncode == 1
+    assert b"error[output-unwritable]: cannot write" in result.stderr
+    assert snapshot(folder) == before
+
+
+def test_an_interruption_while_writing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", "out.zip").exit_code == 0
+    before = snapshot(folder)
+
+    def interrupt(path: str) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(archive, "_level", interrupt)
+    result = run("build", "cell.yaml", "--no-verify", "-o", "out.zip")
+    assert result.exit_code == 130
+    assert "interrupted" in result.stderr
+    assert snapshot(folder) == before
+
+
+# -- the same bytes ------------------------------------------------------------------------------------------
+
+
+def test_same_bytes_everywhere(folder: Path, tmp_path: Path) -> None:
+    """Another folder, time zone, umask, hash seed and locale give the same archive."""
+    import shutil
+
+    from cli.shell import environment
+
+    other = tmp_path / "another" / "place"
+    shutil.copytree(folder, other)
+    os.utime(other / "models" / "arm.xml", (1, 1))
+    kwargs = {} if sys.platform == "win32" else {"preexec_fn": lambda: os.umask(0o077)}
+    here = process("build", "cell.yaml", "-o", "out.zip", cwd=folder,
+                   env=environment(PYTHONHASHSEED="1", TZ="UTC", LC_ALL="C"))  # fmt: skip
+    there = process("build", str(other / "cell.yaml"), "-o", str(other / "out.zip"), cwd=tmp_path,
+                    env=environment(PYTHONHASHSEED="2", TZ="Asia/Tokyo", LC_ALL="C.UTF-8"), **kwargs)  # fmt: skip
+    assert (here.returncode, there.returncode) == (0, 0), here.stderr + there.stderr
+    assert (folder / "out.zip").read_bytes() == (other / "out.zip").read_bytes()
+
+
+def test_source_date_epoch(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    assert run("build", "cell.yaml", "--no-verify", "-o", "out.zip").exit_code == 0
+    with zipfile.ZipFile(folder / "out.zip") as bundle:
+        assert {info.date_time[:3] for info in bundle.infolist()} == {(2023, 11, 14)}
+
+
+# -- interruptions -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs /proc to see the child process")
+@pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interruption_while_mujoco_works(folder: Path, tmp_path: Path, sent: signal.Signals, code: int) -> None:
+    import subprocess
+    import time
+
+    from cli.shell import environment
+
+    (folder / "slow.yaml").write_text(
+        "recipe: 1\nadd:\n  - to: world\n    replicate:\n      count: 3000\n      offset: [1, 0, 0]\n"
+        "      replicate: {count: 30, offset: [0, 1, 0], body: {geom: {size: [0.1]}}}\n"
+    )
+    before = snapshot(folder)
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    started = subprocess.Popen(
+        [sys.executable, "-m", "composer", "build", "slow.yaml", "-o", "out.zip"],
+        env=environment(TMPDIR=str(temporary)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+    )  # fmt: skip
+    children = Path(f"/proc/{started.pid}/task/{started.pid}/children")
+    deadline = time.monotonic() + 60
+    while not (child := children.read_text().split()) and time.monotonic() < deadline:
+        time.sleep(0.002)
+    os.killpg(started.pid, sent) if sent is signal.SIGINT else started.send_signal(sent)
+    out, error = started.communicate(timeout=60)
+    assert child, "MuJoCo's process was seen"
+    assert started.returncode == code, error
+    assert out == b"" and b"Traceback" not in error
+    assert not Path(f"/proc/{child[0]}").exists()
+    assert snapshot(folder) == before
+    assert list(temporary.iterdir()) == []

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from cli.shell import process, run
+from click.testing import CliRunner
+
+from composer.cli import reporting
+from composer.cli.main import main
+from composer.version import __version__
+
+VERBS = ("build", "check", "plan", "new", "schema")
+
+
+def test_version_and_help() -> None:
+    assert run("--version").stdout == f"mjcompose, version {__version__}\n"
+    told = run("--help").stdout
+    assert all(f"\n  {verb} " in told for verb in VERBS)
+    assert run("-h").stdout == told
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_has_help(verb: str) -> None:
+    result = run(verb, "--help")
+    assert result.exit_code == 0 and result.stdout.startswith(f"Usage: mjcompose {verb}")
+
+
+def test_help_costs_nothing() -> None:
+    """No heavy library is imported for `--help`, of the command and of every verb."""
+    program = (
+        "import sys\nfrom composer.cli.main import main\n"
+        f"for verb in [[], *([each] for each in {VERBS})]:\n"
+        "    main([*verb, '--help'], standalone_mode=False)\n"
+        "print(sorted({'mujoco', 'numpy', 'pydantic', 'lxml', 'yaml'} & set(sys.modules)), file=sys.stderr)\n"
+    )
+    import subprocess
+
+    from cli.shell import environment
+
+    told = subprocess.run([sys.executable, "-c", program], env=environment(), capture_output=True, text=True, check=True)
+    assert told.stderr.strip() == "[]"
+
+
+def test_an_unknown_command(folder: Path) -> None:
+    result = run("biuld", "cell.yaml")
+    assert result.exit_code == 2 and "Did you mean `build`?" in result.stderr
+    result = run("cell.yaml")
+    assert result.exit_code == 2 and "Write `mjcompose build cell.yaml`." in result.stderr
+    assert run("xyzzy").exit_code == 2
+    assert run("--xyzzy").exit_code == 2
+
+
+def test_a_bug_is_told_without_a_trace(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise KeyError("a thing\nnobody thought of")
+
+    monkeypatch.setattr(reporting, "progress", broken)
+    monkeypatch.setattr("composer.cli.build.progress", broken)
+    result = CliRunner().invoke(main, ["build", "cell.yaml"])
+    assert result.exit_code == 70
+    assert "this is a bug in mjcompose: KeyError in" in result.output
+    assert "Traceback" not in result.output
+    monkeypatch.setenv("MJCOMPOSE_TRACEBACK", "1")
+    assert isinstance(CliRunner().invoke(main, ["build", "cell.yaml"]).exception, KeyError)
+
+
+def test_it_runs_as_a_module(folder: Path) -> None:
+    result = process("plan", "cell.yaml")
+    assert result.returncode == 0 and result.stdout.startswith(b"cell: the model of cell.yaml\n")
+    assert result.stderr == b""

@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from cli.shell import run, snapshot
+
+
+def test_the_starter_builds_and_checks(folder: Path) -> None:
+    result = run("new", "mine.yaml")
+    assert result.exit_code == 0
+    assert result.stdout == "wrote mine.yaml; build it with: mjcompose build mine.yaml\n"
+    assert run("check", "mine.yaml").stdout == "mine.yaml: ok\n"
+    built = run("build", "mine.yaml")
+    assert built.exit_code == 0 and (folder / "build" / "mine.zip").exists()
+    assert "nq 1, nv 1, nu 1" in built.stdout
+
+
+def test_default_name(folder: Path) -> None:
+    assert run("new").exit_code == 0
+    assert (folder / "model.yaml").read_text(encoding="utf-8").count("name: model\n") == 1
+
+
+@pytest.mark.parametrize("stem", ["01", "a: b", "#1", "true", "x - y", "é", '"', "1e3", "null", "{x}", "my-arm_2"])
+def test_any_name(folder: Path, stem: str) -> None:
+    assert run("new", f"{stem}.yaml").exit_code == 0
+    result = run("plan", f"{stem}.yaml")
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.startswith(f"{stem}: the model of {stem}.yaml\n")
+
+
+def test_nothing_is_overwritten(folder: Path) -> None:
+    before = snapshot(folder)
+    result = run("new", "cell.yaml")
+    assert result.exit_code == 1 and "is there already" in result.stderr
+    assert snapshot(folder) == before
+
+
+def test_it_must_be_a_recipe(folder: Path) -> None:
+    result = run("new", "mine.xml")
+    assert result.exit_code == 2 and "mine.yaml" in result.stderr
+
+
+def test_what_cannot_be_written(folder: Path) -> None:
+    before = snapshot(folder)
+    result = run("new", "cell.yaml/mine.yaml")
+    assert result.exit_code == 1 and "error[output-unwritable]" in result.stderr
+    assert snapshot(folder) == before
+
+
+def test_folders_on_the_way_are_made(folder: Path) -> None:
+    assert run("new", "a/b/mine.yaml").exit_code == 0
+    assert run("check", "a/b/mine.yaml", "--no-verify").exit_code == 0

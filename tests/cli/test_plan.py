@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from cli.shell import RECIPE, run, snapshot
+
+
+def test_in_words(folder: Path) -> None:
+    before = snapshot(folder)
+    result = run("plan", "cell.yaml")
+    assert result.exit_code == 0 and result.stderr == ""
+    assert result.stdout == (
+        "cell: the model of cell.yaml\n"
+        "  start from ./models/arm.xml\n"
+        "  attach tool/: ./models/tool.xml, on the site flange\n"
+        "  add jointpos angle to sensor\n"
+    )
+    assert snapshot(folder) == before
+
+
+def test_nested(folder: Path) -> None:
+    (folder / "pair.yaml").write_text("recipe: 1\nattach:\n  left: {model: ./cell.yaml, joint: free}\n")
+    assert run("plan", "pair.yaml").stdout == (
+        "pair: the model of pair.yaml\n"
+        "  start from an empty model\n"
+        "  attach left/: the recipe cell.yaml, in the world, with a free joint\n"
+        "    cell: the model of cell.yaml\n"
+        "      start from ./models/arm.xml\n"
+        "      attach tool/: ./models/tool.xml, on the site flange\n"
+        "      add jointpos angle to sensor\n"
+    )
+
+
+def test_every_step_in_words(folder: Path) -> None:
+    (folder / "all.yaml").write_text(
+        RECIPE
+        + "option: {timestep: 0.001, flag: {gravity: disable}}\n"
+        + "default: {soft: {geom: {solref: [0.01, 1]}}}\n"
+        + "add:\n"
+        + "  - {to: link, geom: {size: [0.1]}}\n"
+        + "  - {to: world, light: {name: lamp}}\n"
+    )
+    assert run("plan", "all.yaml").stdout.splitlines()[3:] == [
+        "  add a geom to the body link",
+        "  add light lamp to the world",
+        "  set option: timestep = 0.001, flag.gravity = disable",
+        "  set the default class soft: geom",
+        "  add jointpos angle to sensor",
+    ]
+
+
+def test_as_json(folder: Path) -> None:
+    result = run("plan", "cell.yaml", "--json")
+    told = json.loads(result.stdout)
+    assert told["name"] == "cell" and told["recipe"] == "cell.yaml"
+    assert told["base"]["reference"] == "./models/arm.xml" and told["base"]["licences"] == ["LICENSE"]
+    assert [part["prefix"] for part in told["parts"]] == ["tool/"]
+    assert told["steps"] == ["add jointpos angle to sensor"]
+
+
+def test_what_cannot_be_planned(folder: Path) -> None:
+    (folder / "cell.yaml").write_text(RECIPE.replace("tool.xml", "tols.xml"))
+    result = run("plan", "cell.yaml")
+    assert result.exit_code == 1 and result.stdout == ""
+    assert "error[source-not-found]" in result.stderr and "write `./models/tool.xml`" in result.stderr

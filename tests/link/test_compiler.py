@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+import pytest
+from link.workshop import BASE, Workshop
+
+FREE = """
+<mujoco><compiler {settings}/><worldbody>
+  <body name="b" pos="0 0 1">{joint}<geom size=".1" pos="1 0 0"/><geom type="box" size=".1 .2 .3" euler="10 20 30"/></body>
+</worldbody></mujoco>"""
+FREE_JOINTS = [
+    "<freejoint/>",
+    '<freejoint align="auto"/>',
+    '<freejoint align="false"/>',
+    '<freejoint align="true"/>',
+    '<joint type="free"/>',
+    '<joint type="free" name="j" group="2" user="1"/>',
+    '<joint type="free" damping="3"/>',
+]
+
+
+@pytest.mark.parametrize("joint", FREE_JOINTS)
+@pytest.mark.parametrize("align", ["true", "false"])
+def test_free_bodies_are_aligned_as_they_were(workshop: Workshop, joint: str, align: str) -> None:
+    model = FREE.format(settings=f'alignfree="{align}"', joint=joint)
+    workshop.link(BASE, model).check()
+    workshop.link(model, FREE.format(settings="", joint="<freejoint/>")).check()
+
+
+@pytest.mark.parametrize("name", ["fusestatic", "discardvisual"])
+@pytest.mark.parametrize("role", ["base", "part"])
+def test_what_cannot_be_kept_is_refused(workshop: Workshop, name: str, role: str) -> None:
+    model = f'<mujoco>\n<compiler {name}="true"/></mujoco>'
+    linked = workshop.link(model, BASE) if role == "base" else workshop.link(BASE, model)
+    fault = linked.fault
+    assert fault.code == "compiler-setting"
+    assert f"`{name}`" in fault.message
+    assert fault.span is not None
+    assert fault.span.line == 2
+
+
+def test_a_model_alone_keeps_everything_but_its_folders(workshop: Workshop) -> None:
+    settings = (
+        'fusestatic="true" discardvisual="true" autolimits="false" usethread="false" inertiafromgeom="true"'
+        ' alignfree="true" angle="radian" eulerseq="zyx"'
+    )
+    model = f'<mujoco><compiler meshdir="m" texturedir="t" strippath="true" {settings}/><worldbody/></mujoco>'
+    linked = workshop.link(model)
+    compiler = linked.linking.base.root.find("compiler")
+    kept = " ".join(f'{name}="{value}"' for name, value in compiler.items())
+    assert kept == settings
+    linked.check()
+
+
+def test_several_compilers_become_one_and_the_last_word_counts(workshop: Workshop) -> None:
+    model = """
+    <mujoco><compiler angle="radian" eulerseq="zyx"/><worldbody><body name="b" euler="1 2 3"><geom size="1"/></body></worldbody>
+      <compiler angle="degree"/><compiler><lengthrange inttotal="2"/></compiler></mujoco>"""
+    alone = workshop.link(model)
+    assert alone.xml.count("<compiler") == 1
+    assert "inttotal" in alone.xml
+    alone.check()
+    workshop.link(model, BASE).check()
+    workshop.link(BASE, model).check()
+
+
+def test_settings_without_effect_are_dropped(workshop: Workshop) -> None:
+    linked = workshop.link('<mujoco><compiler usethread="false" alignfree="false"/></mujoco>', BASE)
+    assert dict(linked.linking.base.root.find("compiler").attrib) == {"angle": "degree"}
+
+
+def test_the_compiler_stands_first(workshop: Workshop) -> None:
+    linked = workshop.link('<mujoco><worldbody/><option timestep=".01"/><compiler angle="radian"/></mujoco>', BASE)
+    assert linked.linking.base.root[0].tag == "compiler"

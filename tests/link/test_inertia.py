@@ -1,0 +1,147 @@
+from __future__ import annotations
+
+import pytest
+from link.workshop import BASE, Piece, Workshop, placed
+
+BODIES = """
+    <body name="a" pos="1 2 3" euler="10 20 30">
+      <joint/><geom size=".1"/><inertial pos="0 0 .1" mass="1" diaginertia="1 1 1.5" euler="5 6 7"/>
+      <body name="b" pos="1 0 0" axisangle="0 1 1 20"><geom size=".1" mass="0"/><geom size=".2" pos="0 1 0"/></body>
+      <body name="empty"/>
+    </body>
+    <frame pos="5 6 7" euler="3 4 5">
+      <body name="c" pos="0 0 1" quat="1 1 0 0">
+        <frame pos="1 1 1" euler="0 0 9"><geom type="box" size=".1 .2 .3" density="0"/><joint type="slide"/></frame>
+        <inertial pos="0 0 .1" mass="2" fullinertia="1 1.2 1.5 .1 0 .2"/>
+        <body name="d"><frame pos="0 1 0"><geom type="box" size=".1 .2 .3" euler="1 2 3"/></frame></body>
+      </body>
+    </frame>
+    <body name="e"><geom class="light" size=".3" pos="1 0 0"/><joint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+    </body>
+    <body name="f"><geom class="heavy" size=".3" pos="1 0 0"/><joint/></body>
+"""
+MODEL = """
+<mujoco>
+  <compiler {settings}/>
+  <default><geom density="500"/><default class="light"><geom mass="0"/></default>
+    <default class="heavy"><geom mass="7"/></default></default>
+  <worldbody><geom name="still" size=".5"/>{bodies}</worldbody>
+</mujoco>
+"""
+WAYS = ('inertiafromgeom="true"', 'inertiafromgeom="false"', 'inertiafromgeom="auto"')
+
+
+def model(settings: str, bodies: str = BODIES) -> str:
+    return MODEL.format(settings=settings, bodies=bodies)
+
+
+@pytest.mark.parametrize("settings", WAYS)
+@pytest.mark.parametrize("other", WAYS)
+def test_each_unit_takes_its_mass_from_where_it_did(workshop: Workshop, settings: str, other: str) -> None:
+    # Bodies that nothing gives mass may not have joints.
+    bodies = BODIES.replace("<joint/>", "").replace('<joint type="slide"/>', "")
+    part = Piece(model(settings, bodies), place=placed(pos=(9.0, 0.0, 0.0)))
+    linked = workshop.link(model(other, bodies), part)
+    linked.check()
+    assert "inertiafromgeom" not in linked.xml
+
+
+def test_a_body_without_inertia_gets_the_frame_that_mujoco_gives_it(workshop: Workshop) -> None:
+    part = '<mujoco><compiler inertiafromgeom="false"/><worldbody><body name="b" pos="1 2 3" euler="10 20 30"/></worldbody></mujoco>'
+    composed = workshop.link(BASE, part).check()
+    body = composed.body("part/b")
+    assert body.mass == 0
+    assert body.ipos.tolist() == [1, 2, 3]
+
+
+GROUPED = """
+    <body name="a"><joint/><geom size=".1" group="1"/><geom size=".2" group="3" mass="4"/>
+      <geom size=".3" pos="1 0 0" class="zero"/></body>
+    <body name="b"><joint/><geom size=".1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+      <body name="c"><frame><geom size=".1" class="zero"/><geom size=".2" class="zero" group="2"/></frame></body></body>
+    <replicate count="2" offset="0 1 0"><body name="r"><joint/><geom size=".1"/><geom group="5" size=".2"/></body>
+    </replicate>
+"""
+
+
+@pytest.mark.parametrize("groups", ["0 5", "1 2", "2 2", "0 3"])
+@pytest.mark.parametrize("way", WAYS[::2])
+def test_only_some_groups_have_mass(workshop: Workshop, groups: str, way: str) -> None:
+    text = f"""
+    <mujoco><compiler inertiagrouprange="{groups}" {way}/>
+      <default><geom group="2"/><default class="zero"><geom group="0" density="50"/></default></default>
+      <worldbody>{GROUPED}</worldbody></mujoco>"""
+    linked = workshop.link(BASE, text)
+    linked.check()
+    workshop.link(text, BASE).check()
+    assert "inertiagrouprange" not in linked.xml
+
+
+MEASURED = [
+    'balanceinertia="true"',
+    'boundmass="2"',
+    'boundinertia=".3"',
+    'boundmass=".5" boundinertia=".01"',
+    'settotalmass="7"',
+    'settotalmass="7" inertiafromgeom="true"',
+    'boundmass="3" inertiagrouprange="1 4"',
+]
+HEAVY = BODIES.replace('<geom size=".1"/>', '<geom size=".1" type="box" size="1 .1 .1"/>').replace(
+    'type="box" size="1 .1 .1"', ""
+)
+
+
+@pytest.mark.parametrize("settings", MEASURED)
+def test_what_only_mujoco_computes_is_measured(workshop: Workshop, settings: str) -> None:
+    bodies = HEAVY.replace("1 1 1.5", "1 1 3") if "balance" in settings else HEAVY
+    linked = workshop.link(model("", HEAVY), Piece(model(settings, bodies), place=placed(pos=(1.0, 2.0, 0.0))))
+    linked.check()
+    for name in ("balanceinertia", "boundmass", "boundinertia", "settotalmass"):
+        assert name not in linked.xml
+
+
+@pytest.mark.parametrize("settings", MEASURED[:1] + MEASURED[3:5])
+def test_the_base_is_measured_too(workshop: Workshop, settings: str) -> None:
+    bodies = HEAVY.replace("1 1 1.5", "1 1 3") if "balance" in settings else HEAVY
+    workshop.link(model(settings, bodies), model("", HEAVY)).check()
+
+
+def test_thin_plates_survive_being_measured(workshop: Workshop) -> None:
+    """Of these two moments of inertia add up to the third but for the last bit."""
+    plates = """
+      <body name="a"><joint/><geom type="box" size="1 1 1e-9"/></body>
+      <body name="b"><joint/><geom type="box" size=".3 .7 1e-5" euler="10 20 30"/></body>"""
+    workshop.link(BASE, model('settotalmass="3"', plates)).check()
+
+
+def test_a_model_alone_keeps_its_rules(workshop: Workshop) -> None:
+    linked = workshop.link(model('boundmass="2" inertiafromgeom="true"'))
+    assert 'boundmass="2"' in linked.xml
+    assert "<inertial" in linked.xml
+    linked.check()
+
+
+@pytest.mark.parametrize(
+    "expanded",
+    [
+        '<replicate count="2" offset="1 0 0"><body><geom size=".1"/></body></replicate>',
+        '<flexcomp name="c" type="grid" count="2 2 1" spacing="1 1 1" dim="2" mass="1" radius=".01"/>',
+    ],
+)
+def test_what_mujoco_expands_cannot_be_measured(workshop: Workshop, expanded: str) -> None:
+    linked = workshop.link(BASE, model('boundmass="2"', expanded))
+    fault = linked.fault
+    assert fault.code == "compiler-setting"
+    assert "`boundmass`" in fault.message
+    assert fault.span is not None
+    assert (fault.span.file, fault.span.line) == (str(linked.paths[1]), 3)
+
+
+def test_without_mujoco_at_hand_it_is_told(workshop: Workshop) -> None:
+    assert workshop.link(BASE, model('boundmass="2"'), measure=None).fault.code == "compiler-setting"
+
+
+def test_a_part_that_mujoco_rejects_is_told(workshop: Workshop) -> None:
+    part = model('boundmass="0" settotalmass="1"', '<body name="b"><joint/><geom type="mesh" mesh="no"/></body>')
+    linked = workshop.link(BASE, part)
+    assert linked.fault.code == "mujoco-rejects"

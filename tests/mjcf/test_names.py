@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+from composer.mjcf.names import NameIndex, is_list, own_name, renamed
+from lxml import etree
+
+ROOT = etree.fromstring(
+    '<mujoco><default><default class="c"><geom material="m"/></default></default>'
+    '<asset><mesh file="a/part.stl"/><material name="m"/></asset>'
+    '<worldbody><body name="b" childclass="c"><geom name="g" class="main" material="m"/>'
+    '<camera name="eye" target="world" mode="targetbody"/></body></worldbody>'
+    '<deformable><flex name="f" body="b b world"/></deformable>'
+    '<sensor><framepos name="s" objtype="geom" objname="g"/></sensor></mujoco>'
+)
+
+
+def test_names_are_found_by_namespace() -> None:
+    index = NameIndex.of(ROOT)
+    assert {space: list(names) for space, names in index.declared.items()} == {
+        "default": ["c"],
+        "mesh": ["part"],
+        "material": ["m"],
+        "body": ["b"],
+        "geom": ["g"],
+        "camera": ["eye"],
+        "flex": ["f"],
+        "sensor": ["s"],
+    }
+    assert index.find("geom", "g") is ROOT.find("worldbody/body/geom")
+    assert index.find("geom", "b") is None
+
+
+def test_references_are_found_from_what_they_refer_to() -> None:
+    index = NameIndex.of(ROOT)
+    assert [(node.tag, name) for node, name in index.users("material", "m")] == [
+        ("geom", "material"),
+        ("geom", "material"),
+    ]
+    assert [name for _, name in index.users("geom", "g")] == ["objname"]
+    assert [name for _, name in index.users("body", "b")] == ["body"]
+    assert [name for _, name in index.users("default", "c")] == ["childclass"]
+
+
+def test_world_and_main_are_nobodys_names() -> None:
+    index = NameIndex.of(ROOT)
+    assert "world" not in index.uses.get("body", {}) and "main" not in index.uses["default"]
+
+
+def test_what_is_forgotten_is_gone_and_can_come_back() -> None:
+    index = NameIndex.of(ROOT)
+    geom = ROOT.find("worldbody/body/geom")
+    index.forget(geom, "worldbody")
+    assert index.find("geom", "g") is None
+    assert [node.getparent().tag for node, _ in index.users("material", "m")] == ["default"]
+    index.note(geom, "worldbody")
+    assert index.find("geom", "g") is geom
+
+
+def test_an_asset_without_a_name_has_that_of_its_file() -> None:
+    assert own_name(ROOT.find("asset/mesh"), "name") == "part"
+    assert own_name(ROOT.find("worldbody/body"), "name") == "b"
+
+
+def test_a_name_in_a_list_is_replaced_alone() -> None:
+    assert renamed("b bb b", "b", "x", True) == "x bb x"
+    assert renamed("b", "b", "x", False) == "x"
+    assert is_list(ROOT.find("deformable/flex"), "body", "deformable")
+    assert not is_list(ROOT.find("sensor/framepos"), "objname", "sensor")
