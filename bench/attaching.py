@@ -18,10 +18,10 @@ def rows() -> list[Row]:
     mujoco, mjcf = peers.mjspec(), peers.dm_control()
     candidates: dict[str, Candidate] = {
         "lxml": lambda: peers.lxml_rewritten(arm, hand),
-        "ours": lambda: ours.attached(arm, hand, SITE),
+        "ours": lambda: ours.attached(used.arm, used.hand, SITE),
     }
     if mujoco is not None:
-        candidates["saved"] = lambda: Path("ours.xml").write_bytes(ours.attached(arm, hand, SITE))
+        candidates["saved"] = lambda: Path("ours.xml").write_bytes(ours.attached(used.arm, used.hand, SITE))
         candidates["mjspec"] = lambda: peers.mjspec_attached(mujoco, arm, hand, SITE, "mjspec.xml")
     with peers.quiet():
         best = best_times(candidates, rounds=600, seconds=6)

@@ -14,7 +14,7 @@ _MANY = 200
 
 def rows() -> list[Row]:
     used = models()
-    hand = str(used.hand)
+    hand = used.hand
     candidates: dict[str, Candidate] = {
         "1": lambda: ours.copies(hand, 1),
         "10": lambda: ours.copies(hand, 10),
@@ -37,7 +37,7 @@ def _against_mjspec() -> Row:
     if mujoco is None:
         return Row(name, None, _OF_MJSPEC, "this MuJoCo cannot save as written (3.16 can)")
     candidates: dict[str, Candidate] = {
-        "ours": lambda: ours.copies(str(humanoid), _MANY),
+        "ours": lambda: ours.copies(humanoid, _MANY),
         "mjspec": lambda: peers.mjspec_copies(mujoco, str(humanoid), _MANY, "mjspec.xml"),
     }
     with peers.quiet():

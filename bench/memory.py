@@ -30,7 +30,7 @@ def _kibibytes(field: str) -> int:
     return int(line.split()[1])
 
 
-def _measure(model: str) -> None:
+def _measure(model: Path) -> None:
     """Print by how many bytes the process grew at most, and the length of the text; one copy warms it up."""
     from bench import ours
 
@@ -41,4 +41,4 @@ def _measure(model: str) -> None:
 
 
 if __name__ == "__main__":
-    _measure(sys.argv[1])
+    _measure(Path(sys.argv[1]))

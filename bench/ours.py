@@ -18,18 +18,18 @@ from composer.tree.write import write
 _SETTLED = frozenset({"option/cone", "option/impratio"})
 
 
-def attached(arm: str, hand: str, site: str) -> bytes:
+def attached(arm: Path, hand: Path, site: str) -> bytes:
     """The text of the arm with the hand at its site."""
     sink = Sink()
-    base, unit = parse_file(Path(arm), sink), parse_file(Path(hand), sink)
+    base, unit = parse_file(arm, sink), parse_file(hand, sink)
     assert base is not None and unit is not None
     return _linked(Linking(base, [Part(unit, "hand/", Place("site", site))], sink, settled=_SETTLED))
 
 
-def copies(model: str, count: int) -> bytes:
+def copies(model: Path, count: int) -> bytes:
     """The text of an empty world with so many copies of a model; the file is read once."""
     sink = Sink()
-    unit = parse_file(Path(model), sink)
+    unit = parse_file(model, sink)
     assert unit is not None
     base = Unit(etree.Element("mujoco"), "", Path(), "world")
     parts = [Part(unit.copied() if number else unit, f"{number}/") for number in reversed(range(count))]

@@ -7,6 +7,7 @@ with MuJoCo's own arithmetic and so to the same bits, and radians into degrees c
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import cast
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -42,7 +43,7 @@ def model_angle(linking: Linking) -> str:
 def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str) -> None:
     own = unit.settings.eulerseq
     degrees = unit.settings.angle == "degree"
-    for element in _TURNED(unit.root):
+    for element in cast(list[Node], _TURNED(unit.root)):
         euler = element.get("euler")
         if euler is not None and euler.strip():
             values = numbers.read(euler)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from lxml.etree import _Element as Node
+
 from composer.link.angles import model_angle
 from composer.link.inertia import MEASURED
 from composer.link.limits import model_autolimits
 from composer.link.linking import Linking
-from composer.tree.settings import Settings
+from composer.tree.classes import through_frames, walk_bodies
 from composer.tree.unit import Unit
 
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
@@ -14,7 +16,7 @@ _MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 # Settings of a whole model whose effect on one part cannot be written into that part yet.
 _WHOLE_MODEL = ("fusestatic", "discardvisual")
 _NO_EFFECT = ("coordinate", "usethread", "conflict")
-_DEFAULT = Settings()
+_OF_FREEJOINTS = frozenset({"name", "type", "group", "class"})
 
 
 def check_settings(linking: Linking) -> None:
@@ -33,7 +35,7 @@ def check_settings(linking: Linking) -> None:
                     )
     for unit in linking.units:
         if unit.settings.alignfree == "true":
-            _align_free_joints(unit)
+            _align_free_joints(linking, unit)
 
 
 def compiler(linking: Linking) -> None:
@@ -60,7 +62,31 @@ def compiler(linking: Linking) -> None:
     root.insert(0, element)
 
 
-def _align_free_joints(unit: Unit) -> None:
-    for joint in unit.root.iter("freejoint"):
-        if joint.get("align") is None:
-            joint.set("align", "true")
+def _align_free_joints(linking: Linking, unit: Unit) -> None:
+    """`alignfree` becomes `align` of each joint, which only `<freejoint>` has."""
+    classes = unit.classes
+    for joint, childclass in walk_bodies(unit.root):
+        if joint.tag == "freejoint":
+            if joint.get("align") in (None, "", "auto"):
+                joint.set("align", "true")
+        elif joint.tag == "joint" and classes.effective(joint, childclass, "type") == "free" and _is_leaf(joint):
+            given = classes.get(str(joint.get("class") or childclass or "") or None).sets("joint")
+            if given or not _OF_FREEJOINTS.issuperset(joint.keys()):
+                linking.sink.error(
+                    "compiler-setting",
+                    f"`alignfree` of `{unit.label}` cannot be kept in a composition for a joint with other settings",
+                    linking.span(unit, joint),
+                    help='make it a `<freejoint align="true"/>`',
+                )
+            else:
+                joint.tag = "freejoint"
+                for name in joint.keys():
+                    if name not in ("name", "group"):
+                        del joint.attrib[name]
+                joint.set("align", "true")
+
+
+def _is_leaf(joint: Node) -> bool:
+    """Whether nothing hangs on the joint's body; MuJoCo aligns no other."""
+    body = next(joint.iterancestors("body"))
+    return all(child.tag not in ("body", "replicate", "flexcomp", "composite", "attach") for child in through_frames(body))

@@ -130,13 +130,13 @@ def _measure(linking: Linking, unit: Unit) -> None:
             holder = inertial.getparent()
             assert holder is not None
             holder.remove(inertial)
-        mass = arrays["body_mass"][at]
+        mass, moments = arrays["body_mass"][at], arrays["body_inertia"][3 * at : 3 * at + 3]
         values = {
             "pos": numbers.text(arrays["body_ipos"][3 * at : 3 * at + 3]),
             "quat": numbers.text(arrays["body_iquat"][4 * at : 4 * at + 4]),
             "mass": numbers.text([mass]),
-            "diaginertia": numbers.text(arrays["body_inertia"][3 * at : 3 * at + 3]),
+            "diaginertia": numbers.text(moments),
         }
-        if mass or _own(body, "geom"):
+        if mass or any(moments) or _own(body, "geom"):
             inertial = body.makeelement("inertial", values)
             body.insert(0, inertial)

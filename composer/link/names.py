@@ -27,7 +27,6 @@ from composer.tree.names import (
 from composer.tree.unit import Unit
 
 _MAY_REPEAT = ("model",)
-_RESERVED = frozenset({"", WORLD, MAIN})
 
 
 def names(linking: Linking) -> None:
@@ -47,8 +46,10 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part 
     clashes: list[Clash] = []
     known = linking.names.declared
     for namespace, declared in found.declared.items():
+        if not declared:
+            continue
         earlier_ones = known.setdefault(namespace, declared)
-        if earlier_ones is declared or not declared:
+        if earlier_ones is declared:
             continue
         if namespace not in _MAY_REPEAT and not earlier_ones.keys().isdisjoint(declared.keys()):
             for name in [name for name in declared if name in earlier_ones]:
@@ -68,10 +69,6 @@ class _Found:
         self.declared: dict[str, dict[str, Node]] = {namespace: {} for namespace in _namespaces()}
         self.wanted: dict[str, dict[str, Node]] = {namespace: {} for namespace in _namespaces()}
         self.repeated: list[tuple[str, str, Node]] = []
-
-    def declare(self, namespace: str, name: str, element: Node) -> None:
-        if self.declared[namespace].setdefault(name, element) is not element:
-            self.repeat(namespace, name, element)
 
     def repeat(self, namespace: str, name: str, element: Node) -> None:
         if namespace not in _MAY_REPEAT:
@@ -129,7 +126,7 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
         table = _slots(section.tag)
         if not table:
             continue
-        for element in section.iter("*"):
+        for element in section.iterdescendants("*"):
             slots = table.get(element.tag)
             if slots is None:
                 continue
@@ -137,8 +134,8 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
                 if key in slots:
                     slot = slots[key]
                     value = element.get(key)
-                    if not slot or value in _RESERVED:
-                        _rename_special(found, element, key, prefix, top_class, section)
+                    if not slot or not value:
+                        _rename_special(found, element, key, prefix, section)
                         continue
                     if prefix:
                         value = prefix + value
@@ -150,30 +147,31 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
+    # Nobody declares these two.
+    for namespace, reserved, meant in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
+        if found.wanted[namespace].pop(prefix + reserved, None) is not None and prefix + reserved != meant:
+            _put_right(unit, namespace, prefix + reserved, meant)
     return found
 
 
-def _rename_special(
-    found: _Found, element: Node, key: str, prefix: str, top_class: str, section: Node
-) -> None:
-    """Values that are no plain name of the unit: empty, `world`, `main`, lists, and names typed by a sibling."""
+def _put_right(unit: Unit, namespace: str, name: str, meant: str) -> None:
+    """Make every reference to `name` one to `meant`."""
+    for section in unit.root.iterchildren("*"):
+        table = naming_table(section.tag)
+        for element in section.iterdescendants(*table) if table else ():
+            for key, action in table[element.tag].items():
+                if action == (REFERS, namespace) and element.get(key) == name:
+                    element.set(key, meant)
+
+
+def _rename_special(found: _Found, element: Node, key: str, prefix: str, section: Node) -> None:
+    """Values that are no plain name: empty, lists, prefixes for more names, and names typed by a sibling."""
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
     value = str(element.get(key))
     name = prefix + value
     if namespace == "key" or (not value and kind != GENERATES):
         return  # keys are named when they are laid out
-    if kind == DECLARES:
-        if element is section:
-            return  # the top class
-        found.declare(namespace, name, element)
-    elif kind == REFERS:
-        if value == WORLD and namespace == "body":
-            return
-        if value == MAIN and namespace == "default":
-            name = top_class
-        elif section.tag != "default":
-            found.want(namespace, name, element)
-    elif kind == LISTS:
+    if kind == LISTS:
         names = [each if each == WORLD else prefix + each for each in value.split()]
         for each in names:
             if each != WORLD:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
-from composer.link.linking import Linking, Part
 from composer.link.layout import joint_type
+from composer.link.linking import Linking, Part
 from composer.tree.classes import childclass_of, through_frames
 
 

@@ -32,9 +32,7 @@ def _extension(linking: Linking, part: Part, section: Node) -> None:
     """A plugin that both declare is declared once, with the instances of both."""
     target = linking.base.section("extension")
     known = {element.get("plugin"): element for element in linking.base.root.iterfind("extension/plugin")}
-    for plugin in list(section):
-        if not isinstance(plugin.tag, str):
-            continue
+    for plugin in list(section.iterchildren("*")):
         existing = known.get(plugin.get("plugin"))
         if existing is None:
             target.append(plugin)

@@ -65,10 +65,10 @@ def _own_files(linking: Linking, sub: Unit, path: str) -> None:
         element.set(attribute, f"{beside}/{name}")
         linking.files.append(FileUse(element, attribute, f"{path}/{name}", source, None, shared=False))
     for nested in sub.root.findall("asset/model"):
-        file = nested.get("file")
-        if file:
+        model_file = nested.get("file")
+        if model_file:
             inner = f"{path}/models"
-            _bundle(linking, sub, nested, str(file), str(sub.directory), inner)
+            _bundle(linking, sub, nested, model_file, str(sub.directory), inner)
             nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
     for compiler in sub.root.iterchildren("compiler"):
         for name in _FOLDERS:

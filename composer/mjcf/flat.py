@@ -64,6 +64,8 @@ def flatten(model: Model, conflict: Policy) -> Flat:
     sink = _NamesChecked()
     mounting = Mounting(model, _copy)
     measure = _measure(sink) if mounting.parts else None
+    for unit in (mounting.base, *(part.unit for part in mounting.parts)):
+        _prune(unit.root)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
     choose_classes(linking)
     mounting.add_joints(linking)
@@ -117,7 +119,6 @@ def _copy(model: Model) -> Unit:
     unit = model.unit.copied()
     if unit.label == UNNAMED or not unit.label:
         unit.label = re.sub(r"[^\w.-]+", "_", model.name)
-    _prune(unit.root)
     return unit
 
 

@@ -85,7 +85,7 @@ def _place(step: AttachPart, making: Making) -> Place:
         if name == "world" and kind == "body":
             break
         if name is not None:
-            return Place(kind, name, offset, locate(making.document, (*step.at, kind)))  # type: ignore[arg-type]
+            return Place(kind, name, offset, locate(making.document, (*step.at, kind)))
     return Place("world", None, offset)
 
 

@@ -120,16 +120,13 @@ def walk_bodies(root: Node) -> Iterator[tuple[Node, str | None]]:
 
 
 def _walk(parent: Node, childclass: str | None) -> Iterator[tuple[Node, str | None]]:
-    stack: list[tuple[Iterator[Node], str | None]] = [(iter(parent), childclass)]
+    stack: list[tuple[Iterator[Node], str | None]] = [(parent.iterchildren("*"), childclass)]
     while stack:
         children, active = stack[-1]
         for child in children:
-            tag = child.tag
-            if not isinstance(tag, str):
-                continue
             yield child, active
-            if tag in NESTED:
-                stack.append((iter(child), str(child.get("childclass") or "") or active))
+            if child.tag in NESTED:
+                stack.append((child.iterchildren("*"), str(child.get("childclass") or "") or active))
                 break
         else:
             stack.pop()

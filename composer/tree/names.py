@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache
 
 from lxml.etree import _Element as Node
 
@@ -44,7 +44,7 @@ def word(namespace: str, article: bool = False) -> str:
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if article else noun
 
 
-@lru_cache(maxsize=None)
+@cache
 def naming_table(section: str) -> dict[str, dict[str, Action]]:
     """For each tag inside a top-level section: which attributes hold names, and what kind of name."""
     table: dict[str, dict[str, Action]] = {}

@@ -50,5 +50,5 @@ def read_settings(root: Node) -> Settings:
     for compiler in root.iterchildren("compiler"):
         for name, value in compiler.items():
             if name in _KNOWN and value.strip():
-                written[str(name)] = value.strip()
+                written[str(name)] = str(value).strip()
     return Settings(**written)

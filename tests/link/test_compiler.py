@@ -13,8 +13,8 @@ FREE_JOINTS = [
     '<freejoint align="false"/>',
     '<freejoint align="true"/>',
     '<joint type="free"/>',
-    '<joint type="free" name="j" group="2" user="1"/>',
-    '<joint type="free" damping="3"/>',
+    '<joint type="free" name="j" group="2"/>',
+    '<joint type="free" damping="3"/><body name="child"><geom size=".1"/></body>',
 ]
 
 
@@ -24,6 +24,17 @@ def test_free_bodies_are_aligned_as_they_were(workshop: Workshop, joint: str, al
     model = FREE.format(settings=f'alignfree="{align}"', joint=joint)
     workshop.link(BASE, model).check()
     workshop.link(model, FREE.format(settings="", joint="<freejoint/>")).check()
+
+
+@pytest.mark.parametrize(
+    ("joint", "default"),
+    [('<joint type="free" damping="3"/>', ""), ('<joint type="free"/>', '<default><joint armature="1"/></default>')],
+)
+def test_a_free_joint_with_settings_cannot_be_aligned(workshop: Workshop, joint: str, default: str) -> None:
+    model = FREE.format(settings='alignfree="true"', joint=joint).replace("<worldbody>", f"{default}<worldbody>")
+    fault = workshop.link(BASE, model).fault
+    assert fault.code == "compiler-setting"
+    assert "`alignfree`" in fault.message
 
 
 @pytest.mark.parametrize("name", ["fusestatic", "discardvisual"])

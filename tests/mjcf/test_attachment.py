@@ -211,7 +211,6 @@ def test_attaching_to_a_place_without_a_name_gives_it_none(
     fore.site[1].attach(gripper)
     holder = fore.add("frame", pos=[0, 0.5, 0])
     holder.attach(mjcf.from_xml_string("<mujoco model='f'><worldbody><site name='s'/></worldbody></mujoco>"))
-    arm.worldbody.body[0].name = None
     text = arm.to_xml_string()
     assert "attachment-" not in text and fore.site[1].name is None
     model = compiled(arm)
