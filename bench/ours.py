@@ -13,7 +13,6 @@ from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.write import write
 
-
 # What the hands ask for and the arms do not: a recipe has to say which it is, or it does not build.
 _SETTLED = frozenset({"option/cone", "option/impratio"})
 

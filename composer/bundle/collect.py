@@ -71,6 +71,9 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
     if near := closest(source.name, beside):
         help = f"did you mean `{near[0]}`?"
     if not isinstance(error, FileNotFoundError):
-        message, help = f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}", None
+        message, help = (
+            f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}",
+            None,
+        )
     span = model.origins.span(use.element, model.file, use.attribute)
     sink.error("asset-missing", message, span, help=help)

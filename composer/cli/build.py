@@ -29,9 +29,7 @@ if TYPE_CHECKING:
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
 @reporting_options
-def command(
-    recipe: Path, out: str | None, no_verify: bool, timeout: float, form: str, as_json: bool
-) -> None:
+def command(recipe: Path, out: str | None, no_verify: bool, timeout: float, form: str, as_json: bool) -> None:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.write import Form, form_of

@@ -13,7 +13,7 @@ import click
 
 from composer.cli.reporting import FINDINGS, report
 
-_STARTER = '''\
+_STARTER = """\
 # For completion in your editor: mjcompose schema > recipe.schema.json, and as the first line here:
 #   yaml-language-server: $schema=recipe.schema.json
 recipe: 1                       # the version of the recipe language
@@ -53,7 +53,7 @@ actuator:
 sensor:
   angle: {{type: jointpos, joint: hinge}}
   tip_position: {{type: framepos, objtype: site, objname: tip}}
-'''
+"""
 
 
 def _yaml(name: str) -> str:

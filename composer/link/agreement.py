@@ -45,7 +45,7 @@ def agreement(linking: Linking) -> None:
     """Compare what every unit writes, then merge the sizes."""
     if not linking.parts:
         return
-    model = {path: found for path, found in _written(linking.base)}
+    model = dict(_written(linking.base))
     conflicts: dict[str, list[tuple[Part, _Written]]] = {}
     for part in linking.parts:
         for path, wanted in _written(part.unit):
@@ -104,7 +104,7 @@ def _equal(a: str, b: str) -> bool:
 
 
 def _merged(path: str, have: _Written | None, wanted: _Written) -> str | None:
-    """As MuJoCo merges: a default gives way; of two authored steps or tolerances the smaller, of iterations the larger."""
+    """As MuJoCo merges: a default gives way; of two steps or tolerances the smaller, of iterations the larger."""
     if have is None:
         return wanted.value
     name = path.rsplit("/", 1)[1]

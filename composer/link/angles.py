@@ -158,7 +158,7 @@ def _is_angle(unit: Unit, classes: Classes, joint: Node, childclass: str | None,
     limited = classes.effective(joint, childclass, "limited") or "auto"
     if limited != "auto":
         return limited == "true"
-    low, high = (numbers.read(classes.effective(joint, childclass, "range") or "0 0") + [0.0, 0.0])[:2]
+    low, high = [*numbers.read(classes.effective(joint, childclass, "range") or ""), 0.0, 0.0][:2]
     return unit.settings.autolimits == "true" and low < high
 
 

@@ -17,6 +17,7 @@ _MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 _WHOLE_MODEL = ("fusestatic", "discardvisual")
 _NO_EFFECT = ("coordinate", "usethread", "conflict")
 _OF_FREEJOINTS = frozenset({"name", "type", "group", "class"})
+_INSIDE_BODIES = ("body", "replicate", "flexcomp", "composite", "attach")
 
 
 def check_settings(linking: Linking) -> None:
@@ -69,7 +70,11 @@ def _align_free_joints(linking: Linking, unit: Unit) -> None:
         if joint.tag == "freejoint":
             if joint.get("align") in (None, "", "auto"):
                 joint.set("align", "true")
-        elif joint.tag == "joint" and classes.effective(joint, childclass, "type") == "free" and _is_leaf(joint):
+        elif (
+            joint.tag == "joint"
+            and classes.effective(joint, childclass, "type") == "free"
+            and _is_leaf(joint)
+        ):
             given = classes.get(str(joint.get("class") or childclass or "") or None).sets("joint")
             if given or not _OF_FREEJOINTS.issuperset(joint.keys()):
                 linking.sink.error(
@@ -80,7 +85,7 @@ def _align_free_joints(linking: Linking, unit: Unit) -> None:
                 )
             else:
                 joint.tag = "freejoint"
-                for name in joint.keys():
+                for name in list(joint.attrib):
                     if name not in ("name", "group"):
                         del joint.attrib[name]
                 joint.set("align", "true")
@@ -89,4 +94,4 @@ def _align_free_joints(linking: Linking, unit: Unit) -> None:
 def _is_leaf(joint: Node) -> bool:
     """Whether nothing hangs on the joint's body; MuJoCo aligns no other."""
     body = next(joint.iterancestors("body"))
-    return all(child.tag not in ("body", "replicate", "flexcomp", "composite", "attach") for child in through_frames(body))
+    return not any(child.tag in _INSIDE_BODIES for child in through_frames(body))

@@ -8,6 +8,7 @@ from lxml.etree import _Element as Node
 
 from composer.link.linking import FileUse, Linking
 from composer.tree.files import file_attributes, is_absolute, is_plain, join, written_path
+from composer.tree.names import WORLD
 from composer.tree.settings import Settings
 from composer.tree.skin_file import BadSkin, rename_bones
 from composer.tree.unit import Unit
@@ -24,6 +25,7 @@ def files(linking: Linking) -> None:
         texture_folder = join(directory, unit.settings.texture_folder)
         simple = not unit.contents and unit.settings.strippath != "true"
         target = f"{ASSETS}/{unit.label}/"
+        use = linking.files.append
         for element, attribute, name in file_attributes(unit.root):
             tag = element.tag
             if simple and tag != "skin" and is_plain(name):  # most files: no path to be shortened
@@ -33,7 +35,7 @@ def files(linking: Linking) -> None:
                 if key not in taken:
                     taken[key] = (source, None)
                     element.set(attribute, path)
-                    linking.files.append(FileUse(element, attribute, path, source, None))
+                    use(FileUse(element, attribute, path, source, None))
                     continue
             written = written_path(unit.settings, element, name)
             known = unit.contents.get(written) if unit.contents else None
@@ -43,7 +45,7 @@ def files(linking: Linking) -> None:
                 content = _skin(linking, unit, element, prefix, source, content)
             path = _free(unit, written, source, content, taken)
             element.set(attribute, path)
-            linking.files.append(FileUse(element, attribute, path, source, content))
+            use(FileUse(element, attribute, path, source, content))
 
 
 def _skin(
@@ -52,7 +54,7 @@ def _skin(
     """A skin file names bodies; those get the prefix too."""
     try:
         data = Path(source).read_bytes() if content is None else content
-        return rename_bones(data, lambda name: prefix + name)
+        return rename_bones(data, lambda name: name if name == WORLD else prefix + name)
     except OSError:
         return content  # told where all files are read
     except BadSkin as fault:
@@ -65,7 +67,9 @@ def _free(
 ) -> str:
     below = inside(unit.settings, written)
     path = f"{ASSETS}/{unit.label}/{below}"
-    if written.startswith(f"{ASSETS}/") and written in unit.contents:  # a composed unit: its paths are settled
+    if (
+        written.startswith(f"{ASSETS}/") and written in unit.contents
+    ):  # a composed unit: its paths are settled
         path = written
     key = path.lower()
     if key not in taken:

@@ -188,7 +188,8 @@ def _take(
     vector: str,
     text: list[str],
 ) -> None:
-    total = layout.total(vector)
+    holders = _holders(layout, vector)
+    total = sum([width for _, width in holders])
     if len(text) > total:
         linking.sink.error(
             "keyframe-conflict",
@@ -200,12 +201,11 @@ def _take(
         return
     taken = key.values.setdefault(vector, {})
     at = 0
-    for holder, width in _holders(layout, vector):
-        values = text[at : at + width]
-        at += width
-        if len(values) < width:
+    for holder, width in holders:
+        if at + width > len(text):
             break
-        taken[holder] = values
+        taken[holder] = text[at : at + width]
+        at += width
     if part is not None:
         _carry(part, layout, vector, taken)
 

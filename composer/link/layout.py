@@ -175,7 +175,9 @@ class _Reader:
         if known is not None:
             return known
         if tag == "position":
-            inherited = self.influence[1] and self._class(actuator).lookup("position", "timeconst") is not None
+            inherited = (
+                self.influence[1] and self._class(actuator).lookup("position", "timeconst") is not None
+            )
             if actuator.get("timeconst") is None and not inherited:
                 return _STATELESS
         elif tag == "general" and not (self.influence[1] and self._inherits_state(actuator)):

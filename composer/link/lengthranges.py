@@ -19,7 +19,9 @@ def lengthranges(linking: Linking) -> None:
         rules = list(unit.root.iter("lengthrange"))
         if not rules:
             continue
-        actuators = [each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")]
+        actuators = [
+            each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")
+        ]
         if actuators:
             arrays = measure_alone(linking, unit, "`lengthrange`", _ARRAYS)
             if arrays is None:

@@ -1,4 +1,4 @@
-"""Pass: `autolimits`. Under `true` every explicit `limited` still counts, so the model says `true` unless all say `false`."""
+"""`autolimits`: under `true` every explicit `limited` still counts, so that `false` is said only where all say it."""
 
 from __future__ import annotations
 

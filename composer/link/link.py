@@ -53,11 +53,13 @@ def link(linking: Linking) -> bool:
 
     False where a pass found errors that later passes cannot live with; then the names of the model are not known.
     """
+    before = len(linking.sink.errors)
     for link_pass in PASSES:
-        before = len(linking.sink.errors)
         link_pass(linking)
-        if len(linking.sink.errors) > before and link_pass not in _HINDERS_NOTHING:
+        after = len(linking.sink.errors)
+        if after > before and link_pass not in _HINDERS_NOTHING:
             return False
+        before = after
     return True
 
 

@@ -33,7 +33,9 @@ def malformed(units: Iterable[Unit], sink: Sink) -> bool:
                 message, _, help = answer.partition("; ")
                 code = "wrong-keyword" if attribute.type in ("keyword", "keywords") else "wrong-type"
                 span = units[0].origins.span(element, unit.file, attribute.name)
-                sink.error(code, f"`{attribute.name}` of `<{element.tag}>` {message}", span, help=help or None)
+                sink.error(
+                    code, f"`{attribute.name}` of `<{element.tag}>` {message}", span, help=help or None
+                )
     return len(sink.errors) > before
 
 

@@ -25,7 +25,9 @@ def submodels(linking: Linking) -> None:
         for element in unit.root.iter("model"):
             file = element.get("file")
             if file:
-                _bundle(linking, unit, element, str(file), str(unit.directory), f"{ASSETS}/{unit.label}/models")
+                _bundle(
+                    linking, unit, element, str(file), str(unit.directory), f"{ASSETS}/{unit.label}/models"
+                )
 
 
 def _bundle(linking: Linking, unit: Unit, element: Node, file: str, directory: str, folder: str) -> None:

@@ -119,6 +119,8 @@ def write(model: Model, node: Node, edit: Edit) -> None:
                 drop(node, other)
         node.set(name, text)
     model.note(node)
+    if node.sourceline is None and node not in model.unit.origins.owners:  # made because it was asked for
+        model.unit.origins.own(node, call_site())
     after = model.declared(node)
     if before and after and before != after:
         follow(model, before[0], before[1], after[1])

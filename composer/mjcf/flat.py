@@ -165,4 +165,7 @@ def _told_apart(files: Iterable[FileUse]) -> Iterator[tuple[FileUse, str]]:
 
 
 def _for_python(diagnostic: Diagnostic) -> Diagnostic:
-    return replace(diagnostic, help=_HELP.get(diagnostic.code, diagnostic.help))
+    if diagnostic.help is None:
+        return diagnostic
+    told = diagnostic.severity == "error"
+    return replace(diagnostic, help=_HELP.get(diagnostic.code, diagnostic.help) if told else None)

@@ -86,7 +86,8 @@ def as_data(plan: Plan) -> dict[str, Any]:
         "recipe": plan.file,
         "base": _model_data(plan.base.model),
         "parts": [
-            {"prefix": part.prefix, "model": _model_data(part.model), "place": _place(part)} for part in plan.parts
+            {"prefix": part.prefix, "model": _model_data(part.model), "place": _place(part)}
+            for part in plan.parts
         ],
         "steps": [_step(step) for step in plan.steps],
     }

@@ -44,7 +44,9 @@ class _Planner:
         self.context = context
         self.sink = context.sink
 
-    def plan(self, path: Path, outer: tuple[tuple[Path, Span | None], ...], span: Span | None = None) -> Plan | None:
+    def plan(
+        self, path: Path, outer: tuple[tuple[Path, Span | None], ...], span: Span | None = None
+    ) -> Plan | None:
         """The plan of one recipe; `outer` are the recipes it is nested in, outermost first."""
         key = Path(os.path.realpath(path))
         if any(each == key for each, _ in outer):
@@ -178,7 +180,7 @@ class _Planner:
                 "separator-mismatch",
                 f"`{reference}` separates names with `{plan.separator}`, this recipe with `{outer.separator}`",
                 span,
-                help=f"give both the same: `separator: \"{plan.separator}\"`",
+                help=f'give both the same: `separator: "{plan.separator}"`',
             )
         return plan
 

@@ -123,7 +123,12 @@ def _text(values: Iterable[float]) -> str:
 def _no_mate(step: AttachPart, unit: Unit, making: Making) -> None:
     name = step.attachment.mate or ""
     sites, bodies = (
-        [str(each.get("name")) for top in unit.root.iterchildren("worldbody") for each in top.iter(tag) if each.get("name")]
+        [
+            str(each.get("name"))
+            for top in unit.root.iterchildren("worldbody")
+            for each in top.iter(tag)
+            if each.get("name")
+        ]
         for tag in ("site", "body")
     )  # fmt: skip
     near = closest(name, [*sites, *bodies])

@@ -35,7 +35,8 @@ class Making:
 
     `angle` is the unit of the recipe's bare angles (None: none may stand), `model_angle` that of the model.
     `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
-    below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is known.
+    below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is
+    known.
     """
 
     document: Located

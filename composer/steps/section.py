@@ -57,7 +57,11 @@ def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
 
 def _parent(step: SetDefault, linking: Linking, making: Making) -> etree._Element | None:
     if step.parent is None or step.parent == MAIN:
-        return _class_node(linking, linking.base_class) if linking.base_class else linking.base.section("default")
+        return (
+            _class_node(linking, linking.base_class)
+            if linking.base_class
+            else linking.base.section("default")
+        )
     found = linking.names.find("default", step.parent)
     if found is None:
         span = making.span(step.element, "parent")

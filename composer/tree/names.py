@@ -40,7 +40,9 @@ def word(namespace: str, article: bool = False) -> str:
     >>> word("default"), word("actuator", article=True)
     ('default class', 'an actuator')
     """
-    noun = {"default": "default class", "instance": "plugin instance", "pair": "contact pair"}.get(namespace, namespace)
+    noun = {"default": "default class", "instance": "plugin instance", "pair": "contact pair"}.get(
+        namespace, namespace
+    )
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if article else noun
 
 

@@ -6,6 +6,7 @@ import os
 import re
 import threading
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 
 from lxml import etree
@@ -78,9 +79,14 @@ def parse_text(
     if next(root.iter("include"), None) is not None:
         _Includes(unit, sink).expand(root, file, directory)
     for section in root.iterchildren("*") if len(sink.errors) == before else ():
-        if section.tag not in GRAMMAR.root.children:
+        if section.tag not in _sections():
             _unknown_section(section, unit, sink)
     return None if len(sink.errors) > before else unit
+
+
+@cache
+def _sections() -> frozenset[str]:
+    return frozenset(GRAMMAR.root.children)
 
 
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:

@@ -22,7 +22,8 @@ class Unit:
 
     `directory` is the folder of the main file, against which MuJoCo resolves every file of the model; `label` names
     the unit's folder in a bundle; `contents` has the files that are not found on disk by their written path: their
-    bytes, or where they are. A unit is changed in place by edits and consumed by the linker: `copied()` first to keep it.
+    bytes, or where they are. A unit is changed in place by edits and consumed by the linker: `copied()` first to
+    keep it.
     """
 
     root: Node

@@ -15,7 +15,9 @@ _Words = tuple[str, str | None]
 def tell(said: str, file: str, line: int, column: int, text: str, sink: Sink) -> None:
     """An `xml-syntax` error for what lxml said of `file`; a tag that it names by its line is shown too."""
     said = re.sub(r", line \d+, column \d+.*", "", said, flags=re.DOTALL)
-    message, help = next((make(found) for pattern, make in _KNOWN if (found := pattern.match(said))), _plain(said))
+    message, help = next(
+        (make(found) for pattern, make in _KNOWN if (found := pattern.match(said))), _plain(said)
+    )
     notes: tuple[Note, ...] = ()
     if opened := _OPENED.search(said):
         lines = text.splitlines()
@@ -24,7 +26,9 @@ def tell(said: str, file: str, line: int, column: int, text: str, sink: Sink) ->
         if begin >= 0:
             span = Span(file, at, begin + 1, at, begin + 2 + len(tag))
             notes = (Note(f"`<{tag}>` begins here", span),)
-    sink.error("xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help)
+    sink.error(
+        "xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help
+    )
 
 
 _OPENED = re.compile(r"(?:Opening and ending tag mismatch:|Premature end of data in tag|Couldn't find end of Start Tag)"
@@ -36,7 +40,8 @@ def _words(message: str, help: str | None = None) -> Callable[[re.Match[str]], _
 
 
 def _plain(said: str) -> _Words:
-    return (said[:1].lower() + said[1:] if not said[:2].isupper() else said, None)
+    first = (said.strip().splitlines() or ["it cannot be read"])[0]
+    return (first[:1].lower() + first[1:] if not first[:2].isupper() else first, None)
 
 
 _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = tuple(
@@ -46,7 +51,9 @@ _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = 
         (r"Start tag expected, '<' not found", _words("it does not begin with `<`")),
         (
             r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)",
-            _words(r"`</\3>` stands where `<\1>` is still open", r"end the tag with `/>`, or write `</\1>` first"),
+            _words(
+                r"`</\3>` stands where `<\1>` is still open", r"end the tag with `/>`, or write `</\1>` first"
+            ),
         ),
         (r"Premature end of data in tag (\S+)", _words(r"`<\1>` is never closed", r"write `</\1>`")),
         (
@@ -55,15 +62,26 @@ _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = 
         ),
         (
             r"Unescaped '<' not allowed in attributes values",
-            _words("a `<` stands in the value of an attribute", "close the quote before it; a real `<` is `&lt;`"),
+            _words(
+                "a `<` stands in the value of an attribute", "close the quote before it; a real `<` is `&lt;`"
+            ),
         ),
-        (r"AttValue: \" or ' expected", _words("the value of an attribute has no quotes", 'write `name="value"`')),
-        (r"AttValue: ' expected", _words("the value of an attribute is never closed", "add the closing quote")),
+        (
+            r"AttValue: \" or ' expected",
+            _words("the value of an attribute has no quotes", 'write `name="value"`'),
+        ),
+        (
+            r"AttValue: ' expected",
+            _words("the value of an attribute is never closed", "add the closing quote"),
+        ),
         (
             r"Specification mandates? value for attribute (\S+)",
             _words(r"the attribute `\1` has no value", r'write `\1="…"`'),
         ),
-        (r"Attribute (\S+) redefined", _words(r"the attribute `\1` is written twice in one tag", "keep one of them")),
+        (
+            r"Attribute (\S+) redefined",
+            _words(r"the attribute `\1` is written twice in one tag", "keep one of them"),
+        ),
         (
             r"xmlParseEntityRef: no name|EntityRef: expecting ';'",
             _words("a `&` stands by itself", "write `&amp;`"),
@@ -77,13 +95,25 @@ _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = 
             r"Extra content at the end of the document",
             _words("something stands after the end of its one outermost element"),
         ),
-        (r"[Ee]xcessive depth in document: (\d+)", _words(r"elements stand more than \1 deep inside one another")),
+        (
+            r"[Ee]xcessive depth in document: (\d+)",
+            _words(r"elements stand more than \1 deep inside one another"),
+        ),
+        (r"CData section not finished", _words("a `<![CDATA[` is never closed", "close it with `]]>`")),
+        (
+            r"xmlParseCharRef: invalid|PCDATA invalid Char|[Ii]nvalid character",
+            _words("a character stands there that XML cannot hold", "take it out"),
+        ),
+        (r"[Ee]xpected '>'", _words("a tag lacks its `>`")),
         (r"StartTag: invalid element name", _words("a `<` begins no tag", "a real `<` is `&lt;`")),
         (
             r"error parsing attribute name",
             _words("a tag is not ended before the next one begins", "end it with `>`, or with `/>`"),
         ),
-        (r"attributes construct error", _words("attributes are not parted from one another", "put a space between")),
+        (
+            r"attributes construct error",
+            _words("attributes are not parted from one another", "put a space between"),
+        ),
         (
             r"Input is not proper UTF-8|Invalid bytes in character encoding|switching encoding: encoder error",
             _words("it is not UTF-8 text, and does not say what else", "save the file as UTF-8"),

@@ -22,7 +22,10 @@ _QUOTED = re.compile(r"'([^'\n]+)'")
 # What to do, by what MuJoCo says; the first that fits.
 _ADVICE: tuple[tuple[str, str], ...] = (
     (r"mass and inertia of moving bodies", "give the body a geom that has mass, or an `inertial`"),
-    (r"^size \d must be positive in geom", "a sphere has one size, a capsule or cylinder two, a box or ellipsoid three"),
+    (
+        r"^size \d must be positive in geom",
+        "a sphere has one size, a capsule or cylinder two, a box or ellipsoid three",
+    ),
     (r"^free joint can only be used on top level", "put a body with a free joint into the world: `to: world`"),
     (r"^mocap body .* is not a fixed child of world", "put a mocap body into the world, without joints: `to: world`"),
     (r"is not sphere or cylinder", "a tendon wraps around spheres and cylinders only"),

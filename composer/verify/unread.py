@@ -1,4 +1,4 @@
-"""What MuJoCo's reader passes over without a word: attributes that MJCF does not have, below `<frame>` and `<replicate>`.
+"""What MuJoCo's reader passes over without a word: attributes of `<frame>` and `<replicate>` that MJCF does not have.
 
 Everywhere else it refuses them. Parts are joined by frames, so that a typing error in a source, which MuJoCo tells of
 the source alone, would be lost in a composition.

@@ -13,7 +13,13 @@ from cli.shell import RECIPE, process, run, snapshot
 
 from composer.bundle import archive
 
-MODEL_FILES = {"model.xml", "assets/arm/cover.obj", "LICENSES/arm/LICENSE", "LICENSES/tool/LICENSE", "manifest.json"}
+MODEL_FILES = {
+    "model.xml",
+    "assets/arm/cover.obj",
+    "LICENSES/arm/LICENSE",
+    "LICENSES/tool/LICENSE",
+    "manifest.json",
+}
 
 
 def names_in(file: Path) -> set[str]:
@@ -80,7 +86,9 @@ def test_text_on_standard_output(folder: Path) -> None:
 def test_warnings_stay_out_of_the_text(folder: Path) -> None:
     text = RECIPE.replace("name: cell", "conflict: merge")
     (folder / "models" / "tool.xml").write_text(
-        (folder / "models" / "tool.xml").read_text().replace("<worldbody>", '<option timestep="0.001"/>\n<worldbody>')
+        (folder / "models" / "tool.xml")
+        .read_text()
+        .replace("<worldbody>", '<option timestep="0.001"/>\n<worldbody>')
     )
     (folder / "cell.yaml").write_text(text)
     for form in ("text", "json", "github"):
@@ -152,7 +160,9 @@ def test_a_timeout_is_told(folder: Path) -> None:
 # -- outputs that cannot be written --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("out", ["cell.yaml/out.zip", "cell.yaml/out/", "/proc/none/out.zip", "x" * 300 + ".zip", "models.zip"])
+@pytest.mark.parametrize(
+    "out", ["cell.yaml/out.zip", "cell.yaml/out/", "/proc/none/out.zip", "x" * 300 + ".zip", "models.zip"]
+)
 def test_unwritable_output(folder: Path, out: str) -> None:
     (folder / "models.zip").mkdir()
     (folder / "models.zip" / "mine").write_text("mine")
@@ -255,7 +265,9 @@ def test_source_date_epoch(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs /proc to see the child process")
 @pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interruption_while_mujoco_works(folder: Path, tmp_path: Path, sent: signal.Signals, code: int) -> None:
+def test_an_interruption_while_mujoco_works(
+    folder: Path, tmp_path: Path, sent: signal.Signals, code: int
+) -> None:
     import subprocess
     import time
 

@@ -39,7 +39,9 @@ def test_help_costs_nothing() -> None:
 
     from cli.shell import environment
 
-    told = subprocess.run([sys.executable, "-c", program], env=environment(), capture_output=True, text=True, check=True)
+    told = subprocess.run(
+        [sys.executable, "-c", program], env=environment(), capture_output=True, text=True, check=True
+    )
     assert told.stderr.strip() == "[]"
 
 

@@ -21,7 +21,9 @@ def test_default_name(folder: Path) -> None:
     assert (folder / "model.yaml").read_text(encoding="utf-8").count("name: model\n") == 1
 
 
-@pytest.mark.parametrize("stem", ["01", "a: b", "#1", "true", "x - y", "é", '"', "1e3", "null", "{x}", "my-arm_2"])
+@pytest.mark.parametrize(
+    "stem", ["01", "a: b", "#1", "true", "x - y", "é", '"', "1e3", "null", "{x}", "my-arm_2"]
+)
 def test_any_name(folder: Path, stem: str) -> None:
     assert run("new", f"{stem}.yaml").exit_code == 0
     result = run("plan", f"{stem}.yaml")

@@ -41,7 +41,9 @@ def test_github(folder: Path) -> None:
     result = run("check", "wrong.yaml", "--format", "github")
     assert result.exit_code == 1 and result.stderr == ""
     (line,) = result.stdout.splitlines()
-    assert line.startswith("::error file=wrong.yaml,line=5,col=42,endLine=5,endColumn=47,title=attach-place::there is no")
+    assert line.startswith(
+        "::error file=wrong.yaml,line=5,col=42,endLine=5,endColumn=47,title=attach-place::there is no"
+    )
 
 
 def test_paths_are_those_of_the_users_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -72,4 +72,4 @@ def test_every_folder_is_a_case() -> None:
     folders = {path.name for path in HERE.iterdir() if path.is_dir() and path.name != "__pycache__"}
     assert folders == set(CASES)
     assert len(CASES) >= 45
-    assert (SEVERAL | BUILT | WITHOUT_A_PLACE) <= folders
+    assert folders >= (SEVERAL | BUILT | WITHOUT_A_PLACE)

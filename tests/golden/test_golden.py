@@ -26,7 +26,9 @@ def test_model(case: str, tmp_path: Path) -> None:
     context = Context(environment={}, folder=HERE / case)
     built = build(HERE / case / "recipe.yaml", context, verified=False)
     assert built is not None, [each.message for each in context.sink.diagnostics]
-    assert {each.severity for each in context.sink.diagnostics} == ({Severity.WARNING} if case in TOLD else set())
+    assert {each.severity for each in context.sink.diagnostics} == (
+        {Severity.WARNING} if case in TOLD else set()
+    )
     text = built.bundle.files["model.xml"].decode()
     file = HERE / case / "model.xml"
     if os.environ.get("UPDATE_EXPECTED"):

@@ -81,7 +81,11 @@ JOINT_KINDS = [
     '<joint type="slide" range="-1 1"/>',
     '<joint ref="-12"/>',
 ]
-UNLIMITED = ['<joint class="open"/>', '<joint limited="auto" range="0 0" ref="-12"/>', '<joint limited="false" range="-5 5"/>']
+UNLIMITED = [
+    '<joint class="open"/>',
+    '<joint limited="auto" range="0 0" ref="-12"/>',
+    '<joint limited="false" range="-5 5"/>',
+]
 BACKWARD = ['<joint class="backward" limited="auto"/>']
 
 
@@ -143,7 +147,9 @@ def test_each_joint_by_itself_keeps_its_bits(workshop: Workshop, kind: str) -> N
 
 
 def test_a_class_for_hinges_and_slides_gives_each_what_it_gave(workshop: Workshop) -> None:
-    linked = workshop.link('<mujoco><compiler angle="radian"/></mujoco>', joints("degree", "true", JOINT_KINDS))
+    linked = workshop.link(
+        '<mujoco><compiler angle="radian"/></mujoco>', joints("degree", "true", JOINT_KINDS)
+    )
     model = linked.check()
     assert model.jnt_range[0] == pytest.approx(np.radians([-20, 30]))
     assert model.jnt_range[1].tolist() == [-20, 30]
@@ -205,7 +211,9 @@ def test_random_angles_keep_their_bits(
         f'<body euler="{a!r} {b!r} {c!r}"><geom size="1"/><joint ref="{a!r}"/><site axisangle="1 2 3 {b!r}"/></body>'
         for a, b, c in eulers
     )
-    part = f'<mujoco><compiler eulerseq="{sequence}" angle="{angle}"/><worldbody>{elements}</worldbody></mujoco>'
+    part = (
+        f'<mujoco><compiler eulerseq="{sequence}" angle="{angle}"/><worldbody>{elements}</worldbody></mujoco>'
+    )
     base = '<mujoco><compiler angle="radian"/></mujoco>'
     workshop.link(base, Piece(part, place=placed(pos=(1.0, 2.0, 3.0)))).check()
 

@@ -28,10 +28,15 @@ def test_free_bodies_are_aligned_as_they_were(workshop: Workshop, joint: str, al
 
 @pytest.mark.parametrize(
     ("joint", "default"),
-    [('<joint type="free" damping="3"/>', ""), ('<joint type="free"/>', '<default><joint armature="1"/></default>')],
+    [
+        ('<joint type="free" damping="3"/>', ""),
+        ('<joint type="free"/>', '<default><joint armature="1"/></default>'),
+    ],
 )
 def test_a_free_joint_with_settings_cannot_be_aligned(workshop: Workshop, joint: str, default: str) -> None:
-    model = FREE.format(settings='alignfree="true"', joint=joint).replace("<worldbody>", f"{default}<worldbody>")
+    model = FREE.format(settings='alignfree="true"', joint=joint).replace(
+        "<worldbody>", f"{default}<worldbody>"
+    )
     fault = workshop.link(BASE, model).fault
     assert fault.code == "compiler-setting"
     assert "`alignfree`" in fault.message
@@ -80,5 +85,7 @@ def test_settings_without_effect_are_dropped(workshop: Workshop) -> None:
 
 
 def test_the_compiler_stands_first(workshop: Workshop) -> None:
-    linked = workshop.link('<mujoco><worldbody/><option timestep=".01"/><compiler angle="radian"/></mujoco>', BASE)
+    linked = workshop.link(
+        '<mujoco><worldbody/><option timestep=".01"/><compiler angle="radian"/></mujoco>', BASE
+    )
     assert linked.linking.base.root[0].tag == "compiler"

@@ -91,7 +91,9 @@ MEASURED = [
 @pytest.mark.parametrize("settings", MEASURED)
 def test_what_only_mujoco_computes_is_measured(workshop: Workshop, settings: str) -> None:
     bodies = BODIES.replace("1 1 1.5", "1 1 3") if "balance" in settings else BODIES
-    linked = workshop.link(model("", BODIES), Piece(model(settings, bodies), place=placed(pos=(1.0, 2.0, 0.0))))
+    linked = workshop.link(
+        model("", BODIES), Piece(model(settings, bodies), place=placed(pos=(1.0, 2.0, 0.0)))
+    )
     linked.check()
     for name in ("balanceinertia", "boundmass", "boundinertia", "settotalmass"):
         assert name not in linked.xml
@@ -139,6 +141,8 @@ def test_without_mujoco_at_hand_it_is_told(workshop: Workshop) -> None:
 
 
 def test_a_part_that_mujoco_rejects_is_told(workshop: Workshop) -> None:
-    part = model('boundmass="0" settotalmass="1"', '<body name="b"><joint/><geom type="mesh" mesh="no"/></body>')
+    part = model(
+        'boundmass="0" settotalmass="1"', '<body name="b"><joint/><geom type="mesh" mesh="no"/></body>'
+    )
     linked = workshop.link(BASE, part)
     assert linked.fault.code == "mujoco-rejects"

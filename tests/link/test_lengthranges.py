@@ -17,7 +17,12 @@ MUSCLES = """
   </actuator>
 </mujoco>
 """
-RULES = ['mode="all"', 'mode="muscle" inttotal="3"', 'mode="muscleuser" useexisting="false"', 'uselimit="true"']
+RULES = [
+    'mode="all"',
+    'mode="muscle" inttotal="3"',
+    'mode="muscleuser" useexisting="false"',
+    'uselimit="true"',
+]
 
 
 @pytest.mark.parametrize("rule", RULES)

@@ -74,10 +74,14 @@ def test_the_model_says_false_only_where_all_do(
     [
         '<worldbody><body><joint range="-1 1"/><geom size="1"/></body></worldbody>',
         '<worldbody><body><joint actuatorfrcrange="-1 1"/><geom size="1"/></body></worldbody>',
-        '<worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>'
-        '<actuator><motor joint="j" ctrlrange="-1 1"/></actuator>',
-        '<worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>'
-        '<tendon><fixed range="0 1"><joint joint="j" coef="1"/></fixed></tendon>',
+        (
+            '<worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>'
+            '<actuator><motor joint="j" ctrlrange="-1 1"/></actuator>'
+        ),
+        (
+            '<worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>'
+            '<tendon><fixed range="0 1"><joint joint="j" coef="1"/></fixed></tendon>'
+        ),
     ],
 )
 def test_mujoco_refuses_a_range_that_does_not_say_whether_it_limits(inside: str) -> None:

@@ -351,9 +351,7 @@ NAMES = st.text(CHARACTERS, min_size=1, max_size=12)
 def test_any_name_comes_through(
     tmp_path_factory: pytest.TempPathFactory, names: list[str], prefix: str
 ) -> None:
-    bodies = "".join(
-        f"<body><geom size='1'/><joint name={quoteattr(name)}/></body>" for name in names
-    )
+    bodies = "".join(f"<body><geom size='1'/><joint name={quoteattr(name)}/></body>" for name in names)
     motors = "".join(f"<motor name={quoteattr(name)} joint={quoteattr(name)}/>" for name in names)
     part = f"<mujoco><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>"
     linked = Workshop(tmp_path_factory.mktemp("names")).link("<mujoco/>", Piece(part, prefix))
@@ -363,9 +361,7 @@ def test_any_name_comes_through(
     assert model.actuator_trnid[:, 0].tolist() == list(range(len(names)))
 
 
-TREES = st.recursive(
-    st.just([]), lambda inner: st.lists(inner, min_size=1, max_size=3), max_leaves=8
-)
+TREES = st.recursive(st.just([]), lambda inner: st.lists(inner, min_size=1, max_size=3), max_leaves=8)
 
 
 def _tree(tree: list[object], counter: list[int]) -> str:
@@ -379,7 +375,9 @@ def _tree(tree: list[object], counter: list[int]) -> str:
             f'<body name="b{number}" pos="{number} 0 0"><joint name="j{number}"/><geom name="g{number}" size=".1"/>'
             f"{inner}</body>"
         )
-        found += f'<frame pos="0 {number} 0" quat="1 {number} 0 0">{body}</frame>' if number % 3 == 0 else body
+        found += (
+            f'<frame pos="0 {number} 0" quat="1 {number} 0 0">{body}</frame>' if number % 3 == 0 else body
+        )
     return found
 
 

@@ -38,7 +38,11 @@ def test_everything_is_found_where_it_hangs(
     assert fore is not None and base is not None
     assert fore.find("body", "gripper/palm") is gripper.find("body", "palm")
     assert len(fore.find_all("joint")) == 3 and fore.find("actuator", "gripper/fingers") is None
-    assert [each.full_identifier for each in arm.find_all("actuator")] == ["shoulder", "elbow", "gripper/fingers"]
+    assert [each.full_identifier for each in arm.find_all("actuator")] == [
+        "shoulder",
+        "elbow",
+        "gripper/fingers",
+    ]
     assert arm.actuator.find("position", "gripper/fingers") is gripper.actuator.position[0]
     assert [each.name for each in fore.find_all("body", immediate_children_only=True)] == ["palm"]
     assert arm.find("default", "gripper/finger") is gripper.find("default", "finger")
@@ -106,9 +110,7 @@ def test_a_joint_makes_the_frame_a_body(
     assert mjcf.get_frame_joints(frame) == [bare]
 
 
-def test_joint_names_of_a_frame_must_be_free(
-    gripper: mjcf.RootElement, frame: mjcf.Element
-) -> None:
+def test_joint_names_of_a_frame_must_be_free(gripper: mjcf.RootElement, frame: mjcf.Element) -> None:
     frame.add("joint")
     for attributes in ({}, {"name": "left"}):
         with pytest.raises(mjcf.MjcfError, match="already"):
@@ -318,7 +320,9 @@ def test_a_model_hangs_in_the_world_of_one_that_hangs(compiled: Compiled) -> Non
     np.testing.assert_allclose(model.body("middle/inner/b").pos, [0, 1, 1])
 
 
-def test_the_frame_of_an_element(arm: mjcf.RootElement, gripper: mjcf.RootElement, frame: mjcf.Element) -> None:
+def test_the_frame_of_an_element(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, frame: mjcf.Element
+) -> None:
     assert mjcf.get_attachment_frame(gripper) is frame
     assert mjcf.get_attachment_frame(gripper.find("geom", "palm")) is frame  # type: ignore[arg-type]
     assert mjcf.get_attachment_frame(arm) is None

@@ -142,7 +142,9 @@ def test_references_read_as_elements_and_are_set_by_element_or_name(arm: mjcf.Ro
 def test_lists_of_references_are_lists() -> None:
     model = mjcf.RootElement()
     bodies = [model.worldbody.add("body", name=name) for name in "ab"]
-    flex = model.deformable.add("flex", name="f", dim=1, body=bodies, vertex=[0, 0, 0, 1, 0, 0], element=[0, 1])
+    flex = model.deformable.add(
+        "flex", name="f", dim=1, body=bodies, vertex=[0, 0, 0, 1, 0, 0], element=[0, 1]
+    )
     assert flex.body == bodies
     bodies[0].name = "c"
     assert 'body="c b"' in repr(flex)
@@ -170,7 +172,11 @@ def test_the_world_can_be_referred_to(arm: mjcf.RootElement) -> None:
 
 
 def test_renaming_renames_what_refers_to_it(arm: mjcf.RootElement) -> None:
-    fore, flange, visual = arm.find("body", "upper"), arm.find("site", "flange"), arm.find("default", "visual")
+    fore, flange, visual = (
+        arm.find("body", "upper"),
+        arm.find("site", "flange"),
+        arm.find("default", "visual"),
+    )
     assert fore is not None and flange is not None and visual is not None
     fore.name, flange.name, visual.name = "arm1", "tool", "looks"
     text = arm.to_xml_string()

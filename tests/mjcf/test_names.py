@@ -1,7 +1,8 @@
 from __future__ import annotations
 
-from composer.mjcf.names import NameIndex, is_list, own_name, renamed
 from lxml import etree
+
+from composer.mjcf.names import NameIndex, is_list, own_name, renamed
 
 ROOT = etree.fromstring(
     '<mujoco><default><default class="c"><geom material="m"/></default></default>'

@@ -19,7 +19,9 @@ def test_references_to_what_was_removed_are_told_with_everyone_who_refers(arm: m
     (fault,) = caught.value.diagnostics
     assert fault.code == "unknown-name"
     told = [note.message for note in fault.notes]
-    assert told[0].startswith("`<motor>` `elbow` refers") and told[1].startswith("`<jointpos>` `angle` refers")
+    assert told[0].startswith("`<motor>` `elbow` refers") and told[1].startswith(
+        "`<jointpos>` `angle` refers"
+    )
     assert told[2] == "joints that exist: shoulder"
     assert arm.find("actuator", "elbow").joint == "elbow_joint"  # type: ignore[union-attr]
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from composer.grammar import GRAMMAR
 from composer.mjcf.value import BadValue, decode, encode
 

@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from composer import mjcf
+
+Compiled = Callable[[mjcf.RootElement], mujoco.MjModel]
+
+
+def test_a_file_reads_as_an_asset(arm: mjcf.RootElement, folder: Path) -> None:
+    asset = arm.find("mesh", "shell").file  # type: ignore[union-attr]
+    path = folder / "arm" / "meshes" / "shell.stl"
+    assert (asset.path, asset.prefix, asset.extension) == (path, "shell", ".stl")
+    assert asset.contents == path.read_bytes() and "shell.stl" in repr(asset)
+    path.unlink()
+    with pytest.raises(mjcf.MjcfError, match="cannot be read"):
+        _ = asset.contents
+
+
+def test_bytes_may_be_a_file(arm: mjcf.RootElement, folder: Path, compiled: Compiled) -> None:
+    data = (folder / "gripper" / "shell.stl").read_bytes()
+    mesh = arm.asset.add("mesh", name="new", file=mjcf.Asset(data, ".stl", "shell"))
+    again = arm.asset.add("mesh", name="again", file=mesh.file)
+    arm.asset.add("mesh", name="other", file=mjcf.Asset(data[:-1] + b"\1", ".stl", "shell"))
+    assert mesh.file.contents == data and mesh.file.path is None and mesh.file == again.file
+    assert repr(mesh).count("shell-2.stl") == repr(again).count("shell-2.stl") == 1, (
+        "shell.stl is there on disk"
+    )
+    assert compiled(arm).nmesh == 4 and len(arm.assets) == 3
+
+
+def test_a_file_of_another_model_may_be_used(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
+    arm.asset.add("mesh", name="from_gripper", file=gripper.find("mesh", "shell").file)  # type: ignore[union-attr]
+    assert len(set(arm.assets.values())) == 2
+
+
+def test_names_of_assets_are_told_apart(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled
+) -> None:
+    arm.attach(gripper)
+    names = list(arm.assets)
+    assert names == ["assets/arm/shell.stl", "assets/gripper/shell-2.stl"]
+    assert all(f'file="{name}"' in arm.to_xml_string() for name in names)
+    assert compiled(arm).nmesh == 2
+
+
+@pytest.mark.parametrize("arguments", [(), (b"", ""), (b"", "stl"), (b"", ".")])
+def test_an_asset_has_contents_and_an_extension(arguments: tuple[bytes, str]) -> None:
+    with pytest.raises(mjcf.MjcfError):
+        mjcf.Asset(*arguments)
+
+
+def test_only_a_file_can_be_an_asset(arm: mjcf.RootElement) -> None:
+    with pytest.raises(mjcf.MjcfError, match="expects no file"):
+        arm.worldbody.add("geom", name=mjcf.Asset(b"x", ".stl"))

@@ -1,0 +1,116 @@
+from __future__ import annotations
+
+import os
+import zipfile
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from composer import mjcf
+
+
+@pytest.fixture
+def both(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> mjcf.RootElement:
+    arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    return arm
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def test_a_folder_loads_from_anywhere(
+    both: mjcf.RootElement, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "deep" / "out"
+    mjcf.export_with_assets(both, out)
+    assert files(out) == ["assets/arm/shell.stl", "assets/gripper/shell.stl", "model.xml"]
+    (tmp_path / "moved").mkdir()
+    out.rename(tmp_path / "moved" / "here")
+    monkeypatch.chdir(tmp_path)
+    model = mujoco.MjModel.from_xml_path("moved/here/model.xml")
+    assert model.nmesh == 2 and model.body("gripper/palm").id > 0
+
+
+def test_equal_files_are_stored_once(both: mjcf.RootElement, folder: Path, tmp_path: Path) -> None:
+    (folder / "gripper" / "shell.stl").write_bytes((folder / "arm" / "meshes" / "shell.stl").read_bytes())
+    mjcf.export_with_assets(both, tmp_path / "out", "robot.xml")
+    assert files(tmp_path / "out") == ["assets/arm/shell.stl", "robot.xml"]
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    assert model.mesh("gripper/shell").id == 1
+
+
+def test_other_files_stay_and_older_ones_are_replaced(both: mjcf.RootElement, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "notes.txt").write_text("mine")
+    mjcf.export_with_assets(both, f"{out}/")
+    first = (out / "model.xml").read_bytes()
+    both.option.timestep = 0.001
+    mjcf.export_with_assets(both, out)
+    assert (out / "notes.txt").read_text() == "mine" and (out / "model.xml").read_bytes() != first
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def test_a_zip_is_a_bundle_that_mujoco_opens(both: mjcf.RootElement, tmp_path: Path) -> None:
+    mjcf.export_with_assets_as_zip(both, tmp_path / "a.zip")
+    with zipfile.ZipFile(tmp_path / "a.zip") as archive:
+        assert archive.namelist() == ["model.xml", "assets/arm/shell.stl", "assets/gripper/shell.stl"]
+    assert mujoco.MjSpec.from_zip(str(tmp_path / "a.zip")).compile().nmesh == 2
+
+
+def test_the_same_model_gives_the_same_bytes(
+    both: mjcf.RootElement, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mjcf.export_with_assets_as_zip(both, tmp_path / "a.zip")
+    monkeypatch.setenv("TZ", "Asia/Tokyo")
+    os.utime(tmp_path / "arm" / "meshes" / "shell.stl", (0, 0))
+    mjcf.export_with_assets_as_zip(both, tmp_path / "b.zip")
+    assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
+
+
+def test_nothing_is_left_of_an_export_that_fails(
+    both: mjcf.RootElement, folder: Path, tmp_path: Path
+) -> None:
+    (folder / "gripper" / "shell.stl").unlink()
+    with pytest.raises(mjcf.MjcfError, match="shell.stl` cannot be read"):
+        mjcf.export_with_assets(both, tmp_path / "out" / "inner")
+    with pytest.raises(mjcf.MjcfError, match="shell.stl` cannot be read"):
+        mjcf.export_with_assets_as_zip(both, tmp_path / "out" / "x.zip")
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_cannot_be_written_is_told(both: mjcf.RootElement, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(mjcf.MjcfError, match="cannot write"):
+        mjcf.export_with_assets(both, tmp_path / "file")
+    with pytest.raises(mjcf.MjcfError, match="cannot write"):
+        mjcf.export_with_assets(both, tmp_path / "file" / "out")
+    with pytest.raises(mjcf.MjcfError, match="a folder of that name"):
+        mjcf.export_with_assets_as_zip(both, tmp_path)
+    with pytest.raises(mjcf.MjcfError, match="MuJoCo opens `model.xml` or `a.xml`"):
+        mjcf.export_with_assets_as_zip(both, tmp_path / "a.zip", "robot.xml")
+    assert (tmp_path / "file").read_text() == "x"
+
+
+@pytest.mark.parametrize("name", ["sub/model.xml", "model", "../model.xml", 3])
+def test_the_model_has_a_plain_file_name(both: mjcf.RootElement, tmp_path: Path, name: str) -> None:
+    with pytest.raises(mjcf.MjcfError, match="`model_filename`"):
+        mjcf.export_with_assets(both, tmp_path / "out", name)
+
+
+def test_only_a_whole_model_is_exported(both: mjcf.RootElement, tmp_path: Path) -> None:
+    with pytest.raises(mjcf.MjcfError, match="its `root` is the model"):
+        mjcf.export_with_assets(both.worldbody, tmp_path / "out")  # type: ignore[arg-type]
+
+
+def test_conflicts_are_settled_as_asked(
+    both: mjcf.RootElement, gripper: mjcf.RootElement, tmp_path: Path
+) -> None:
+    gripper.option.timestep = 0.001
+    with pytest.raises(mjcf.MjcfError, match=r"option\.timestep"):
+        mjcf.export_with_assets(both, tmp_path / "out")
+    with pytest.warns(mjcf.MjcfWarning):
+        mjcf.export_with_assets(both, tmp_path / "out", conflict="merge")
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).opt.timestep == 0.001

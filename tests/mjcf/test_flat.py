@@ -1,0 +1,127 @@
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from composer import mjcf
+
+Compiled = Callable[[mjcf.RootElement], mujoco.MjModel]
+
+
+def test_writing_leaves_the_model_as_it_is(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
+    arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    before = [repr(each) for tag in ("body", "geom", "joint", "mesh") for each in arm.find_all(tag)]
+    assert arm.to_xml_string() == arm.to_xml_string()
+    assert [repr(each) for tag in ("body", "geom", "joint", "mesh") for each in arm.find_all(tag)] == before
+    assert [repr(each) for each in gripper.find_all("key")] == [
+        '<key name="open" qpos="0.03 0.03" ctrl="0.03"/>'
+    ]
+
+
+def test_each_part_means_what_it_means_alone(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled
+) -> None:
+    alone = {"": compiled(arm), "gripper/": compiled(gripper)}
+    arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    both = compiled(arm)
+    for prefix, one in alone.items():
+        for number in range(one.njnt):
+            name = one.joint(number).name
+            for field in ("range", "damping", "axis", "type", "pos"):
+                found = getattr(both.joint(prefix + name), field)
+                np.testing.assert_array_equal(found, getattr(one.joint(name), field))
+        for number in range(one.ngeom):
+            name = one.geom(number).name
+            if name:
+                np.testing.assert_array_equal(both.geom(prefix + name).friction, one.geom(name).friction)
+        assert both.body(prefix + ("upper" if not prefix else "left")).quat.tolist() == (
+            one.body("upper" if not prefix else "left").quat.tolist()
+        )
+
+
+def test_keys_come_along_under_the_prefix(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled
+) -> None:
+    arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    assert arm.find("key", "gripper/open").full_identifier == "gripper/open"  # type: ignore[union-attr]
+    model = compiled(arm)
+    assert model.key("home").qpos.tolist() == [0.1, 0.2, 0, 0]
+    assert model.key("gripper/open").qpos.tolist() == [0, 0, 0.03, 0.03]
+    assert model.key("gripper/open").ctrl.tolist() == [0, 0, 0.03]
+
+
+def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled
+) -> None:
+    gripper.option.impratio = 10
+    gripper.option.cone = "elliptic"
+    arm.attach(gripper)
+    with pytest.raises(mjcf.MjcfError) as caught:
+        arm.to_xml_string()
+    assert [fault.code for fault in caught.value.diagnostics] == ["option-conflict"] * 2
+    assert "`conflict='warning'`" in str(caught.value) and "recipe" not in str(caught.value)
+    with pytest.warns(mjcf.MjcfWarning, match="which stands") as told:
+        text = arm.to_xml_string(conflict="warning")
+    assert len(told) == 2 and told[0].filename == __file__
+    assert str(told[0].message).startswith(f"{__file__}:")
+    assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 1
+    with pytest.warns(mjcf.MjcfWarning, match="merged to `?10"):
+        text = arm.to_xml_string(conflict="merge")
+    assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 10
+    arm.option.impratio, arm.option.cone = 10, "elliptic"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert compiled(arm).opt.impratio == 10
+    with pytest.raises(mjcf.MjcfError, match="`conflict` is one of"):
+        arm.to_xml_string(conflict="ignore")  # type: ignore[arg-type]
+
+
+def test_what_mujoco_cannot_have_is_told_in_pythons_words(arm: mjcf.RootElement) -> None:
+    cube = mjcf.RootElement("cube")
+    body = cube.worldbody.add("body", name="cube")
+    body.add("freejoint")
+    body.add("geom", size=[0.1])
+    arm.find("site", "flange").attach(cube)  # type: ignore[union-attr]
+    with pytest.raises(mjcf.MjcfError, match="free joint at its root") as caught:
+        arm.to_xml_string()
+    (fault,) = caught.value.diagnostics
+    assert fault.help == "remove the free joint, or attach the model to the worldbody"
+    assert fault.span is not None and fault.span.file == __file__
+
+
+def test_names_that_clash_in_a_source_are_told() -> None:
+    model = mjcf.from_xml_string("<mujoco><worldbody><geom name='g'/>\n<geom name='g'/></worldbody></mujoco>")
+    with pytest.raises(mjcf.MjcfError, match="the geom `g`") as caught:
+        model.to_xml_string()
+    assert caught.value.diagnostics[0].span.line == 2  # type: ignore[union-attr]
+
+
+def test_an_attached_model_is_written_by_itself_too(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
+    alone = gripper.to_xml_string()
+    arm.attach(gripper)
+    assert gripper.to_xml_string() == alone
+
+
+def test_what_only_mujoco_can_tell_is_asked(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, folder: Path
+) -> None:
+    gripper.compiler.boundmass = 0.5
+    alone = mujoco.MjModel.from_xml_string(gripper.to_xml_string(), gripper.assets)
+    arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    both = mujoco.MjModel.from_xml_string(arm.to_xml_string(), arm.assets)
+    assert both.body("gripper/left").mass == alone.body("left").mass == 0.5
+    assert both.body("fore").mass != 0.5
+
+
+def test_files_of_models_without_a_name_have_a_folder(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    )
+    model = mjcf.RootElement("my model")
+    model.asset.add("mesh", file=str(tmp_path / "m.obj"))
+    assert list(model.assets) == ["assets/my_model/m.obj"]
