@@ -34,7 +34,7 @@ def _bundle(linking: Linking, unit: Unit, element: Node, file: str, directory: s
     known = unit.contents.get(file)
     source = str(known) if isinstance(known, Path) else join(directory, file)
     if isinstance(known, bytes):
-        linking.files.append(FileUse(element, "file", file, source, known, shared=False))
+        _bundled_before(linking, unit, element, file, known)
         return
     before = len(linking.sink.errors)
     sub = parse_file(Path(source), linking.sink)
@@ -46,6 +46,25 @@ def _bundle(linking: Linking, unit: Unit, element: Node, file: str, directory: s
     _own_files(linking, sub, path)
     element.set("file", f"{path}.xml")
     linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
+
+
+def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, model: bytes) -> None:
+    """The sub-model of a composition: its files stand beside it, in a folder of its name."""
+    taken = {use.path: use.content for use in linking.files}
+    folder, name = file.rsplit("/", 1)
+    number, free = 1, folder
+    while taken.get(f"{free}/{name}", model) != model:
+        number += 1
+        free = f"{folder}-{number}"
+    element.set("file", f"{free}/{name}")
+    linking.files.append(FileUse(element, "file", f"{free}/{name}", file, model, shared=False))
+    for path, content in unit.contents.items():
+        if path.startswith(file.removesuffix(".xml") + "/"):
+            moved = free + path.removeprefix(folder)
+            data = content if isinstance(content, bytes) else None
+            linking.files.append(
+                FileUse(element, "file", moved, str(content if data is None else path), data, shared=False)
+            )
 
 
 def _free(linking: Linking, path: str, source: str) -> str:
@@ -60,10 +79,15 @@ def _free(linking: Linking, path: str, source: str) -> str:
 def _own_files(linking: Linking, sub: Unit, path: str) -> None:
     """Files of a sub-model stand in a folder beside it, and it names them from where it is."""
     beside = path.rsplit("/", 1)[1]
+    taken: dict[str, str] = {}
     for element, attribute, file in file_attributes(sub.root):
         written = written_path(sub.settings, element, file)
-        name = inside(sub.settings, written)
         source = join(str(sub.directory), written)
+        below = name = inside(sub.settings, written)
+        number = 1
+        while taken.setdefault(name.lower(), source) != source:
+            number += 1
+            name = f"{number}/{below}"
         element.set(attribute, f"{beside}/{name}")
         linking.files.append(FileUse(element, attribute, f"{path}/{name}", source, None, shared=False))
     for nested in sub.root.findall("asset/model"):

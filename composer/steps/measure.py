@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 
 from composer import engine
 from composer.context import Context
 from composer.link.linking import Measure
+from composer.tree.files import file_attributes, is_absolute, written_path
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
@@ -23,9 +28,10 @@ def measure_with(context: Context, limits: engine.Limits | None = None) -> Measu
     def measure(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
         wanted = tuple(name for name in arrays if name not in _SIZES)
         text = write(unit.root)
-        measured = engine.measure(
-            unit.directory, arrays=wanted, text=text.decode(), limits=limits or engine.Limits()
-        )
+        with _folder(unit) as folder:
+            measured = engine.measure(
+                folder, arrays=wanted, text=text.decode(), limits=limits or engine.Limits()
+            )
         compiled = measured.compiled
         if not compiled.ok:
             _rejected(compiled, unit, text, context)
@@ -34,6 +40,33 @@ def measure_with(context: Context, limits: engine.Limits | None = None) -> Measu
         return {**found, **{name: [float(compiled.sizes[name])] for name in _SIZES}}
 
     return measure
+
+
+@contextmanager
+def _folder(unit: Unit) -> Iterator[Path]:
+    """Where the unit's files are: its own folder, or one with what a composition holds in memory."""
+    if not unit.contents:
+        yield unit.directory
+        return
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for path, content in _contents(unit):
+            file = folder / path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            if isinstance(content, bytes):
+                file.write_bytes(content)
+            elif content.is_file():
+                shutil.copyfile(content, file)
+        yield folder
+
+
+def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
+    """What is in memory, and the files beside the unit that it names as well."""
+    yield from unit.contents.items()
+    for element, _, name in file_attributes(unit.root):
+        path = written_path(unit.settings, element, name)
+        if path not in unit.contents and not is_absolute(path) and not path.startswith(".."):
+            yield path, unit.directory / path
 
 
 def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:

@@ -70,8 +70,9 @@ def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
     assert len(told) == 2 and told[0].filename == __file__
     assert str(told[0].message).startswith(f"{__file__}:")
     assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 1
-    with pytest.warns(mjcf.MjcfWarning, match="merged to `?10"):
+    with pytest.warns(mjcf.MjcfWarning) as told:
         text = arm.to_xml_string(conflict="merge")
+    assert all("merged to" in str(each.message) for each in told)
     assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 10
     arm.option.impratio, arm.option.cone = 10, "elliptic"
     with warnings.catch_warnings():

@@ -1,0 +1,107 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from link.workshop import BASE, Linked, Piece, Workshop, obj, placed
+
+from composer.bundle.collect import collect
+from composer.diagnostics.sink import Sink
+from composer.link.link import finish, link
+from composer.link.linking import Linking, Part
+from composer.tree.unit import Unit
+
+SUB = """
+<mujoco model="sub"><compiler meshdir="m" angle="radian" eulerseq="zyx"/>
+  <default><geom rgba="1 0 0 1"/></default>
+  <asset><mesh file="a.obj"/><mesh name="second" file="../n/a.obj"/></asset>
+  <worldbody><body name="arm" euler="1 .2 .3"><joint name="pivot" range="-1 1"/><geom type="mesh" mesh="a"/>
+    <geom type="mesh" mesh="second"/></body></worldbody></mujoco>"""
+SUB_FILES: dict[str, bytes | str] = {"s/sub.xml": SUB, "s/m/a.obj": obj(0.1), "s/n/a.obj": obj(0.2)}
+HOLDER = """
+<mujoco><asset><model name="sub" file="s/sub.xml"/></asset>
+  <worldbody><body name="holder"><attach model="sub" body="arm" prefix="left/"/></body></worldbody>
+  <actuator><motor joint="left/pivot"/></actuator></mujoco>"""
+
+
+def test_a_sub_model_comes_with_its_files_and_means_the_same(workshop: Workshop) -> None:
+    linked = workshop.link(BASE, Piece(HOLDER, "p/", files=SUB_FILES))
+    linked.check()
+    assert sorted(linked.bundled()) == [
+        "assets/part/models/sub.xml",
+        "assets/part/models/sub/a.obj",
+        "assets/part/models/sub/n/a.obj",
+    ]
+
+
+def test_the_base_may_have_sub_models_too(workshop: Workshop) -> None:
+    workshop.link(HOLDER, Piece(HOLDER, "p/", files=SUB_FILES), files=SUB_FILES).check()
+
+
+def test_an_unnamed_sub_model_is_called_after_the_model_in_its_file(workshop: Workshop) -> None:
+    holder = HOLDER.replace('name="sub" ', "")
+    workshop.link(BASE, Piece(holder, "p/", files=SUB_FILES)).check()
+
+
+def test_two_sub_models_of_one_name_stay_apart(workshop: Workshop) -> None:
+    holder = """
+    <mujoco><asset><model name="a" file="a/sub.xml"/><model name="b" file="b/sub.xml"/></asset><worldbody>
+      <body name="h"><attach model="a" body="arm" prefix="a_"/><attach model="b" body="arm" prefix="b_"/></body>
+    </worldbody></mujoco>"""
+    other = SUB.replace("1 0 0 1", "0 1 0 1")
+    content = {"a/sub.xml": SUB, "b/sub.xml": other, "a/m/a.obj": obj(0.1), "b/m/a.obj": obj(0.2)}
+    content |= {"a/n/a.obj": obj(0.3), "b/n/a.obj": obj(0.4)}
+    linked = workshop.link(BASE, Piece(holder, "p/", files=content))
+    linked.check()
+    assert len(linked.bundled()) == 6
+
+
+def test_files_of_a_sub_model_that_would_meet_stay_apart(workshop: Workshop) -> None:
+    sub = SUB.replace('meshdir="m"', "").replace("a.obj", "x/a.obj", 1).replace("../n/a.obj", "../x/a.obj")
+    content = {"s/sub.xml": sub, "s/x/a.obj": obj(0.1), "x/a.obj": obj(0.2)}
+    linked = workshop.link(BASE, Piece(HOLDER, "p/", files=content))
+    linked.check()
+    assert len(linked.bundled()) == 3
+
+
+def test_sub_models_of_sub_models(workshop: Workshop) -> None:
+    outer = """<mujoco model="outer"><asset><model name="sub" file="s/sub.xml"/></asset><worldbody>
+      <body name="shoulder"><attach model="sub" body="arm" prefix="in_"/></body></worldbody></mujoco>"""
+    holder = """<mujoco><asset><model name="outer" file="outer.xml"/></asset><worldbody>
+      <body name="h"><attach model="outer" body="shoulder" prefix="out_"/></body></worldbody></mujoco>"""
+    linked = workshop.link(BASE, Piece(holder, "p/", files={**SUB_FILES, "outer.xml": outer}))
+    model = linked.check()
+    assert model.joint(0).name == "p/out_in_pivot"
+
+
+@pytest.mark.parametrize("content", [{}, {"s/sub.xml": "<mujoco>"}, {"s/sub.xml": "<robot/>"}])
+def test_a_sub_model_that_cannot_be_read_is_told(workshop: Workshop, content: dict[str, bytes | str]) -> None:
+    linked = workshop.link(BASE, Piece(HOLDER, "p/", files=content))
+    assert linked.codes in (["file-not-found"], ["xml-syntax"], ["not-mjcf"])
+
+
+def composed(linked: Linked) -> Unit:
+    """A composition as a unit of its own, as a nested recipe gives one."""
+    base = linked.linking.base
+    uses = linked.linking.files
+    known = {use.path: use.content if use.content is not None else Path(use.source) for use in uses}
+    return Unit(base.root, base.file, base.directory, base.label, known, base.origins)
+
+
+def test_sub_models_of_compositions_keep_their_files(workshop: Workshop) -> None:
+    other = {**SUB_FILES, "s/sub.xml": SUB.replace("1 0 0 1", "0 1 0 1"), "s/m/a.obj": obj(0.7)}
+    inner = [workshop.link(BASE, Piece(HOLDER, "p/", files=content)) for content in (SUB_FILES, other, SUB_FILES)]
+    alone = inner[0].model()
+    parts = [
+        Part(composed(each), prefix, placed(pos=(x, 0.0, 0.0)))
+        for each, prefix, x in zip(inner, ("a/", "b/", "c/"), (0.0, 1.0, 2.0), strict=True)
+    ]
+    outer = Linking(workshop.unit("<mujoco/>"), parts, Sink())
+    assert link(outer)
+    finish(outer)
+    both = Linked(workshop, outer, [], [])
+    model = both.model()
+    assert model.nmesh == 3 * alone.nmesh
+    assert model.geom_rgba[[0, 2, 4], :2].tolist() == [[1, 0], [0, 1], [1, 0]]
+    assert len([path for path in both.bundled() if path.endswith("sub.xml")]) == 2
+    assert collect(outer.base, outer.files, outer.sink) == both.bundled()

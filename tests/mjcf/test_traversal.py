@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import pytest
+from composer.mjcf.model import Target
+from composer.mjcf.traversal import is_below
+
+from composer import mjcf
+
+
+@pytest.fixture
+def chain() -> list[mjcf.RootElement]:
+    """Four models, each with two bodies of which the first carries the next one, in its site."""
+    models = [mjcf.RootElement(name) for name in "abcd"]
+    for number, model in enumerate(models):
+        first = model.worldbody.add("body", name="1")
+        first.add("body", name="1.1").add("geom", name="g", size=[1])
+        model.worldbody.add("body", name="2")
+        model.actuator.add("motor", name="m")
+        if number:
+            carrier = models[number - 1].find("body", "1")
+            assert carrier is not None
+            carrier.add("site", name="s").attach(model)
+    return models
+
+
+def test_attached_bodies_stand_after_the_children_of_what_carries_them(chain: list[mjcf.RootElement]) -> None:
+    found = [body.full_identifier for body in chain[0].find_all("body")]
+    assert found == [
+        "1", "1.1", "b/1", "b/1.1", "b/c/1", "b/c/1.1", "b/c/d/1", "b/c/d/1.1", "b/c/d/2", "b/c/2", "b/2", "2",
+    ]  # fmt: skip
+    written = chain[0].to_xml_string()
+    places = [written.index(f'name="{name}"') for name in found]
+    assert places == sorted(places)
+
+
+def test_sections_follow_one_another(chain: list[mjcf.RootElement]) -> None:
+    assert [each.full_identifier for each in chain[0].find_all("motor")] == ["m", "b/m", "b/c/m", "b/c/d/m"]
+    assert [each.full_identifier for each in chain[1].actuator.find_all("motor")] == ["b/m", "b/c/m", "b/c/d/m"]
+    assert [each.root.model for each in chain[2].find_all("actuator", True)] == []
+    assert len(chain[2].actuator.find_all("actuator", True)) == 2
+    assert [each.root.model for each in chain[2].find_all("worldbody")] == ["c"]
+
+
+def test_a_section_that_only_a_child_has_is_looked_through(chain: list[mjcf.RootElement]) -> None:
+    clock = chain[3].sensor.add("clock", name="t")
+    assert chain[0].find_all("sensor") == [clock] and chain[0].find("sensor", "b/c/d/t") is clock
+
+
+def test_what_is_below_what(chain: list[mjcf.RootElement]) -> None:
+    def target(element: mjcf.Element | None) -> Target:
+        assert element is not None
+        return Target(element._model, element._node)
+
+    a, b, _, d = chain
+    deep = target(d.find("geom", "g"))
+    for outer in (a.worldbody, a.find("body", "1"), b.find("body", "1"), d.find("body", "1.1"), b):
+        assert is_below(target(outer), deep)
+    for outer in (a.find("body", "2"), a.find("body", "1.1"), d.find("body", "2"), a.actuator, d.find("geom")):
+        assert not is_below(target(outer), deep)
+    motor = target(d.find("actuator", "m"))
+    assert is_below(target(a.actuator), motor) and not is_below(target(a.find("body", "1")), motor)
+
+
+def test_a_frame_that_is_a_body_stands_between(chain: list[mjcf.RootElement]) -> None:
+    a, b, *_ = chain
+    frame = mjcf.get_attachment_frame(b)
+    assert frame is not None
+    joint = frame.add("joint")
+    body = a.find("body", "1")
+    assert body is not None
+    assert [each.full_identifier for each in body.find_all("body", True)] == ["1.1", "b/"]
+    assert [each.full_identifier for each in frame.find_all("body", True)] == ["b/1", "b/2"]
+    assert body.find("joint", "b/") is joint is frame.find("joint", "b/")
+    assert frame.find("geom", "b/g") is b.find("geom", "g") and frame.find("body", "2") is None
