@@ -9,8 +9,6 @@ from bench.models import SITE, models
 from bench.row import Row
 from bench.timing import Candidate, best_times
 
-_TO_LXML = 3.0
-
 
 def rows() -> list[Row]:
     used = models()
@@ -32,7 +30,7 @@ def rows() -> list[Row]:
             }
             slowest = best_times(candidates, rounds=20, seconds=6)
     what = f"attach ({used.name})"
-    found = [Row(f"{what} / lxml parse + tostring", best["ours"] / best["lxml"], _TO_LXML)]
+    found = [Row(f"{what} / lxml parse + tostring", best["ours"] / best["lxml"], used.to_lxml)]
     if mujoco is not None:
         found.append(Row(f"{what} / MjSpec, saved as written", best["saved"] / best["mjspec"], 1.0))
     else:

@@ -13,6 +13,8 @@ from composer.link.linking import FileUse
 from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.unit import Unit
 
+_LFS_POINTER = b"version https://git-lfs"
+
 
 def collect(
     model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str
@@ -49,6 +51,11 @@ def _store(
         except OSError as error:
             _missing(model, use, error, sink, shown)
             return None
+    if content.startswith(_LFS_POINTER):
+        told = f"`{shown(Path(use.source))}` is not the file itself but where Git LFS has it"
+        span = model.origins.span(use.element, model.file, use.attribute)
+        sink.error("asset-missing", told, span, help="fetch the files of its repository: `git lfs pull`")
+        return None
     if not use.shared:
         files[use.path] = content
         return use.path

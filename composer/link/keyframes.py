@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -15,6 +16,7 @@ from composer.link import numbers
 from composer.link.angles import model_angle
 from composer.link.layout import BLOCK, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking, Part
+from composer.link.measured import is_measured, widths
 from composer.link.placing import pose_in_world, read_pose
 from composer.pose import Pose, rotate
 from composer.tree.classes import childclass_of
@@ -58,6 +60,8 @@ def keyframes(linking: Linking) -> None:
     for part in linking.parts:
         if part.keyframes != "none" and part.layout is not None:
             _collect(linking, part.unit, part.layout, part, keys)
+        if part.layout is not None:
+            _carry_references(linking, part, part.layout)
     root = linking.base.root
     final = _final_layout(linking)
     if final is None:
@@ -65,6 +69,7 @@ def keyframes(linking: Linking) -> None:
     old = [key for section in root.iterchildren("keyframe") for key in section.iterchildren("key")]
     if not linking.parts and _same(final, linking.base_layout):
         return
+    _check_kept(linking, keys.values())
     for key in old:
         section = key.getparent()
         assert section is not None
@@ -89,6 +94,24 @@ def keyframes(linking: Linking) -> None:
             element.sourceline = line  # type: ignore[assignment]  # the stubs know it as read alone
 
 
+def _check_kept(linking: Linking, keys: Iterable[_Key]) -> None:
+    """Tell what a key says that cannot be laid out anew."""
+    keeping = [linking.base, *(part.unit for part in linking.parts if part.keyframes != "none")]
+    for unit in keeping:
+        for key in _keys(unit):
+            if key.get("plastic"):
+                linking.sink.error(
+                    "not-supported",
+                    f"`plastic` of {_called(key)} cannot be carried over yet",
+                    linking.span(unit, key, "plastic"),
+                    help="leave the keys out: `keyframes: none`",
+                )
+    if any("mpos" in key.values or "mquat" in key.values for key in keys):
+        for replicate in linking.base.root.iter("replicate"):
+            if any(body.get("mocap") == "true" for body in replicate.iter("body")):
+                _not_laid_out(linking, linking.base, Unknown(replicate))
+
+
 def _keys(unit: Unit) -> list[Node]:
     return [key for section in unit.root.iterchildren("keyframe") for key in section.iterchildren("key")]
 
@@ -103,15 +126,18 @@ def _write_padding(unit: Unit) -> None:
 
 def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
     try:
-        return lay_out(unit, {})
+        layout = lay_out(unit, {})
     except Unknown:
         return _measured_layout(linking, unit)
+    if any(slot.free or slot.kind == BLOCK for slot in layout.joints.values()) and any(
+        is_measured(unit, joint, slot) for joint, slot in layout.joints.items()
+    ):
+        return _measured_layout(linking, unit)
+    return layout
 
 
 def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
-    """Ask MuJoCo for the widths that the tree does not tell."""
-    from composer.link.measured import widths
-
+    """Ask MuJoCo for the widths and references that the tree does not tell."""
     known = widths(linking, unit)
     if known is None:
         return None
@@ -203,6 +229,12 @@ def _take(
     at = 0
     for holder, width in holders:
         if at + width > len(text):
+            if at < len(text):
+                linking.sink.error(
+                    "keyframe-conflict",
+                    f"`{vector}` of {_called(element)} ends in the middle of a joint, after {len(text)} of {total} numbers",
+                    linking.span(unit, element, vector),
+                )
             break
         taken[holder] = text[at : at + width]
         at += width
@@ -229,15 +261,8 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Node, list[str]]
         return
     if vector in ("qpos", "qvel"):
         for joint, slot in layout.joints.items():
-            values = taken.get(joint) if slot.kind == "free" else None
-            if values:
-                floats = numbers.read(" ".join(values))
-                if vector == "qvel":  # the linear part is in the world's frame, the angular in the body's own
-                    turned = rotate(moved.quat, floats[:3])
-                    taken[joint] = [*numbers.text(turned).split(), *values[3:]]
-                    continue
-                pose = moved @ Pose((floats[0], floats[1], floats[2]), (floats[3], *floats[4:7]))  # type: ignore[arg-type]
-                taken[joint] = numbers.text([*pose.pos, *pose.quat]).split()
+            if slot.free and joint in taken:
+                taken[joint] = _carried(moved, slot, vector, taken[joint])
     elif vector in ("mpos", "mquat"):
         for body in layout.mocaps:
             values = taken.get(body)
@@ -248,6 +273,28 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Node, list[str]]
                 else:
                     new = (moved @ Pose(quat=(x[0], x[1], x[2], x[3]))).quat
                 taken[body] = numbers.text(new).split()
+
+
+def _carried(moved: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
+    """The numbers of a joint or a block, with every free joint in it moved."""
+    values = list(values)
+    for at_qpos, at_qvel in slot.free:
+        if vector == "qvel":  # the linear part is in the world's frame, the angular in the body's own
+            x, y, z = numbers.read(" ".join(values[at_qvel : at_qvel + 3]))
+            values[at_qvel : at_qvel + 3] = numbers.text(rotate(moved.quat, (x, y, z))).split()
+        else:
+            x, y, z, w, a, b, c = numbers.read(" ".join(values[at_qpos : at_qpos + 7]))
+            pose = moved @ Pose((x, y, z), (w, a, b, c))
+            values[at_qpos : at_qpos + 7] = numbers.text([*pose.pos, *pose.quat]).split()
+    return values
+
+
+def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
+    """What was measured of a part by itself moves with it."""
+    moved = part.pose_in_world
+    for joint, slot in layout.joints.items():
+        if slot.free and moved is not None and joint in linking.references:
+            linking.references[joint] = _carried(moved, slot, "qpos", linking.references[joint])
 
 
 def _times_differ(linking: Linking, unit: Unit, element: Node, key: _Key) -> None:
@@ -295,6 +342,9 @@ class _Reference:
         return row
 
     def _qpos(self, joint: Node, slot: Slot) -> list[str]:
+        measured = self.linking.references.get(joint)
+        if measured is not None:
+            return measured
         if slot.kind == "free":
             body = joint.getparent()
             while body is not None and body.tag != "body":
@@ -303,7 +353,7 @@ class _Reference:
                 pose = self._pose(body)
                 return numbers.text([*pose.pos, *pose.quat]).split()
         if slot.kind == BLOCK:
-            return self.linking.references.get(joint) or ["0"] * slot.widths[0]
+            return ["0"] * slot.widths[0]
         if slot.kind == "ball":
             return _IDENTITY["ball"]
         ref = joint.get("ref")

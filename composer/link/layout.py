@@ -7,7 +7,7 @@ order cannot change.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -40,15 +40,19 @@ class Unknown(Exception):
 
 
 class Slot(NamedTuple):
-    """What a joint, an actuator or a block of them holds: how many numbers in each vector of a key."""
+    """What a joint, an actuator or a block of them holds: how many numbers in each vector of a key.
+
+    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin.
+    """
 
     kind: str
     widths: tuple[int, int]
+    free: tuple[tuple[int, int], ...] = ()
 
 
 BLOCK = "block"
 _JOINTS = {
-    "free": Slot("free", (7, 6)),
+    "free": Slot("free", (7, 6), ((0, 0),)),
     "ball": Slot("ball", (4, 3)),
     "slide": Slot("slide", (1, 1)),
     "hinge": Slot("hinge", (1, 1)),
@@ -74,7 +78,7 @@ class Layout:
     @property
     def in_world_coordinates(self) -> bool:
         """Whether a key holds poses in the world: of free joints or mocap bodies."""
-        return bool(self.mocaps) or _JOINTS["free"] in self.joints.values()
+        return bool(self.mocaps) or any(slot.free for slot in self.joints.values())
 
     def total(self, vector: str) -> int:
         if vector in ("qpos", "qvel"):
@@ -82,6 +86,13 @@ class Layout:
         if vector in ("ctrl", "act"):
             return sum(slot.widths[vector == "act"] for slot in self.actuators.values())
         return len(self.mocaps) * (3 if vector == "mpos" else 4)
+
+    def free(self) -> Iterator[tuple[int, int]]:
+        """Where in `qpos` and in `qvel` the numbers of each free joint begin."""
+        nq = nv = 0
+        for slot in self.joints.values():
+            yield from ((nq + q, nv + v) for q, v in slot.free)
+            nq, nv = nq + slot.widths[0], nv + slot.widths[1]
 
 
 _STATE = {"position": {"timeconst"}, "general": {"dyntype", "actdim", "input"}}
@@ -167,7 +178,9 @@ class _Reader:
         inside = Layout()
         self.visit(block, inside)
         count = int(str(block.get("count") or 1))
-        return Slot(BLOCK, (count * inside.total("qpos"), count * inside.total("qvel")))
+        nq, nv = inside.total("qpos"), inside.total("qvel")
+        free = tuple((copy * nq + q, copy * nv + v) for copy in range(count) for q, v in inside.free())
+        return Slot(BLOCK, (count * nq, count * nv), free)
 
     def actuator(self, actuator: Node) -> Slot:
         tag = actuator.tag

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from lxml.etree import _Element as Node
 
 from composer.link import numbers
@@ -9,7 +11,17 @@ from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, la
 from composer.link.linking import Linking
 from composer.tree.unit import Unit
 
-_ARRAYS = ("nq", "nv", "qpos0", "actuator_actnum", "actuator_ctrlnum")
+_ARRAYS = (
+    "nq",
+    "nv",
+    "qpos0",
+    "jnt_type",
+    "jnt_qposadr",
+    "jnt_dofadr",
+    "actuator_actnum",
+    "actuator_ctrlnum",
+)
+_FREE = 0  # of `mjtJoint`
 
 
 def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
@@ -41,17 +53,39 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     if unknown:
         nq = int(arrays["nq"][0]) - layout.total("qpos")
         nv = int(arrays["nv"][0]) - layout.total("qvel")
-        found[unknown[0]] = Slot(BLOCK, (nq, nv))
+        found[unknown[0]] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown[0], (nq, nv), arrays))
         layout = lay_out(unit, found)
     if layout.total("qpos") == int(arrays["nq"][0]):
-        _note_references(linking, layout, arrays["qpos0"])
+        _note_references(linking, unit, layout, arrays["qpos0"])
     return found
 
 
-def _note_references(linking: Linking, layout: Layout, qpos0: list[float]) -> None:
+def _free_inside(
+    layout: Layout, block: Node, widths: tuple[int, int], arrays: Mapping[str, list[float]]
+) -> tuple[tuple[int, int], ...]:
+    """Where the free joints are in a block that MuJoCo has expanded."""
+    nq = nv = 0
+    for joint, slot in layout.joints.items():
+        if joint is block:
+            break
+        nq, nv = nq + slot.widths[0], nv + slot.widths[1]
+    joints = zip(arrays["jnt_type"], arrays["jnt_qposadr"], arrays["jnt_dofadr"], strict=True)
+    return tuple(
+        (int(q) - nq, int(v) - nv) for kind, q, v in joints if kind == _FREE and nq <= q < nq + widths[0]
+    )
+
+
+def is_measured(unit: Unit, joint: Node, slot: Slot) -> bool:
+    """Whether only MuJoCo knows the reference: of what it expands, and of a body that it aligns with its inertia."""
+    if slot.kind == BLOCK:
+        return slot.widths[0] > 0
+    return slot.kind == "free" and "true" in (joint.get("align"), unit.settings.alignfree)
+
+
+def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[float]) -> None:
     at = 0
     for joint, slot in layout.joints.items():
         width = slot.widths[0]
-        if slot.kind == BLOCK:
+        if is_measured(unit, joint, slot):
             linking.references[joint] = numbers.text(qpos0[at : at + width]).split()
         at += width

@@ -111,9 +111,7 @@ def asset_of(model: Model, tag: str, name: str) -> Asset:
 
 
 def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:
-    """A file name in the model for an asset, noted in `contents`; equal assets share one, others get
-    another.
-    """
+    """A file name in the model for an asset, noted in `contents`; equal assets share one."""
     number = 1
     while True:
         name = f"{asset.prefix}{'' if number == 1 else f'-{number}'}{asset.extension}"

@@ -224,9 +224,7 @@ def get_attachment_frame(element: Element) -> AttachmentFrame | None:
 
 
 def get_frame_joints(frame: Element) -> list[Element]:
-    """The joints of an attachment frame, free ones included; takes the frame or anything in the attached
-    model.
-    """
+    """The joints of an attachment frame; takes the frame or anything in the attached model."""
     found = frame if isinstance(frame, AttachmentFrame) else get_attachment_frame(frame)
     return [] if found is None else found.all_children()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import cast
 
 from lxml.etree import _Element as Node
 
@@ -119,7 +120,9 @@ def write(model: Model, node: Node, edit: Edit) -> None:
                 drop(node, other)
         node.set(name, text)
     model.note(node)
-    if node.sourceline is None and node not in model.unit.origins.owners:  # made because it was asked for
+    if (
+        cast(int | None, node.sourceline) is None and node not in model.unit.origins.owners
+    ):  # made because it was asked for
         model.unit.origins.own(node, call_site())
     after = model.declared(node)
     if before and after and before != after:

@@ -181,8 +181,7 @@ class Element:
         return None if found is None else view(*found)
 
     def find_all(self, tag: str, immediate_children_only: bool = False) -> list[Element]:
-        """All matches below this element in document order, attached models included, at the place where
-        they hang.
+        """All matches below this element in document order, attached models where they hang.
 
         The list is made once: the model may be edited while going through it.
         """
@@ -196,9 +195,7 @@ class Element:
     # -- attributes ------------------------------------------------------------------------------------------
 
     def get(self, attribute: str, default: Any = None) -> Any:
-        """The value of an attribute; `default` where it is not set, or where such elements have none of
-        that name.
-        """
+        """The value of an attribute; `default` where it is not set or such elements do not have it."""
         known = attribute_of(self._kind, attribute)
         value = None if known is None else self._read(known)
         return default if value is None else value
@@ -246,7 +243,7 @@ class Element:
         tag = name.rstrip("_")
         child = self._kind.children.get(tag)
         if child is None:
-            raise unknown_attribute(self._kind, name)
+            raise unknown_attribute(self._kind, name, children=True)
         self._alive()
         own = self._kind.tag
         if own == "mujoco":

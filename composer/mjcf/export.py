@@ -23,11 +23,11 @@ def export_with_assets(
     *,
     conflict: Policy = "error",
 ) -> None:
-    """Write the model as `model_filename` and its files below `assets/` into the folder `out_dir`, which is
-    made.
+    """Write the model as `model_filename` and its files below `assets/` into the folder `out_dir`.
 
     The files of each model stand in a folder named after it, equal bytes are stored once, and the same
-    model gives the same bytes. Other files in the folder stay; nothing is written if anything cannot be.
+    model gives the same bytes. Other files in the folder stay. Everything is written beside the folder first and
+    moved there when it is complete, the model last.
     `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError`, also for files that are missing
     or cannot be written.
     """
@@ -131,9 +131,7 @@ def _write(files: dict[str, bytes], stage: Path) -> None:
 
 
 def _move(files: dict[str, bytes], stage: Path, target: Path) -> None:
-    """Into place, the model last: until then an older model has all of its files or newer ones of the same
-    name.
-    """
+    """Into place, the model last: until then an older model finds all of its files."""
     for path in sorted(files, key=lambda path: "/" not in path):
         place = target / path
         place.parent.mkdir(parents=True, exist_ok=True)

@@ -105,9 +105,7 @@ def assets(model: Model) -> dict[str, bytes]:
 
 
 class _NamesChecked(Sink):
-    """Takes no complaint about names: the linker looks them up unit by unit, and here they go across
-    models.
-    """
+    """Takes no complaint about names: the linker looks them up unit by unit, here they cross models."""
 
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code != "unknown-name":
@@ -150,9 +148,7 @@ def _measure(sink: Sink) -> Measure:
 
 
 def _told_apart(files: Iterable[FileUse]) -> Iterator[tuple[FileUse, str]]:
-    """A path for each file such that no two have one file name; a file that others name from inside keeps
-    its own.
-    """
+    """A path for each file such that no two have one file name; sub-models keep theirs."""
     taken: dict[str, str] = {}
     for use in files:
         folder, base = posixpath.split(use.path)

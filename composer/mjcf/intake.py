@@ -43,9 +43,7 @@ def check_tree(unit: Unit, sink: Sink) -> None:
 
 
 def one_of_each_section(unit: Unit) -> None:
-    """Join sections that are written several times: lists one after the other, of settings the last written
-    counts.
-    """
+    """Join sections that are written several times; of a setting the last written value counts."""
     first: dict[str, Node] = {}
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)

@@ -25,15 +25,19 @@ def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
     )
 
 
-def unknown_attribute(kind: ElementType, name: str) -> MjcfError:
-    """That elements of a kind have no such attribute, with what they do have."""
+def unknown_attribute(kind: ElementType, name: str, *, children: bool = False) -> MjcfError:
+    """That elements of a kind have no such attribute, with what they do have; children too where they count."""
     known = sorted(map(spoken, kind.attributes))
-    near = closest(name, known)
+    tags = sorted(kind.children) if children else []
+    near = closest(name, [*known, *tags])
     return failure(
         "unknown-attribute",
         f"`<{kind.tag}>` has no attribute `{name}`",
         call_site(),
-        notes=(exists_note("attribute", known, name),),
+        notes=(
+            exists_note("attribute", known, name),
+            *([exists_note("element", tags, name)] if tags else ()),
+        ),
         help=f"did you mean `{near[0]}`?" if near else None,
         kind=MjcfAttributeError,
     )

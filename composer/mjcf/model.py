@@ -189,9 +189,7 @@ class Model:
         return None
 
     def lookup_attached(self, namespace: str, name: str) -> Target | None:
-        """The same for a model that hangs: its world is no body, and its top class has the bare prefix as
-        name.
-        """
+        """The same for a model that hangs: its world is no body, its top class has the bare prefix."""
         if namespace == "default" and not name:
             return Target(self, self.section("default"))
         if (namespace, name) in (("body", WORLD), ("default", MAIN)):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from lxml.etree import _Element as Node
@@ -97,9 +97,7 @@ class Mounting:
         return Place(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
 
     def add_joints(self, linking: Linking) -> None:
-        """Give each part the joints of its frame; the linker must have chosen the names of the top
-        classes.
-        """
+        """Give each part the joints of its frame; the linker must have named the top classes."""
         tops = {each.part.prefix: each.part.top_class for each in self.mounted}
         tops[""] = linking.base_class or MAIN
         in_radians = model_angle(linking) == "radian"
@@ -121,9 +119,7 @@ class Mounting:
 
 
 def _offset(frame: Node, unit: Unit) -> dict[str, str]:
-    """The pose attributes of a frame, angles as a quaternion because the model may read them in another
-    unit.
-    """
+    """The pose attributes of a frame, angles as a quaternion: the model may be in another unit."""
     written = {name: str(frame.get(name)) for name in ("pos", *ORIENTATIONS) if frame.get(name)}
     for name in ("euler", "axisangle"):
         if written.pop(name, None):
@@ -133,9 +129,8 @@ def _offset(frame: Node, unit: Unit) -> dict[str, str]:
     return written
 
 
-def _combined(outer: dict[str, str] | object, inner: dict[str, str]) -> dict[str, str]:
+def _combined(outer: Mapping[str, str], inner: Mapping[str, str]) -> dict[str, str]:
     """One offset inside another; neither has angles."""
-    assert isinstance(outer, dict)
     if not outer or not inner:
         return {**outer, **inner}
     pose = read_pose(outer, False, "xyz") @ read_pose(inner, False, "xyz")
@@ -150,9 +145,7 @@ def _free_name(names: NameIndex, kind: str, number: int) -> str:
 
 
 def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
-    """A joint of a frame as the flat model has it: it belongs to the parent and takes the parent's
-    classes.
-    """
+    """A joint of a frame as the flat model has it: it takes the classes of the parent."""
     part, unit = mounted.part, mounted.parent_unit
     attributes = {str(name): str(value) for name, value in joint.items()}
     attributes["name"] = part.prefix + attributes.get("name", "")

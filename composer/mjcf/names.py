@@ -72,9 +72,7 @@ class NameIndex:
 
 
 def own_name(node: Node, attribute: str) -> str | None:
-    """The name a node declares: the attribute, or what MuJoCo takes from the file of an asset; None without
-    one.
-    """
+    """The name a node declares: the attribute, or what MuJoCo takes from the file of an asset."""
     value = node.get(attribute)
     if value:
         return str(value)

@@ -1,6 +1,4 @@
-"""References: names in attributes to the nodes they mean, and nodes to the names that a model knows them
-by.
-"""
+"""References: from names in attributes to the nodes they mean, and back."""
 
 from __future__ import annotations
 
@@ -24,9 +22,7 @@ def refers(attribute: Attribute) -> bool:
 
 
 def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None:
-    """The namespace that a reference looks into, given all attributes of its element; None where that is
-    open.
-    """
+    """The namespace that a reference looks into, given all attributes of its element, if that is known."""
     if attribute.refers_by is not None:
         return GRAMMAR.objtypes.get(written.get(attribute.refers_by, ""))
     return attribute.refers

@@ -117,9 +117,7 @@ def _let_go(model: Model, namespace: str, name: str) -> list[Target]:
 
 
 def _whole(node: Node) -> Node:
-    """What makes sense only as a whole: of a section its direct child, in the body tree the element
-    itself.
-    """
+    """What makes sense only as a whole: a section's direct child, in the body tree the element itself."""
     if section_of(node) == WORLD_SECTION:
         return node
     while (parent := node.getparent()) is not None and not _is_section(parent):

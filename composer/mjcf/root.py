@@ -125,8 +125,7 @@ class RootElement(Element):
 
     @property
     def assets(self) -> dict[str, bytes]:
-        """The files of the model and of everything attached to it, by the name they have in
-        `to_xml_string()`.
+        """The files of the model and all that is attached to it, by their names in `to_xml_string()`.
 
         No two end in the same file name, as MuJoCo goes by that alone. Raises `MjcfError` for files that
         cannot be read.

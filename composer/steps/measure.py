@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -48,10 +49,13 @@ def _folder(unit: Unit) -> Iterator[Path]:
     if not unit.contents:
         yield unit.directory
         return
+    contents = {path: content for path, content in _contents(unit) if not is_absolute(path)}
+    outward = max((path.count("../") for path in contents), default=0)
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for path, content in _contents(unit):
-            file = folder / path
+        folder = Path(name, *["model"] * outward)  # deep enough for every `..`
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, content in contents.items():
+            file = Path(os.path.normpath(folder / path))
             file.parent.mkdir(parents=True, exist_ok=True)
             if isinstance(content, bytes):
                 file.write_bytes(content)
@@ -65,7 +69,7 @@ def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
     yield from unit.contents.items()
     for element, _, name in file_attributes(unit.root):
         path = written_path(unit.settings, element, name)
-        if path not in unit.contents and not is_absolute(path) and not path.startswith(".."):
+        if path not in unit.contents:
             yield path, unit.directory / path
 
 

@@ -135,7 +135,8 @@ def _walk(parent: Node, childclass: str | None) -> Iterator[tuple[Node, str | No
 def through_frames(parent: Node) -> Iterator[Node]:
     """The children of a body, and of its frames, which do not count as bodies."""
     for child in parent:
-        if child.tag == "frame":
+        tag = child.tag
+        if tag == "frame":
             yield from through_frames(child)
-        elif isinstance(child.tag, str):
+        elif isinstance(tag, str):
             yield child

@@ -18,7 +18,7 @@ CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
 _PREFIX = re.compile(r"^(?:(?:XML )?Error: |ParseXML: )+")
 # "Element name 'left/X', id 0, line 38": by the compiler, about an object of the model
 _OBJECT = re.compile(
-    r"\s*^Element name '(?P<name>.*)', id (?P<id>-?\d+)(?:, line (?P<line>-?\d+))?\s*\Z", re.M | re.S
+    r"\s*^Element name '(?P<name>.*)', id (?P<id>-?\d+)(?:, line (?P<line>-?\d+))?[ \t]*$", re.M | re.S
 )
 # "Element 'geom', line 3, column 7": by the reader, about an element of the file
 _ELEMENT = re.compile(
@@ -120,8 +120,13 @@ def parse(text: str) -> Fault:
     if trailer is None:
         return Fault(_PREFIX.sub("", text).strip())
     told = trailer.groupdict()
+    message = _PREFIX.sub("", text[: trailer.start()]).strip()
+    if rest := text[
+        trailer.end() :
+    ].strip():  # MuJoCo 3.12 tells last why a file cannot be read
+        message = f"{message}: {rest}"
     return Fault(
-        _PREFIX.sub("", text[: trailer.start()]).strip(),
+        message,
         line=_positive(told["line"]),
         column=_positive(told.get("column")),
         element=told.get("element") or None,

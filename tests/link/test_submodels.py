@@ -90,7 +90,9 @@ def composed(linked: Linked) -> Unit:
 
 def test_sub_models_of_compositions_keep_their_files(workshop: Workshop) -> None:
     other = {**SUB_FILES, "s/sub.xml": SUB.replace("1 0 0 1", "0 1 0 1"), "s/m/a.obj": obj(0.7)}
-    inner = [workshop.link(BASE, Piece(HOLDER, "p/", files=content)) for content in (SUB_FILES, other, SUB_FILES)]
+    inner = [
+        workshop.link(BASE, Piece(HOLDER, "p/", files=content)) for content in (SUB_FILES, other, SUB_FILES)
+    ]
     alone = inner[0].model()
     parts = [
         Part(composed(each), prefix, placed(pos=(x, 0.0, 0.0)))

@@ -87,6 +87,12 @@ def tetrahedron(size: float) -> bytes:
     return b"\0" * 80 + struct.pack("<I", len(faces)) + body
 
 
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes a log to the working directory."""
+    monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """The two models and their meshes, which have one name, on disk."""

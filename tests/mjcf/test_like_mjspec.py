@@ -6,11 +6,11 @@ from pathlib import Path
 
 import mujoco
 import pytest
+
+from composer import mjcf
 from composer.verify.fields import ROUNDING
 from composer.verify.keyframes import Keys
 from composer.verify.unchanged import compare
-
-from composer import mjcf
 
 _MOVED = ("key_qpos", "key_qvel", "key_mpos", "key_mquat")
 

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from composer.context import Context
 from composer.engine import Limits
 from composer.steps.measure import measure_with
@@ -50,3 +52,45 @@ def test_no_verdict_is_told_as_such(tmp_path: Path) -> None:
     found, context = measured(tmp_path, 'size="1"', Limits(seconds=1e-4))
     assert found == {}
     assert [each.code for each in context.sink.diagnostics] == ["mujoco-timeout"]
+
+
+MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+OF_MESH = """<mujoco><compiler meshdir="{folder}"/><asset><mesh file="a.obj"/></asset>
+<worldbody><body name="b"><joint type="ball"/><geom type="mesh" mesh="a"/></body></worldbody></mujoco>"""
+
+
+def weighed(text: str, folder: Path, contents: dict[str, bytes | Path]) -> tuple[list[float], Context]:
+    """The masses of bodies, of a unit some of whose files are not beside it."""
+    context = Context(environment={}, folder=folder)
+    unit = parse_text(
+        text, context.sink, file="a.xml", directory=folder / "model", label="a", contents=contents
+    )
+    assert unit is not None
+    return list(measure_with(context)(unit, ("body_mass",)).get("body_mass", [])), context
+
+
+@pytest.mark.parametrize("folder", ["", "assets/arm/", "../m/", "../../m/"])
+@pytest.mark.parametrize("kept", ["in memory", "elsewhere"])
+def test_files_that_are_not_beside_the_unit_are_found(tmp_path: Path, folder: str, kept: str) -> None:
+    elsewhere = tmp_path / "somewhere else.txt"
+    elsewhere.write_text(MESH)
+    content = MESH.encode() if kept == "in memory" else elsewhere
+    masses, context = weighed(OF_MESH.format(folder=folder), tmp_path, {f"{folder}a.obj": content})
+    assert masses == pytest.approx([0, 1000 / 6])
+    assert context.sink.diagnostics == []
+    assert sorted(tmp_path.iterdir()) == [elsewhere]
+
+
+def test_files_may_be_in_memory_and_beside_the_unit(tmp_path: Path) -> None:
+    text = OF_MESH.format(folder="").replace("</asset>", '<mesh file="d/b.obj"/></asset>')
+    (tmp_path / "model" / "d").mkdir(parents=True)
+    (tmp_path / "model" / "d" / "b.obj").write_text(MESH)
+    masses, context = weighed(text, tmp_path, {"a.obj": MESH.encode()})
+    assert masses == pytest.approx([0, 1000 / 6])
+    assert context.sink.diagnostics == []
+
+
+def test_a_file_that_is_nowhere_is_told(tmp_path: Path) -> None:
+    masses, context = weighed(OF_MESH.format(folder=""), tmp_path, {"a.obj": tmp_path / "gone.obj"})
+    assert masses == []
+    assert [each.code for each in context.sink.diagnostics] == ["mujoco-rejects"]

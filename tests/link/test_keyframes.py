@@ -1,0 +1,415 @@
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from link.workshop import BASE, Linked, Piece, Workshop, hinge, placed
+
+from composer.link.linking import Joint, KeyPolicy
+from composer.verify.keyframes import Keys
+
+ARM = """
+<mujoco model="arm"><worldbody>
+  <body name="upper"><joint name="shoulder"/><geom size=".1"/>
+    <body name="lower" pos="0 0 1"><joint name="elbow" axis="1 0 0"/><geom size=".1"/><site name="flange" pos="0 0 1"/>
+      <body name="tail"><joint name="wag" axis="0 1 0"/><geom size=".05"/></body></body>
+  </body>
+  <body name="after" pos="3 0 0"><joint name="after" type="slide"/><geom size=".1"/></body></worldbody>
+  <actuator><motor name="shoulder" joint="shoulder"/><general name="elbow" joint="elbow" dyntype="filter"/></actuator>
+  <keyframe><key name="home" time="2" qpos=".1 .2 .3 .4" qvel="1 2 3 4" ctrl="5 6" act="7"/>
+    <key name="up" qpos="1 2 3 4"/></keyframe></mujoco>
+"""
+HAND = """
+<mujoco model="hand"><worldbody>
+  <body name="palm"><joint name="twist" ref="30"/><geom size=".1"/>
+    <body name="finger"><joint name="ball" type="ball"/><geom size=".1" pos="0 0 .1"/></body></body></worldbody>
+  <actuator><general joint="twist" dyntype="user" actdim="3"/><motor joint="twist"/></actuator>
+  <keyframe><key name="home" qpos=".5 .6 .8 0 0" act="1 2 3" ctrl="8 9"/><key name="grip" time="3" qvel="1 2 3 4"/></keyframe>
+</mujoco>
+"""
+PLAIN = '<mujoco><worldbody><body name="b" pos="0 0 1"><joint name="j" ref="10"/><geom size=".1"/></body></worldbody></mujoco>'
+
+
+def key(model: mujoco.MjModel, name: str, vector: str) -> list[float]:
+    values: list[float] = getattr(model, f"key_{vector}")[model.key(name).id].tolist()
+    return values
+
+
+def names(model: mujoco.MjModel) -> list[str]:
+    return [model.key(at).name for at in range(model.nkey)]
+
+
+def on_arm(workshop: Workshop, policy: KeyPolicy, **options: object) -> Linked:
+    hand = Piece(HAND, "hand/", placed("site", "flange"), options={"keyframes": policy})
+    return workshop.link(ARM, hand, **options)
+
+
+def test_keys_of_one_name_become_one(workshop: Workshop) -> None:
+    model = on_arm(workshop, "merge").check()
+    assert names(model) == ["home", "up", "grip"]
+    # The hand hangs in the middle of the arm: after its elbow's other child, before the arm's next body.
+    assert key(model, "home", "qpos") == [0.1, 0.2, 0.3, 0.5, 0.6, 0.8, 0, 0, 0.4]
+    assert key(model, "home", "ctrl") == [5, 6, 8, 9]
+    assert key(model, "home", "act") == [7, 1, 2, 3]
+    assert key(model, "home", "qvel") == [1, 2, 3, 0, 0, 0, 0, 4]
+    assert model.key("home").time == 2
+    assert model.key("grip").time == 3
+
+
+def test_what_no_part_says_is_the_reference(workshop: Workshop) -> None:
+    model = on_arm(workshop, "merge").check()
+    assert key(model, "up", "qpos") == [1, 2, 3, *model.qpos0[3:8], 4]
+    assert key(model, "grip", "qpos") == model.qpos0.tolist()
+    assert key(model, "up", "ctrl") == [0, 0, 0, 0]
+
+
+def test_keys_with_a_prefix_stay_apart(workshop: Workshop) -> None:
+    model = on_arm(workshop, "prefix").check()
+    assert names(model) == ["home", "up", "hand/home", "hand/grip"]
+    assert key(model, "hand/home", "qpos") == [0, 0, 0, 0.5, 0.6, 0.8, 0, 0, 0]
+
+
+def test_keys_may_be_left_out(workshop: Workshop) -> None:
+    model = on_arm(workshop, "none").check()
+    assert names(model) == ["home", "up"]
+
+
+def test_keys_of_the_base_are_made_to_fit_a_part_without_any(workshop: Workshop) -> None:
+    linked = workshop.link(ARM, Piece(PLAIN, place=placed("body", "upper")))
+    model = linked.check()
+    assert key(model, "home", "qpos") == pytest.approx([0.1, 0.2, 0.3, np.radians(10), 0.4])
+
+
+def test_keys_of_a_part_are_made_to_fit_a_base_without_any(workshop: Workshop) -> None:
+    linked = workshop.link(PLAIN, Piece(HAND, "h/"), Piece(PLAIN, "p/"))
+    linked.check()
+
+
+def test_a_model_without_parts_keeps_its_keys_as_they_are_written(workshop: Workshop) -> None:
+    linked = workshop.link(ARM)
+    assert 'qpos=".1 .2 .3 .4"' in linked.xml
+    linked.check()
+
+
+def test_no_keys_no_keyframe_section(workshop: Workshop) -> None:
+    assert "keyframe" not in workshop.link(PLAIN, Piece(PLAIN)).xml
+
+
+def test_unnamed_keys_stay_apart(workshop: Workshop) -> None:
+    model = workshop.link(
+        PLAIN.replace("</mujoco>", '<keyframe><key qpos="1"/><key name="" qpos="2"/></keyframe></mujoco>'),
+        Piece(PLAIN.replace("</mujoco>", '<keyframe><key qpos="3"/><key/></keyframe></mujoco>')),
+        Piece(PLAIN.replace("</mujoco>", '<keyframe><key qpos="4"/></keyframe></mujoco>'), "q/",
+              options={"keyframes": "prefix"}),
+    ).check()  # fmt: skip
+    assert model.nkey == 5
+    ref = np.radians(10)
+    assert model.key_qpos == pytest.approx(
+        np.array([[1, ref, ref], [2, ref, ref], [ref, 3, ref], [ref, ref, ref], [ref, ref, 4]])
+    )
+
+
+def test_several_sections_of_keys_are_one(workshop: Workshop) -> None:
+    base = PLAIN.replace(
+        "</mujoco>", '<keyframe><key name="a"/></keyframe><keyframe><key name="b"/></keyframe></mujoco>'
+    )
+    model = workshop.link(base, Piece(base, options={"keyframes": "prefix"})).check()
+    assert names(model) == ["a", "b", "part/a", "part/b"]
+
+
+def test_padding_by_size_is_kept_with_its_model(workshop: Workshop) -> None:
+    base = ARM.replace("<worldbody>", '<size nkey="4"/><worldbody>')
+    linked = workshop.link(base, Piece(HAND, options={"keyframes": "prefix"}))
+    model = linked.check()
+    assert names(model) == ["home", "up", "", "", "part/home", "part/grip"]
+    assert "nkey" not in linked.xml
+    assert model.key_qpos[2].tolist() == model.qpos0.tolist()
+
+
+@pytest.mark.parametrize(
+    ("policy", "severity"), [("error", "error"), ("warning", "warning"), ("merge", "warning")]
+)
+def test_times_that_differ_are_told(workshop: Workshop, policy: str, severity: str) -> None:
+    hand = HAND.replace('name="home"', 'name="home" time="5"')
+    linked = workshop.link(ARM, Piece(hand), conflict=policy)
+    (fault,) = linked.sink.diagnostics
+    assert (fault.code, fault.severity.value) == ("keyframe-conflict", severity)
+    assert fault.span is not None
+    assert fault.span.file == str(linked.paths[1])
+    assert [note.span.file for note in fault.notes if note.span] == [str(linked.paths[0])]
+
+
+def test_equal_times_written_differently_are_equal(workshop: Workshop) -> None:
+    hand = HAND.replace('name="home"', 'name="home" time="2.0"')
+    assert not workshop.link(ARM, Piece(hand)).sink.diagnostics
+
+
+@pytest.mark.parametrize("vector", ["qpos", "qvel", "act", "ctrl", "mpos", "mquat"])
+def test_a_row_that_is_too_long_is_told(workshop: Workshop, vector: str) -> None:
+    base = PLAIN.replace("</mujoco>", f'<keyframe>\n<key {vector}="1 2 3 4 5"/></keyframe></mujoco>')
+    fault = workshop.link(base, BASE).fault
+    assert (fault.code, fault.span and fault.span.line) == ("keyframe-conflict", 2)
+    assert f"`{vector}`" in fault.message
+
+
+MIXED = """
+<mujoco><worldbody>
+  <body name="b"><joint type="slide" ref="1"/><joint ref="90"/><geom size=".1"/>
+    <body name="c"><joint type="ball"/><geom size=".1"/></body></body>
+  <body name="f" pos="1 2 3" euler="10 20 30"><freejoint/><geom size=".1"/></body>
+  <body name="m" mocap="true" pos="4 5 6" euler="40 50 60"/><body name="n" mocap="true"/></worldbody>
+  <actuator><motor joint="j"/><motor joint="j"/></actuator>
+  <keyframe><key name="k" {row}/></keyframe></mujoco>
+""".replace('<joint ref="90"/>', '<joint ref="90" name="j"/>')
+SHORT = [
+    'qpos="7"',
+    'qpos="7 8"',
+    'qpos="7 8 1 0 0 0"',
+    'qvel="7"',
+    'qvel="7 8 1 2 3"',
+    'ctrl="3"',
+    'mpos="1 2 3"',
+    'mquat="1 1 0 0"',
+    'qpos=""',
+    'qpos="" ctrl="1 2"',
+    "",
+]
+
+
+@pytest.mark.parametrize("row", SHORT)
+def test_short_rows_are_filled_up_as_mujoco_does(workshop: Workshop, row: str) -> None:
+    mixed = MIXED.format(row=row)
+    workshop.link(mixed, Piece(HAND)).check()
+    workshop.link(HAND, Piece(mixed)).check()
+
+
+@pytest.mark.parametrize("row", ['qpos="7 8 1 0"', 'qpos="7 8 1 0 0 0 1 2 3"', 'qvel="7 8 1"'])
+def test_a_row_that_ends_inside_a_joint_is_told(workshop: Workshop, row: str) -> None:
+    fault = workshop.link(BASE, MIXED.format(row=row)).fault
+    assert fault.code == "keyframe-conflict"
+
+
+PROP = """
+<mujoco model="prop"><worldbody>
+  <body name="cup" pos="1 2 3" euler="10 20 30"><freejoint/><geom size=".1"/></body>
+  <body name="hoop" mocap="true" pos="4 5 6" axisangle="0 1 0 40"/>
+  <frame pos="1 1 1" euler="0 0 45"><body name="box" xyaxes="0 1 0 -1 0 0"><joint type="free"/><geom size=".1"/></body>
+    <body name="target" mocap="true" zaxis="1 1 0"/></frame>
+  <body name="lid"><joint/><geom size=".1"/></body></worldbody>
+  {keys}</mujoco>
+"""
+KEYED = PROP.format(
+    keys="""<keyframe>
+  <key name="home" qpos=".1 .2 .3 0 1 0 0 4 5 6 .5 .5 .5 .5 7" qvel="1 2 3 4 5 6 7 8 9 10 11 12 13"
+    mpos="1 2 3 4 5 6" mquat="0 2 0 0 1 1 0 0"/><key name="rest"/></keyframe>"""
+)
+PLACES = [
+    placed(),
+    placed(pos=(1.0, 2.0, 3.0)),
+    placed(pos=(1.0, 2.0, 3.0), quat=(0.5, 0.5, -0.5, 0.5)),
+    placed(quat=(0.9, 0.1, 0.2, 0.3)),
+]
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_free_joints_and_mocap_bodies_move_with_their_part(workshop: Workshop, place: object) -> None:
+    piece = Piece(KEYED, place=place)  # type: ignore[arg-type]
+    model = workshop.link(ARM, piece).check()
+    # What the part says nothing about is where the bodies are.
+    assert key(model, "up", "mpos") if "mpos" in names(model) else True
+    rest = model.key("rest").id
+    assert model.key_qpos[rest] == pytest.approx(model.qpos0, abs=1e-15)
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_keys_of_the_base_hold_the_moved_reference_of_a_part(workshop: Workshop, place: object) -> None:
+    free = PROP.format(keys="")
+    mocap = """<mujoco><worldbody><body name="m" mocap="true" pos="1 0 0"/></worldbody>
+      <keyframe><key name="k" mpos="7 8 9" mquat="0 1 0 0"/></keyframe></mujoco>"""
+    model = workshop.link(mocap, Piece(free, place=place)).check()  # type: ignore[arg-type]
+    assert key(model, "k", "qpos") == pytest.approx(model.qpos0.tolist())
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    expected = mujoco.MjData(model)
+    assert data.mocap_pos[1:] == pytest.approx(expected.mocap_pos[1:])
+    assert data.mocap_quat[1:] == pytest.approx(expected.mocap_quat[1:])
+
+
+def test_a_part_on_a_part_carries_its_free_bodies_through_both(workshop: Workshop) -> None:
+    stand = """<mujoco><worldbody><body name="stand" pos="0 0 1" euler="0 90 0"><geom size=".1"/></body>
+      <site name="spot" pos="1 1 1" euler="30 0 0"/></worldbody></mujoco>"""
+    workshop.link(
+        BASE,
+        Piece(KEYED, "prop/", placed(pos=(1.0, 0.0, 0.0), quat=(0.0, 1.0, 0.0, 0.0))),
+        Piece(KEYED, "other/", placed(pos=(-1.0, 0.0, 0.0)), options={"keyframes": "prefix"}),
+        Piece(stand, "stand/", placed(pos=(0.0, 1.0, 0.0))),
+    ).check()
+
+
+def test_a_floating_part_starts_where_it_is_placed(workshop: Workshop) -> None:
+    joint = Joint("freejoint", {"name": "hand/"})
+    model = workshop.link(
+        ARM,
+        Piece(HAND, "hand/", placed("site", "flange", pos=(0.0, 0.0, 0.5)), options={"joints": (joint,)}),
+    ).model()
+    at = model.jnt_qposadr[model.joint("hand/").id]
+    assert key(model, "home", "qpos")[at : at + 7] == [0, 0, 2.5, 1, 0, 0, 0]
+    assert key(model, "home", "qpos")[at + 7 :] == [0.5, 0.6, 0.8, 0, 0]
+
+
+def test_joints_of_an_attachment_start_at_their_reference(workshop: Workshop) -> None:
+    joints = (
+        hinge(name="hand/a", ref="90"),
+        Joint("joint", {"type": "slide", "name": "hand/b", "ref": "2", "class": "main"}),
+    )
+    model = workshop.link(
+        ARM, Piece(HAND, "hand/", placed("site", "flange"), options={"joints": joints})
+    ).model()
+    home = dict(zip([model.joint(at).name for at in range(5)], key(model, "home", "qpos"), strict=False))
+    assert home["hand/a"] == pytest.approx(np.pi / 2)
+    assert home["hand/b"] == 2
+
+
+def test_a_welded_part_forgets_its_free_joint(workshop: Workshop) -> None:
+    part = PROP.format(keys="").replace(
+        '<body name="hoop" mocap="true" pos="4 5 6" axisangle="0 1 0 40"/>', ""
+    )
+    part = part.replace('<body name="target" mocap="true" zaxis="1 1 0"/>', "").replace(
+        "</mujoco>",
+        '<keyframe><key name="home" qpos=".1 .2 .3 0 1 0 0 4 5 6 .5 .5 .5 .5 7"/></keyframe></mujoco>',
+    )
+    piece = Piece(part, place=placed("body", "lower"), options={"weld": True})
+    model = workshop.link(ARM, piece).model()
+    assert model.nq == 5
+    assert key(model, "home", "qpos") == [0.1, 0.2, 0.3, 7, 0.4]
+
+
+STATEFUL = [
+    '<general joint="j" dyntype="filter"/>',
+    '<general joint="j" dyntype="user" actdim="3"/>',
+    '<general joint="j" class="state"/>',
+    '<muscle joint="j" lengthrange="0 1"/>',
+    '<cylinder joint="j"/>',
+    '<intvelocity joint="j" actrange="-1 1"/>',
+    '<position joint="j" timeconst="1"/>',
+    '<position joint="j" class="state"/>',
+    '<position joint="j"/>',
+    '<velocity joint="j"/>',
+    '<damper joint="j" ctrlrange="0 1"/>',
+    '<motor joint="j" class="state"/>',
+]
+
+
+def acting(actuators: str, count: int, acts: int) -> str:
+    row = " ".join(map(str, range(1, acts + 1)))
+    ctrl = " ".join(map(str, range(1, count + 1)))
+    written = f'act="{row}" ' if acts else ""
+    return f"""<mujoco><default><default class="state"><general dyntype="filterexact"/></default></default>
+      <worldbody><body name="b"><joint name="j"/><geom size=".1"/></body></worldbody>
+      <actuator>{actuators}</actuator><keyframe><key name="k" {written}ctrl="{ctrl}"/></keyframe></mujoco>"""
+
+
+@pytest.mark.parametrize("actuator", STATEFUL)
+def test_activations_go_with_their_actuators(workshop: Workshop, actuator: str) -> None:
+    probe = acting(actuator, 1, 0)
+    acts = mujoco.MjModel.from_xml_string(probe).na
+    model = acting(actuator + actuator, 2, 2 * acts)
+    workshop.link(model, Piece(model), Piece(model, "q/", options={"keyframes": "prefix"})).check()
+
+
+CLOTH = """<flexcomp name="cloth" type="grid" count="2 2 1" spacing=".1 .1 .1" dim="2" mass="1" radius=".01">
+  <edge equality="true"/></flexcomp>"""
+PILE = '<replicate count="3" offset="1 0 0"><body name="cube" pos="0 0 7"><freejoint/><geom size=".1"/></body></replicate>'
+CHAIN = """<replicate count="2" offset="0 1 0"><body name="link"><joint ref="30"/><geom size=".1"/>
+  <body><joint type="ball"/><geom size=".1" pos="1 0 0"/></body></body></replicate>"""
+CABLE = """<composite prefix="c" type="cable" curve="s" count="4 1 1" size="1" initial="{initial}">
+  <joint kind="main" damping="1"/><geom type="capsule" size=".01" rgba="1 0 0 1"/></composite>"""
+BLOCKS = {
+    "flexcomp": (CLOTH, 12),
+    "free bodies": (PILE, 21),
+    "joints with references": (CHAIN, 10),
+    "free cable": (CABLE.format(initial="free"), 19),
+    "ball cable": (CABLE.format(initial="ball"), 16),
+    "replicates in replicates": (f'<replicate count="2" offset="0 9 0">{PILE}</replicate>', 42),
+}
+
+
+def expanding(block: str, keys: str = "") -> str:
+    return f"""<mujoco><worldbody><body name="first"><joint ref="2"/><geom size=".1"/></body>{block}
+      <body name="last"><joint type="slide" ref="3"/><geom size=".1"/></body></worldbody>{keys}</mujoco>"""
+
+
+@pytest.mark.parametrize("place", [PLACES[0], PLACES[2]], ids=["in place", "moved"])
+@pytest.mark.parametrize(("block", "width"), BLOCKS.values(), ids=BLOCKS.keys())
+def test_what_mujoco_expands_keeps_its_numbers(
+    workshop: Workshop, block: str, width: int, place: object
+) -> None:
+    alone = mujoco.MjModel.from_xml_string(expanding(block))
+    assert alone.nq == width + 2
+    state = np.random.default_rng(1).normal(size=alone.nq)
+    data = mujoco.MjData(alone)
+    data.qpos[:] = state
+    mujoco.mj_normalizeQuat(alone, data.qpos)
+    row = " ".join(map(repr, data.qpos.tolist()))
+    speed = " ".join(map(str, range(alone.nv)))
+    keys = f'<keyframe><key name="home" qpos="{row}" qvel="{speed}"/></keyframe>'
+    part = Piece(expanding(block, keys), place=place)  # type: ignore[arg-type]
+    model = workshop.link(ARM, part).check()
+    up = key(model, "up", "qpos")
+    assert up[4:] == pytest.approx(model.qpos0[4:].tolist(), abs=1e-12)
+
+
+@pytest.mark.parametrize(("block", "width"), BLOCKS.values(), ids=BLOCKS.keys())
+def test_keys_of_others_leave_the_reference_of_what_is_expanded(
+    workshop: Workshop, block: str, width: int
+) -> None:
+    model = workshop.link(expanding(block), Piece(ARM, keys_of := "arm/")).check()
+    home = key(model, "home", "qpos")
+    assert home[: width + 2] == pytest.approx(model.qpos0[: width + 2].tolist())
+    assert keys_of == "arm/"
+
+
+@pytest.mark.parametrize("align", ["true", "false"])
+@pytest.mark.parametrize("place", [PLACES[0], PLACES[2]], ids=["in place", "moved"])
+def test_a_body_that_mujoco_aligns_rests_where_it_was(workshop: Workshop, align: str, place: object) -> None:
+    part = f"""<mujoco><compiler alignfree="{align}"/><worldbody><body name="b" pos="0 0 1" euler="1 2 3"><freejoint/>
+      <geom size=".1" pos="1 0 0"/><geom type="box" size=".1 .2 .3" euler="10 20 30"/></body></worldbody></mujoco>"""
+    model = workshop.link(ARM, Piece(part, place=place)).check()  # type: ignore[arg-type]
+    assert key(model, "home", "qpos")[4:] == pytest.approx(model.qpos0[4:].tolist(), abs=1e-12)
+
+
+def test_two_blocks_that_only_mujoco_knows_are_told(workshop: Workshop) -> None:
+    second = CLOTH.replace('name="cloth"', 'name="sheet"')
+    base = expanding(CLOTH + second, '<keyframe><key name="k" qpos="1"/></keyframe>')
+    linked = workshop.link(base, BASE)
+    assert linked.fault.code == "not-supported"
+    assert linked.fault.help is not None
+
+
+def test_nothing_is_measured_for_keys_that_are_left_out(workshop: Workshop) -> None:
+    part = expanding(CLOTH, '<keyframe><key name="k" qpos="1"/></keyframe>')
+    linked = workshop.link(BASE, Piece(part, options={"keyframes": "none"}), measure=None)
+    assert "keyframe" not in linked.xml
+    linked.check()
+
+
+def test_replicated_mocap_bodies_are_told(workshop: Workshop) -> None:
+    base = '<mujoco><worldbody><replicate count="2" offset="1 0 0"><body mocap="true"/></replicate></worldbody></mujoco>'
+    part = """<mujoco><worldbody><body name="m" mocap="true"/></worldbody>
+      <keyframe><key name="k" mpos="1 2 3"/></keyframe></mujoco>"""
+    assert workshop.link(base, part).fault.code == "not-supported"
+    plain = PLAIN.replace("</mujoco>", '<keyframe><key name="k" qpos="1"/></keyframe></mujoco>')
+    workshop.link(base, plain).check()
+
+
+def test_keys_are_told_from_where_they_were(workshop: Workshop) -> None:
+    linked = on_arm(workshop, "merge")
+    found = [
+        linked.linking.span(linked.linking.base, element) for element in linked.linking.base.root.iter("key")
+    ]
+    assert [span.file for span in found] == [str(linked.paths[at]) for at in (0, 0, 1)]
+    assert [span.line for span in found] == [9, 10, 6]
+
+
+def test_the_judge_agrees_on_the_policies() -> None:
+    assert {each.value for each in Keys} == {"merge", "prefix", "none"}
