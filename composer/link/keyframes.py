@@ -232,7 +232,8 @@ def _take(
             if at < len(text):
                 linking.sink.error(
                     "keyframe-conflict",
-                    f"`{vector}` of {_called(element)} ends in the middle of a joint, after {len(text)} of {total} numbers",
+                    f"`{vector}` of {_called(element)} ends in the middle of a joint, "
+                    f"after {len(text)} of {total} numbers",
                     linking.span(unit, element, vector),
                 )
             break
