@@ -73,7 +73,7 @@ def _write(built: Built, out: str, kind: Form, context: Context, limits: Limits)
 
     if kind is Form.TEXT:
         text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
-        if text is not None:
+        if text is not None and sys.stdout is not None:
             sys.stdout.buffer.write(text)
             sys.stdout.buffer.flush()
         return

@@ -22,7 +22,7 @@ _VERBS = {
 }
 
 
-_INTERRUPTED, _TERMINATED, _BUG = 130, 143, 70
+_FAILED, _INTERRUPTED, _TERMINATED, _BUG = 1, 130, 143, 70
 
 
 class _Verbs(click.Group):
@@ -63,9 +63,13 @@ class _Verbs(click.Group):
             ctx.exit(_INTERRUPTED)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
+        except BrokenPipeError:
+            raise  # the reader of the output has gone, which click takes care of
+        except OSError as error:
+            what = f"`{error.filename}`: " if error.filename else ""
+            click.echo(f"cannot go on: {what}{(error.strerror or str(error)).lower()}", err=True)
+            ctx.exit(_FAILED)
         except Exception as error:
-            if isinstance(error, BrokenPipeError):
-                raise  # the reader of the output has gone; that is taken care of
             if os.environ.get("MJCOMPOSE_TRACEBACK"):
                 raise
             click.echo(_bug(error), err=True)

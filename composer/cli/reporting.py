@@ -51,13 +51,18 @@ def report(context: Context, form: str, *, err: bool = False) -> None:
 
 def use_color() -> bool:
     """Colours only on a terminal that has them, and never where NO_COLOR is set."""
-    return sys.stderr.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    return on_terminal() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
 
 def progress(message: str) -> None:
     """A line on standard error while something takes long; only on a terminal."""
-    if sys.stderr.isatty():
+    if on_terminal():
         click.echo(message, err=True)
+
+
+def on_terminal() -> bool:
+    """Whether a person reads standard error; it may be closed altogether."""
+    return sys.stderr is not None and sys.stderr.isatty()
 
 
 def _reader(folder: Path) -> text.ReadSource:

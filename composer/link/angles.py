@@ -37,7 +37,7 @@ def angles(linking: Linking) -> None:
 
 
 def model_angle(linking: Linking) -> str:
-    return "degree" if all(unit.settings.angle == "degree" for unit in linking.units) else "radian"
+    return linking.angle
 
 
 def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str) -> None:

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -18,8 +18,8 @@ from composer.link.layout import BLOCK, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking, Part
 from composer.link.measured import is_measured, widths
 from composer.link.placing import pose_in_world, read_pose
-from composer.pose import Pose, rotate
-from composer.tree.classes import childclass_of
+from composer.pose import Pose, normalise, rotate
+from composer.tree.classes import ORIENTATIONS, childclass_of
 from composer.tree.line import line_of
 from composer.tree.unit import Unit
 
@@ -223,13 +223,11 @@ def _take(
             linking.span(unit, element, vector),
         )
         return
-    if len(text) < total and vector in ("mpos", "mquat"):
-        return
     taken = key.values.setdefault(vector, {})
     at = 0
     for holder, width in holders:
         if at + width > len(text):
-            if at < len(text):
+            if at < len(text) and vector not in ("mpos", "mquat"):  # MuJoCo ignores half a pose there
                 linking.sink.error(
                     "keyframe-conflict",
                     f"`{vector}` of {_called(element)} ends in the middle of a joint, "
@@ -240,7 +238,32 @@ def _take(
         taken[holder] = text[at : at + width]
         at += width
     if part is not None:
+        _check_flexes(linking, part, element, vector, taken)
         _carry(part, layout, vector, taken)
+
+
+def _check_flexes(linking: Linking, part: Part, key: Node, vector: str, taken: Mapping[Node, object]) -> None:
+    """The bodies of a flex do not turn with the frames above it, so that its numbers mean other directions there."""
+    for block in taken if vector in ("qpos", "qvel") else ():
+        if block.tag == "flexcomp" and _is_turned(part, block):
+            linking.sink.error(
+                "not-supported",
+                f"`{vector}` of {_called(key)} has the vertices of a flex, which `{part.called}` turns",
+                linking.span(part.unit, key, vector),
+                notes=(Note("the flex", linking.span(part.unit, block)),),
+                help="leave the keys out, `keyframes: none`, or put the `<flexcomp>` into a body",
+            )
+
+
+def _is_turned(part: Part, flex: Node) -> bool:
+    """Whether the place of the part turns a flex at its root."""
+    own, node = True, flex.getparent()
+    while node is not None and node.tag == "frame":
+        own = own and node.get("childclass") != part.top_class
+        if not own and any(node.get(name) for name in ORIENTATIONS):
+            return True
+        node = node.getparent()
+    return False
 
 
 def _called(key: Node) -> str:
@@ -272,7 +295,7 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Node, list[str]]
                 if vector == "mpos":
                     new: tuple[float, ...] = (moved @ Pose((x[0], x[1], x[2]))).pos
                 else:
-                    new = (moved @ Pose(quat=(x[0], x[1], x[2], x[3]))).quat
+                    new = (moved @ Pose(quat=normalise(x))).quat
                 taken[body] = numbers.text(new).split()
 
 
@@ -285,7 +308,7 @@ def _carried(moved: Pose, slot: Slot, vector: str, values: list[str]) -> list[st
             values[at_qvel : at_qvel + 3] = numbers.text(rotate(moved.quat, (x, y, z))).split()
         else:
             x, y, z, w, a, b, c = numbers.read(" ".join(values[at_qpos : at_qpos + 7]))
-            pose = moved @ Pose((x, y, z), (w, a, b, c))
+            pose = moved @ Pose((x, y, z), normalise((w, a, b, c)))
             values[at_qpos : at_qpos + 7] = numbers.text([*pose.pos, *pose.quat]).split()
     return values
 

@@ -142,13 +142,13 @@ class _Reader:
 
     @cached_property
     def influence(self) -> tuple[bool, bool]:
-        """Whether any class types joints, and whether any gives actuators a state or inputs."""
+        """Whether any class makes joints other than hinges, and whether any gives actuators a state or inputs."""
         typed = stateful = False
         for section in self.unit.root.iterchildren("default"):
             for element in section.iter("joint", "position", "general", *_STATEFUL):
                 tag = element.tag
                 if tag == "joint":
-                    typed = typed or element.get("type") is not None
+                    typed = typed or element.get("type") not in (None, "hinge")
                 elif not stateful:
                     stateful = tag not in _STATE or not _STATE[tag].isdisjoint(element.keys())
         return typed, stateful
@@ -188,10 +188,9 @@ class _Reader:
         if known is not None:
             return known
         if tag == "position":
-            inherited = (
-                self.influence[1] and self._class(actuator).lookup("position", "timeconst") is not None
-            )
-            if actuator.get("timeconst") is None and not inherited:
+            if actuator.get("timeconst") is None and not (
+                self.influence[1] and self._inherits_state(actuator)
+            ):
                 return _STATELESS
         elif tag == "general" and not (self.influence[1] and self._inherits_state(actuator)):
             if actuator.get("dyntype") in (None, "none"):

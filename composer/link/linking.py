@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal, NamedTuple, Protocol
 
 from lxml.etree import _Element as Node
@@ -115,6 +116,11 @@ class Linking:
     @property
     def units(self) -> list[Unit]:
         return [self.base, *[part.unit for part in self.parts]]
+
+    @cached_property
+    def angle(self) -> str:
+        """What the model says: `degree` only where every unit does."""
+        return "degree" if all(unit.settings.angle == "degree" for unit in self.units) else "radian"
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
         """Where an element of a unit, or the value of its attribute, is written."""

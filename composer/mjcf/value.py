@@ -12,6 +12,8 @@ from composer.grammar.check import check_python, check_value, plain
 from composer.grammar.format import to_text
 from composer.grammar.number import items, parse_real
 
+# Types of which text may be given as it stands in XML; of numbers too.
+_WRITTEN = ("bool", "keyword", "keywords", "references")
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
@@ -26,10 +28,9 @@ def encode(attribute: Attribute, value: object) -> str:
     taken row by row where the attribute has no fixed length.
     """
     if isinstance(value, str):
-        fault = check_value(attribute, value) if attribute.is_number or attribute.separated else None
+        written = attribute.is_number or attribute.type in _WRITTEN
+        fault = check_value(attribute, value) if written else check_python(attribute, value)
         text = value
-        if fault is None and not (attribute.is_number or attribute.separated):
-            fault = check_python(attribute, value)
     else:
         value = _flat(attribute, value)
         fault = check_python(attribute, value)

@@ -121,9 +121,7 @@ def parse(text: str) -> Fault:
         return Fault(_PREFIX.sub("", text).strip())
     told = trailer.groupdict()
     message = _PREFIX.sub("", text[: trailer.start()]).strip()
-    if rest := text[
-        trailer.end() :
-    ].strip():  # MuJoCo 3.12 tells last why a file cannot be read
+    if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 tells last why a file cannot be read
         message = f"{message}: {rest}"
     return Fault(
         message,

@@ -1,10 +1,11 @@
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from cli.shell import process, run
+from cli.shell import environment, process, run
 from click.testing import CliRunner
 
 from composer.cli import reporting
@@ -35,10 +36,6 @@ def test_help_costs_nothing() -> None:
         "    main([*verb, '--help'], standalone_mode=False)\n"
         "print(sorted({'mujoco', 'numpy', 'pydantic', 'lxml', 'yaml'} & set(sys.modules)), file=sys.stderr)\n"
     )
-    import subprocess
-
-    from cli.shell import environment
-
     told = subprocess.run(
         [sys.executable, "-c", program], env=environment(), capture_output=True, text=True, check=True
     )
@@ -72,3 +69,38 @@ def test_it_runs_as_a_module(folder: Path) -> None:
     result = process("plan", "cell.yaml")
     assert result.returncode == 0 and result.stdout.startswith(b"cell: the model of cell.yaml\n")
     assert result.stderr == b""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize(
+    "arguments", [["plan", "cell.yaml"], ["build", "cell.yaml", "--no-verify", "-o", "-"]]
+)
+def test_an_output_that_takes_nothing(folder: Path, arguments: list[str]) -> None:
+    with open("/dev/full", "wb") as full:
+        result = process(*arguments, capture_output=False, stdout=full, stderr=subprocess.PIPE)
+    assert result.returncode == 1
+    assert result.stderr == b"cannot go on: no space left on device\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a shell")
+def test_outputs_that_are_closed(folder: Path) -> None:
+    command = f"{sys.executable} -m composer"
+    for line, code in (
+        (f"{command} check wrong.yaml 2>&-", 1),
+        (f"{command} plan cell.yaml >&-", 0),
+        (f"{command} build cell.yaml --no-verify -o - >&- 2>&-", 0),
+        (f"{command} build cell.yaml --no-verify -o - | true", 0),
+    ):
+        result = subprocess.run(
+            line, shell=True, env=environment(), capture_output=True, timeout=60, check=False
+        )
+        assert (result.returncode, result.stderr) == (code, b""), line
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a folder in use cannot be removed there")
+def test_a_folder_that_is_gone(folder: Path) -> None:
+    line = f"mkdir gone && cd gone && rmdir ../gone && {sys.executable} -m composer check ../cell.yaml"
+    result = subprocess.run(
+        line, shell=True, env=environment(), capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (result.returncode, result.stderr) == (1, "cannot go on: no such file or directory\n")

@@ -16,7 +16,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.link.link import finish, link
 from composer.link.linking import Joint, Linking, Part, Place
-from composer.pose import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3
+from composer.pose import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
 from composer.steps.measure import measure_with
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
@@ -232,7 +232,7 @@ def mount(part: Part, composed: mujoco.MjModel) -> Mount:
         assert part.mount is not None
         body = next((each for each in part.mount.iterancestors("body")), None)
         return Mount(None if body is None else str(body.get("name")), None)
-    return Mount(place.name if place.kind == "body" else None, Pose((x, y, z), (w, a, b, c)))
+    return Mount(place.name if place.kind == "body" else None, Pose((x, y, z), normalise((w, a, b, c))))
 
 
 def told(sink: Sink) -> str:

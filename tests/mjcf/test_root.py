@@ -43,6 +43,11 @@ def test_sections_may_be_added_with_attributes() -> None:
         model.add("wordbody")
 
 
+def test_a_section_that_is_misspelled_is_told() -> None:
+    with pytest.raises(mjcf.MjcfError, match="did you mean `actuator`"):
+        _ = mjcf.RootElement().actuators
+
+
 def test_a_model_is_read_from_several_threads(arm: mjcf.RootElement) -> None:
     def look(_: int) -> list[int]:
         found = [*arm.find_all("geom"), *arm.find_all("body"), arm.visual.headlight, arm.statistic, arm.size]

@@ -30,6 +30,18 @@ def test_values_become_the_text_that_mjcf_has(name: str, value: object, text: st
     assert encode(GEOM[name], value) == text
 
 
+def test_text_is_taken_as_it_stands_in_xml() -> None:
+    mocap, limited = (
+        GRAMMAR.element("body").attributes["mocap"],
+        GRAMMAR.element("joint").attributes["limited"],
+    )
+    assert [encode(mocap, value) for value in (True, "true", np.bool_(False))] == ["true", "true", "false"]
+    assert [encode(limited, value) for value in (True, "auto")] == ["true", "auto"]
+    for attribute, value in ((mocap, "yes"), (mocap, 1), (limited, "maybe"), (GEOM["type"], "sphere box")):
+        with pytest.raises(BadValue):
+            encode(attribute, value)
+
+
 def test_rows_are_joined_where_any_number_of_items_will_do() -> None:
     assert encode(MESH["vertex"], np.eye(3)) == encode(MESH["vertex"], [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
     assert encode(MESH["vertex"], np.eye(3)) == "1 0 0 0 1 0 0 0 1"
