@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from bench.models import RECIPE, REPOSITORY
@@ -32,8 +33,12 @@ def rows() -> list[Row]:
 
 def _processor_time() -> float:
     """Of all processes that have been run: other work on the machine adds less to it than to the time on the wall."""
-    used = os.times()
-    return used.children_user + used.children_system
+    if sys.platform == "win32":
+        return time.perf_counter()
+    import resource
+
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _run(*arguments: str) -> None:

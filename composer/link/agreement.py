@@ -233,14 +233,14 @@ _USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser
 
 
 def _user_widths(linking: Linking) -> None:
-    """A written `nuser_*` must be wide enough for the user data of every part."""
+    """A written `nuser_*` must be wide enough for the user data of every unit."""
     for size in linking.base.root.iterchildren("size"):
         for name, value in size.items():
             if not str(name).startswith("nuser_") or int(value) < 0:
                 continue
             widest = int(value)
-            for part in linking.parts:
-                for element in _with_user(part.unit.root, str(name)):
+            for unit in linking.units:
+                for element in _with_user(unit.root, str(name)):
                     widest = max(widest, len(str(element.get("user") or "").split()))
             size.set(name, str(widest))
 

@@ -27,16 +27,37 @@ def bodies(linking: Linking) -> None:
         for part in ready:
             _hang(linking, part)
         if not ready:
-            for part in waiting:
+            lost = [part for part in waiting if part.mount is None]
+            for part in lost:
                 _nowhere(linking, part)
+            if not lost:
+                _ring(linking, waiting)
             return
         waiting = [part for part in waiting if part not in ready]
 
 
+def _ring(linking: Linking, waiting: list[Part]) -> None:
+    """Parts that hang on one another, or one on itself."""
+    by_root = {part.unit.root: part for part in waiting}
+    ring = [waiting[0]]
+    while True:
+        mount = ring[-1].mount
+        assert mount is not None
+        host = by_root[mount.getroottree().getroot()]
+        if host in ring:
+            break
+        ring.append(host)
+    ring = [*ring[ring.index(host) :], host]
+    linking.sink.error(
+        "attach-cycle",
+        "parts hang on one another: " + " on ".join(f"`{part.called}`" for part in ring),
+        host.place.span or host.span,
+        help="one of them must hang on the base or on the world",
+    )
+
+
 def _nowhere(linking: Linking, part: Part) -> None:
-    """The place does not exist, or belongs to a part that cannot be hung itself."""
-    if part.mount is not None:
-        return
+    """The place does not exist."""
     kind, name = part.place.kind, part.place.name or ""
     names = [each for each in linking.names.of(kind) if not each.startswith(part.prefix or "\0")]
     notes = [exists_note(kind, names, name)]
@@ -130,16 +151,16 @@ def _child(linking: Linking, part: Part, parent: Node, tag: str, attributes: dic
 
 def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
     """The pose attributes in effect for a site, class chain included; `fromto` becomes the pose that it means."""
-    written = {name: str(site.get(name)) for name in _GIVEN if site.get(name) is not None}
-    turned = any(name in written for name in ORIENTATIONS)
+    written = {name: str(site.get(name)) for name in _GIVEN if site.get(name)}
     name = site.get("class") or childclass_of(site)
     found = classes.get(str(name) if name else None) if classes.give("site", *_GIVEN) else None
-    for attribute in _GIVEN if found else ():
-        if attribute in written or (turned and attribute in ORIENTATIONS):
-            continue
-        value = found.lookup(default_tag(site), attribute) if found else None
-        if value is not None:
-            written[attribute] = value[0]
+    if found is not None:
+        tag = default_tag(site)
+        inherited = {name: value[0] for name in ("pos", "fromto") if (value := found.lookup(tag, name))}
+        turned = found.orientation(tag)
+        if turned and written.keys().isdisjoint(ORIENTATIONS):
+            inherited[turned[0]] = turned[1]
+        written = {**inherited, **written}
     ends = numbers.read(written.pop("fromto", ""))
     if len(ends) == 6 and not any(map(math.isnan, ends)):
         start, end = ends[:3], ends[3:]

@@ -21,18 +21,18 @@ STUMBLES = (ValueError, IndexError, KeyError, OverflowError, ZeroDivisionError)
 
 
 def malformed(units: Iterable[Unit], sink: Sink) -> bool:
-    """Tell every value that is not what its attribute takes; whether there was any. Elements may have moved."""
-    units = tuple(units)
+    """Tell every value that is not what its attribute takes; whether there was any.
+
+    The units are those of the files as they are: in one that was being linked the value may be gone already.
+    """
     before = len(sink.errors)
-    for unit in units[1:]:
-        units[0].origins.adopt(unit.origins)
     for unit in units:
         for element, attribute in _values(unit.root):
             answer = check_value(attribute, str(element.get(attribute.name)))
             if answer is not None:
                 message, _, help = answer.partition("; ")
                 code = "wrong-keyword" if attribute.type in ("keyword", "keywords") else "wrong-type"
-                span = units[0].origins.span(element, unit.file, attribute.name)
+                span = unit.origins.span(element, unit.file, attribute.name)
                 sink.error(
                     code, f"`{attribute.name}` of `<{element.tag}>` {message}", span, help=help or None
                 )

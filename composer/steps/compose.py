@@ -11,6 +11,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.context import Context
+from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.angles import model_angle
@@ -69,7 +70,7 @@ class Composer:
         try:
             return self._joined(plan, base, given)
         except STUMBLES:
-            if malformed([base, *given], self.context.sink):
+            if malformed(self._anew(plan), self.context.sink):
                 return None
             raise
         except RecursionError:
@@ -109,6 +110,16 @@ class Composer:
             return None
         flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
         return Composed(flat, tuple(linking.files))
+
+    def _anew(self, plan: Plan) -> Iterator[Unit]:
+        """The sources of a plan as their files have them."""
+        for model in (plan.base.model, *(part.model for part in plan.parts)):
+            if isinstance(model, Plan):
+                yield from self._anew(model)
+            elif model is not None:
+                unit = parse_file(model.path, Sink(), file=self.context.shown(model.path))
+                if unit is not None:
+                    yield unit
 
     def _unit(self, model: Source | Plan, span: Span | None) -> Unit | None:
         if isinstance(model, Plan):

@@ -33,6 +33,18 @@ class DefaultClass:
             here = here.parent
         return None
 
+    def orientation(self, tag: str) -> tuple[str, str] | None:
+        """Name and value of the orientation that this class gives: of all that are written, the nearest."""
+        here: DefaultClass | None = self
+        while here is not None:
+            for element in reversed(here.elements.get(tag, ())):
+                for name in ORIENTATIONS:
+                    value = element.get(name)
+                    if value:
+                        return name, str(value)
+            here = here.parent
+        return None
+
     def sets(self, tag: str) -> bool:
         here: DefaultClass | None = self
         while here is not None:

@@ -1,41 +1,70 @@
 from __future__ import annotations
 
-from pathlib import Path
+import pytest
+from link.workshop import BASE, Piece, Workshop, placed
 
-from composer.diagnostics import Sink
-from composer.link.malformed import malformed
+from composer.diagnostics.sink import Sink
+from composer.link.malformed import STUMBLES, malformed
 from composer.tree.parse import parse_text
-from composer.tree.unit import Unit
+
+# What the linker reads, and what may stand there instead of a number.
+STUMBLING = [
+    '<worldbody><body euler="1 {} 3"/></worldbody>',
+    '<worldbody><body euler="1 2 3 {}"/></worldbody>',
+    '<worldbody><geom axisangle="0 0 1 {}"/></worldbody>',
+    '<worldbody><replicate count="2" euler="{} 0 0"/></worldbody>',
+    '<worldbody><body><joint range="{} 1"/></body></worldbody>',
+    '<worldbody><body><joint ref="{}"/></body></worldbody>',
+    '<default><joint range="{} 1"/></default>',
+    '<size nuserdata="{}"/>',
+    '<size memory="{}"/>',
+    '<size nkey="{}"/>',
+    '<compiler inertiagrouprange="{} 3"/><worldbody><body><geom size="1"/></body></worldbody>',
+    '<compiler inertiagrouprange="0 3"/><worldbody><body><geom group="{}" size="1"/></body></worldbody>',
+    '<compiler inertiafromgeom="true"/><worldbody><body><inertial/><geom size="1" mass="{}"/></body></worldbody>',
+    '<worldbody><body><freejoint/><geom size="1"/></body></worldbody><keyframe><key time="{}" name="k"/></keyframe>',
+    '<worldbody><body><freejoint/><geom size="1"/></body></worldbody><keyframe><key qpos="1 {} 3 1 0 0 0"/></keyframe>',
+    '<worldbody><body mocap="true"/></worldbody><keyframe><key mpos="1 {} 3"/></keyframe>',
+    '<worldbody><replicate count="{}"><body><joint/></body></replicate></worldbody><keyframe><key/></keyframe>',
+    (
+        '<worldbody><body><joint name="j"/></body></worldbody>'
+        '<actuator><general joint="j" dyntype="user" actdim="{}"/></actuator><keyframe><key/></keyframe>'
+    ),
+]
+INSTEAD = ["x", "1,2", "0x", "ten", "1.0.0"]
 
 
-def unit(text: str, file: str) -> Unit:
-    found = parse_text(text, Sink(), file=file, directory=Path(), label="a")
-    assert found is not None
-    return found
+@pytest.mark.parametrize("inside", STUMBLING)
+@pytest.mark.parametrize("instead", INSTEAD)
+def test_every_stumble_has_its_fault(workshop: Workshop, inside: str, instead: str) -> None:
+    """Whatever a pass raises over a bad value, the value is found; what no pass reads is left to MuJoCo."""
+    text = f"<mujoco>\n{inside.format(instead)}</mujoco>"
+    radian = '<mujoco><compiler angle="radian" eulerseq="zyx"/><keyframe><key name="k" time="1"/></keyframe></mujoco>'
+    for base, part in ((radian, text), (text, radian)):
+        try:
+            workshop.link(base, Piece(part, place=placed(pos=(1.0, 0.0, 0.0))), measure=None)
+        except STUMBLES:
+            sink = Sink()
+            unit = parse_text(text, Sink(), file="a.xml", directory=workshop.folder, label="a")
+            assert unit is not None
+            assert malformed([unit], sink)
+            assert all(
+                found.span and (found.span.file, found.span.line) == ("a.xml", 2) for found in sink.errors
+            )
 
 
-def test_every_value_that_cannot_be_read(tmp_path: Path) -> None:
-    one = unit(
-        '<mujoco>\n<worldbody>\n<body pos="0 0 x"><joint range="1"/></body>\n</worldbody>\n</mujoco>',
-        "one.xml",
-    )
-    two = unit(
-        '<mujoco>\n<option timestep="a" cone="round"/>\n<keyframe>\n<key qpos="1 b"/>\n</keyframe>\n</mujoco>',
-        "two.xml",
-    )
+def test_where_nothing_is_wrong_nothing_is_told(workshop: Workshop) -> None:
     sink = Sink()
-    assert malformed([one, two], sink)
-    assert [(str(each.span), each.code) for each in sink.sorted()] == [
-        ("one.xml:3:12", "wrong-type"),
-        ("one.xml:3:33", "wrong-type"),
-        ("two.xml:2:19", "wrong-type"),
-        ("two.xml:2:28", "wrong-keyword"),
-        ("two.xml:4:12", "wrong-type"),
+    unit = workshop.unit(BASE)
+    assert not malformed([unit], sink)
+    assert not sink.diagnostics
+
+
+def test_all_bad_values_are_told_at_once(workshop: Workshop) -> None:
+    sink = Sink()
+    units = [
+        workshop.unit('<mujoco><worldbody><body euler="a b c"/></worldbody></mujoco>'),
+        workshop.unit('<mujoco><worldbody><geom type="ball"/><light active="maybe"/></worldbody></mujoco>'),
     ]
-
-
-def test_nothing_where_all_is_well() -> None:
-    sink = Sink()
-    text = '<mujoco unheard="of"><worldbody><body pos="0 0 0x1p3" euler=""><what x="y"/></body></worldbody></mujoco>'
-    assert not malformed([unit(text, "one.xml")], sink)
-    assert sink.diagnostics == []
+    assert malformed(units, sink)
+    assert sorted(found.code for found in sink.errors) == ["wrong-keyword", "wrong-type", "wrong-type"]

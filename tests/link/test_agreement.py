@@ -1,0 +1,242 @@
+from __future__ import annotations
+
+import mujoco
+import pytest
+from link.workshop import BASE, Linked, Piece, Workshop
+
+from composer.link.agreement import settle
+
+
+def options(inside: str) -> str:
+    return f"<mujoco>{inside}</mujoco>"
+
+
+def told(linked: Linked) -> list[tuple[str, str]]:
+    return [(found.code, found.severity.value) for found in linked.sink.diagnostics]
+
+
+SAME = [
+    '<option timestep="0.002"/>',
+    '<option timestep="2e-3" cone="pyramidal"/>',
+    '<option gravity="0 0 -9.81"/>',
+    '<option integrator="Euler"><flag contact="enable"/></option>',
+    '<visual><map znear="0.01"/></visual>',
+    '<option timestep=""/>',
+    "<option/><visual/><statistic/>",
+]
+
+
+@pytest.mark.parametrize("written", SAME)
+def test_what_mujoco_does_anyway_is_no_conflict(workshop: Workshop, written: str) -> None:
+    linked = workshop.link(BASE, options(written))
+    assert not linked.sink.diagnostics
+    assert "<option" not in linked.xml
+
+
+CONFLICTS = [
+    ('<option timestep="0.01"/>', "option.timestep", "option: {timestep: 0.01}"),
+    ('<option cone="elliptic"/>', "option.cone", "option: {cone: elliptic}"),
+    ('<option gravity="0 0 0"/>', "option.gravity", "option: {gravity: [0, 0, 0]}"),
+    (
+        '<option><flag contact="disable"/></option>',
+        "option.flag.contact",
+        "option: {flag: {contact: disable}}",
+    ),
+    (
+        '<visual><global offwidth="800"/></visual>',
+        "visual.global.offwidth",
+        "visual: {global: {offwidth: 800}}",
+    ),
+    ('<visual><rgba haze="1 0 0 1"/></visual>', "visual.rgba.haze", "visual: {rgba: {haze: [1, 0, 0, 1]}}"),
+    ('<statistic extent="3"/>', "statistic.extent", "statistic: {extent: 3}"),
+    ('<statistic center="0 0 1"/>', "statistic.center", "statistic: {center: [0, 0, 1]}"),
+]
+
+
+@pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
+def test_what_a_part_asks_for_in_vain_is_told(
+    workshop: Workshop, written: str, path: str, settling: str
+) -> None:
+    linked = workshop.link(BASE, f"<mujoco>\n{written}</mujoco>")
+    fault = linked.fault
+    assert (fault.code, fault.span and fault.span.line) == ("option-conflict", 2)
+    assert f"`{path}`" in fault.message
+    assert settling in (fault.help or "")
+
+
+@pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
+def test_what_the_recipe_settles_is_no_conflict(
+    workshop: Workshop, written: str, path: str, settling: str
+) -> None:
+    settled = frozenset({path.replace(".", "/")})
+    assert not workshop.link(BASE, options(written), settled=settled).sink.diagnostics
+
+
+@pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
+def test_a_conflict_may_be_a_warning(workshop: Workshop, written: str, path: str, settling: str) -> None:
+    linked = workshop.link(BASE, options(written), conflict="warning")
+    assert told(linked) == [("option-conflict", "warning")]
+    assert written not in linked.xml
+
+
+@pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
+def test_a_default_gives_way_in_a_merge(workshop: Workshop, written: str, path: str, settling: str) -> None:
+    linked = workshop.link(BASE, options(written), conflict="merge")
+    assert told(linked) == [("option-conflict", "warning")]
+    section, *inner, name = path.split(".")
+    element = linked.linking.base.root.find("/".join([section, *inner]))
+    assert f'{name}="{element.get(name)}"' in written
+    linked.model()
+
+
+def test_both_places_are_told(workshop: Workshop) -> None:
+    linked = workshop.link(
+        options('\n<option cone="elliptic"/>'),
+        Piece(options('<option cone="pyramidal"/>'), "a/"),
+        Piece(options('<option cone="elliptic"/>'), "b/"),
+        Piece(options('<option cone="pyramidal"/>'), "c/"),
+    )
+    fault = linked.fault
+    assert fault.span is not None
+    assert fault.span.file == str(linked.paths[1])
+    places = [(note.span.file, note.span.line) for note in fault.notes if note.span]
+    assert places == [(str(linked.paths[0]), 2), (str(linked.paths[3]), 1)]
+
+
+MERGES = [
+    ("timestep", "0.01", "0.004", "0.004"),
+    ("timestep", "0.004", "1e-2", "0.004"),
+    ("tolerance", "1e-6", "1e-10", "1e-10"),
+    ("iterations", "50", "200", "200"),
+    ("iterations", "200", "50", "200"),
+    ("ls_iterations", "20", "70", "70"),
+]
+
+
+@pytest.mark.parametrize(("name", "base", "part", "expected"), MERGES)
+def test_of_two_authored_values_the_safer_is_merged(
+    workshop: Workshop, name: str, base: str, part: str, expected: str
+) -> None:
+    linked = workshop.link(
+        options(f'<option {name}="{base}"/>'), options(f'<option {name}="{part}"/>'), conflict="merge"
+    )
+    assert told(linked) == [("option-conflict", "warning")]
+    assert f'{name}="{expected}"' in linked.xml
+
+
+def test_what_has_no_safer_value_is_an_error_in_a_merge_too(workshop: Workshop) -> None:
+    linked = workshop.link(
+        options('<option cone="elliptic"/>'), options('<option cone="pyramidal"/>'), conflict="merge"
+    )
+    assert told(linked) == [("option-conflict", "error")]
+
+
+def test_merged_values_are_those_that_later_parts_meet(workshop: Workshop) -> None:
+    linked = workshop.link(
+        BASE,
+        Piece(options('<option timestep="0.01"/>'), "a/"),
+        Piece(options('<option timestep="0.005"/>'), "b/"),
+        Piece(options('<option timestep="0.01"/>'), "c/"),
+        conflict="merge",
+    )
+    assert len(linked.sink.diagnostics) == 3
+    assert linked.model().opt.timestep == 0.005
+
+
+def test_the_base_is_never_asked(workshop: Workshop) -> None:
+    base = options('<option timestep="0.01"/><option cone="elliptic"/><visual><map znear=".1"/></visual>')
+    linked = workshop.link(base, BASE)
+    assert not linked.sink.diagnostics
+    assert linked.model().opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+
+
+SIZES = [
+    ("nuserdata", "3", "5", "5"),
+    ("nuserdata", "7", "5", "7"),
+    ("nconmax", "100", "200", "200"),
+    ("njmax", "-1", "300", "300"),
+    ("memory", "1M", "900K", "1M"),
+    ("memory", "1M", "2m", "2m"),
+    ("memory", "100", "1K", "1K"),
+    ("nuser_geom", "3", "2", "3"),
+    ("nuser_geom", "-1", "2", "2"),
+]
+
+
+@pytest.mark.parametrize(("name", "base", "part", "expected"), SIZES)
+def test_of_two_sizes_the_larger_serves_both(
+    workshop: Workshop, name: str, base: str, part: str, expected: str
+) -> None:
+    linked = workshop.link(options(f'<size {name}="{base}"/>'), options(f'<size {name}="{part}"/>'))
+    assert f'{name}="{expected}"' in linked.xml
+    linked.model()
+
+
+def test_the_size_of_a_part_alone_counts(workshop: Workshop) -> None:
+    linked = workshop.link(BASE, options('<size nuserdata="4" memory="3M" nuser_body="2"/>'))
+    model = linked.model()
+    assert (model.nuserdata, model.nuser_body, model.narena) == (4, 2, 3 * 2**20)
+
+
+@pytest.mark.parametrize("older", ["njmax", "nstack"])
+def test_memory_and_its_older_spellings_do_not_meet(workshop: Workshop, older: str) -> None:
+    for base, part in (('memory="1M"', f'{older}="500"'), (f'{older}="500"', 'memory="1M"')):
+        linked = workshop.link(options(f"<size {base}/>"), options(f"<size {part}/>"))
+        assert told(linked) == [("option-conflict", "warning")]
+        assert older not in linked.xml
+        linked.model()
+
+
+USERS = {
+    "body": ('<body name="b" {}/>', "nuser_body"),
+    "geom": ('<geom name="b" size="1" {}/>', "nuser_geom"),
+    "site": ('<site name="b" {}/>', "nuser_site"),
+    "camera": ('<camera name="b" {}/>', "nuser_cam"),
+    "joint": ('<body name="b"><geom size="1"/><joint name="b" {}/></body>', "nuser_jnt"),
+}
+
+
+@pytest.mark.parametrize(("element", "size"), USERS.values(), ids=USERS.keys())
+def test_user_data_of_all_parts_finds_room(workshop: Workshop, element: str, size: str) -> None:
+    base = options(f'<size {size}="1"/><worldbody>{element.format(user("7"))}</worldbody>')
+    part = options(f"<worldbody>{element.format(user('1 2 3'))}</worldbody>")
+    model = workshop.link(base, part).check()
+    assert getattr(model, size) == 3
+    # The other way round nothing is written, and MuJoCo makes room itself.
+    workshop.link(part, base).check()
+
+
+def user(values: str) -> str:
+    return f'user="{values}"'
+
+
+@pytest.mark.parametrize("given", ["on the element", "by a class"])
+def test_user_data_outside_the_body_tree_finds_room(workshop: Workshop, given: str) -> None:
+    own = 'user="1 2 3 4"'
+    default = f"<default><motor {own}/><tendon {own}/></default>" if given == "by a class" else ""
+    own = own if not default else ""
+    text = f"""<mujoco>{default}<worldbody><body name="b"><joint name="j"/><geom size="1"/></body></worldbody>
+      <tendon><fixed name="t" {own}><joint joint="j" coef="1"/></fixed></tendon>
+      <actuator><motor name="m" joint="j" {own}/></actuator>
+      <sensor><jointpos name="s" joint="j" user="1 2 3 4"/></sensor></mujoco>"""
+    sizes = '<mujoco><size nuser_tendon="1" nuser_actuator="2" nuser_sensor="0"/></mujoco>'
+    model = workshop.link(sizes, text).check()
+    assert (model.nuser_tendon, model.nuser_actuator, model.nuser_sensor) == (4, 4, 4)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "line"),
+    [
+        ("option/timestep", "0.01", "option: {timestep: 0.01}"),
+        ("option/flag/contact", "disable", "option: {flag: {contact: disable}}"),
+        ("visual/rgba/haze", "1 0 0 1", "visual: {rgba: {haze: [1, 0, 0, 1]}}"),
+    ],
+)
+def test_the_line_that_settles_a_conflict(path: str, value: str, line: str) -> None:
+    assert line in settle(path, value)
+
+
+def test_a_model_alone_is_not_looked_at(workshop: Workshop) -> None:
+    linked = workshop.link(options('<size memory="1M" nkey="3"/><option timestep="7"/>'))
+    assert not linked.sink.diagnostics
+    assert 'nkey="3"' in linked.xml
