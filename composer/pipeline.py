@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
-from composer.plan.make import make_plan
+from composer.plan.make import plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
 from composer.steps.measure import measure_with
@@ -33,7 +33,7 @@ def build(
     recipe: Path, context: Context, *, verified: bool = True, limits: Limits | None = None
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors."""
-    if (plan := make_plan(recipe, context)) is None:
+    if (plan := plan_what_remains(recipe, context)) is None:
         return None
     if (composed := Composer(context, measure_with(context, limits)).compose(plan)) is None:
         return None

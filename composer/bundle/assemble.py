@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 
 def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
     """The bundle, still without its manifest; None where a file is missing."""
-    before = len(context.sink.errors)
+    before = context.sink.error_count
     uses = tuple(uses)
     files = collect(model, uses, context.sink, context.shown)
     licences = {label: source.licences for label, source in sources(plan)}
     try:
         files.update(licence_files(licences))
-        if len(context.sink.errors) > before:
+        if context.sink.error_count > before:
             return None
         return Bundle({**files, MODEL: write(model.root)})
     except (OSError, BundleError) as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from lxml import etree
@@ -50,9 +50,10 @@ class Composer:
     uses: Counter[Path] = field(default_factory=Counter)
 
     def compose(self, plan: Plan) -> Composed | None:
-        """The model of a plan, or None where there were errors."""
+        """The model of a plan, or None where there were errors, those of earlier stages included."""
         self._count(plan)
-        return self._compose(plan)
+        composed = self._compose(plan)
+        return None if self.context.sink.has_errors else composed
 
     def _count(self, plan: Plan) -> None:
         for model in (plan.base.model, *(part.model for part in plan.parts)):
@@ -64,11 +65,15 @@ class Composer:
     def _compose(self, plan: Plan) -> Composed | None:
         base = self._unit(plan.base.model, plan.base.span) if plan.base.model is not None else _empty(plan)
         units = [self._unit(step.model, locate(plan.document, (*step.at, "model"))) for step in plan.parts]
-        given = [unit for unit in units if unit is not None]
-        if base is None or len(given) < len(units):
+        if base is None:
             return None
+        given = [unit for unit in units if unit is not None]
+        whole = len(given) == len(units)
+        if not whole:
+            plan = self._without_lost(plan, units)
         try:
-            return self._joined(plan, base, given)
+            composed = self._joined(plan, base, given)
+            return composed if whole else None
         except STUMBLES:
             if malformed(self._anew(plan), self.context.sink):
                 return None
@@ -79,9 +84,17 @@ class Composer:
             )
             return None
 
+    def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
+        """The plan of the parts that there are, in which more faults can be found."""
+        kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
+        self.context.sink.forgive(
+            step.prefix.removesuffix(plan.separator) for step in plan.parts if step not in kept
+        )
+        return replace(plan, parts=tuple(kept))
+
     def _joined(self, plan: Plan, base: Unit, units: list[Unit]) -> Composed | None:
         """The parts hung on the base, and the recipe's own elements in it."""
-        before = len(self.context.sink.errors)
+        before = self.context.sink.error_count
         base.root.set("model", plan.name)
         if plan.base.keyframes == "none":
             for section in list(base.root.iterchildren("keyframe")):
@@ -103,10 +116,10 @@ class Composer:
         if not link(linking):
             return None
         _carry_out(plan, linking, making)
-        if len(self.context.sink.errors) > before:
+        if self.context.sink.error_count > before:
             return None
         finish(linking)
-        if len(self.context.sink.errors) > before:
+        if self.context.sink.error_count > before:
             return None
         flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
         return Composed(flat, tuple(linking.files))

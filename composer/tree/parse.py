@@ -62,7 +62,7 @@ def parse_text(
     contents: Mapping[str, bytes | Path] | None = None,
 ) -> Unit | None:
     """The unit of MJCF text whose files resolve against `directory`, or against `contents` first."""
-    before = len(sink.errors)
+    before = sink.error_count
     root = _parse_xml(data, file, sink)
     if root is None:
         return None
@@ -78,10 +78,10 @@ def parse_text(
         return None
     if next(root.iter("include"), None) is not None:
         _Includes(unit, sink).expand(root, file, directory)
-    for section in root.iterchildren("*") if len(sink.errors) == before else ():
+    for section in root.iterchildren("*") if sink.error_count == before else ():
         if section.tag not in _sections():
             _unknown_section(section, unit, sink)
-    return None if len(sink.errors) > before else unit
+    return None if sink.error_count > before else unit
 
 
 @cache
