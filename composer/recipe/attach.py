@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import (
     ConfigDict,
+    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
@@ -82,6 +83,8 @@ class Attachment(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
     site: Annotated[str | None, Text("site")] = None
     """The site that the part hangs on."""
     body: Annotated[str | None, Text("body")] = None

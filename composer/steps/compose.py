@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -27,9 +28,15 @@ from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
 from composer.steps.loose_ends import check_names
 from composer.steps.section import append, set_default, set_singleton
+from composer.steps.urdf import urdf_unit
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from composer.engine import Limits
+
+_Key = tuple[Path, tuple[tuple[str, Path], ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +53,9 @@ class Composer:
 
     context: Context
     measure: Measure | None
-    parsed: dict[Path, Unit | None] = field(default_factory=dict)
-    uses: Counter[Path] = field(default_factory=Counter)
+    limits: Limits | None = None
+    parsed: dict[_Key, Unit | None] = field(default_factory=dict)
+    uses: Counter[_Key] = field(default_factory=Counter)
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors."""
@@ -59,7 +67,7 @@ class Composer:
             if isinstance(model, Plan):
                 self._count(model)
             elif model is not None:
-                self.uses[model.path] += 1
+                self.uses[_key(model)] += 1
 
     def _compose(self, plan: Plan) -> Composed | None:
         base = self._unit(plan.base.model, plan.base.span) if plan.base.model is not None else _empty(plan)
@@ -116,7 +124,7 @@ class Composer:
         for model in (plan.base.model, *(part.model for part in plan.parts)):
             if isinstance(model, Plan):
                 yield from self._anew(model)
-            elif model is not None:
+            elif model is not None and model.format == "mjcf":
                 unit = parse_file(model.path, Sink(), file=self.context.shown(model.path))
                 if unit is not None:
                     yield unit
@@ -125,14 +133,24 @@ class Composer:
         if isinstance(model, Plan):
             composed = self._compose(model)
             return composed.model if composed else None
-        if model.path not in self.parsed:
-            shown = self.context.shown(model.path)
-            self.parsed[model.path] = parse_file(model.path, self.context.sink, file=shown, span=span)
-        unit = self.parsed[model.path]
-        self.uses[model.path] -= 1
-        if unit is None or self.uses[model.path] <= 0:
+        key = _key(model)
+        if key not in self.parsed:
+            self.parsed[key] = self._read(model, span)
+        unit = self.parsed[key]
+        self.uses[key] -= 1
+        if unit is None or self.uses[key] <= 0:
             return unit
         return unit.copied()
+
+    def _read(self, model: Source, span: Span | None) -> Unit | None:
+        if model.format == "urdf":
+            return urdf_unit(model, self.context, self.limits, span)
+        return parse_file(model.path, self.context.sink, file=self.context.shown(model.path), span=span)
+
+
+def _key(model: Source) -> _Key:
+    """What sources that read the same have in common."""
+    return model.path, model.packages
 
 
 def _top_tags(plan: Plan) -> Iterator[str]:

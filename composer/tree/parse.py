@@ -28,7 +28,7 @@ _TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
 _MAX_BYTES = 256 * 1024 * 1024
 _NO_MODEL = {
     "mujocoinclude": "refer to the model that includes it",
-    "robot": "it looks like URDF: convert it to MJCF first",
+    "robot": "it looks like URDF: a recipe reads it if its name ends in `.urdf`",
     "sdf": "it looks like SDFormat: convert it to MJCF first",
 }
 
@@ -39,17 +39,24 @@ def parse_file(path: Path, sink: Sink, *, file: str | None = None, span: Span | 
     `file` is how messages name it, `span` where it is asked for.
     """
     shown = file or str(path)
-    try:
-        data = _read(path)
-    except OSError as error:
-        message, help = _unreadable(f"the model `{shown}`", Path(shown), path, error)
-        code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
-        sink.error(code, message, span, help=help)
+    data = read_file(path, sink, file=shown, span=span)
+    if data is None:
         return None
     unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem)
     if unit is not None:
         unit.origins.texts[shown] = path
     return unit
+
+
+def read_file(path: Path, sink: Sink, *, file: str, span: Span | None = None) -> bytes | None:
+    """The bytes of a model file; where they cannot be had that goes to `sink`."""
+    try:
+        return _read(path)
+    except OSError as error:
+        message, help = _unreadable(f"the model `{file}`", Path(file), path, error)
+        code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
+        sink.error(code, message, span, help=help)
+        return None
 
 
 def parse_text(
@@ -63,7 +70,7 @@ def parse_text(
 ) -> Unit | None:
     """The unit of MJCF text whose files resolve against `directory`, or against `contents` first."""
     before = len(sink.errors)
-    root = _parse_xml(data, file, sink)
+    root = parse_xml(data, file, sink)
     if root is None:
         return None
     unit = Unit(root, file, directory, label, contents or {})
@@ -140,7 +147,7 @@ class _Includes:
         except OSError as error:
             refuse(*_unreadable(f"the included file `{name}`", Path(name), path, error))
             return
-        included = _parse_xml(data, shown, self.sink)
+        included = parse_xml(data, shown, self.sink)
         if included is None:
             return
         origins.texts[shown] = data
@@ -206,7 +213,8 @@ def _parser() -> etree.XMLParser:
     return parser
 
 
-def _parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
+def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
+    """The root of XML that may be lax where MuJoCo's reader is; what is wrong with it goes to `sink`."""
     if isinstance(data, str):
         data = data.encode()
     try:

@@ -15,7 +15,5 @@ UNLIKE_MJSPEC = {
 
 NOT_YET = {
     "48-fusestatic-child": "`fusestatic` of a part is refused",
-    "84-urdf-child": "URDF is refused",
-    "dev-scene+stretchURDF": "URDF is refused",
 }
 """What has to be refused with a diagnostic until it works."""
