@@ -21,48 +21,77 @@ class Converted:
 
     `meshes` are the files that MuJoCo asks for, as it looks for them: below the URDF's folder and `folder` (its
     `meshdir`) unless absolute, or still `package://…` where the package is not known. Empty where it was not
-    read so far. `error` and `crash` are as in `Compiled`.
+    read so far. `warnings` are about the reading alone: those about the model come again when it is compiled.
+    `error` and `crash` are as in `Compiled`.
 
-    In `text` each link is a body. One that MuJoCo fused with its parent is a `<frame>` that has the link's name
-    (from MuJoCo 4.0 on; an older one leaves nothing of it).
+    In `text` each link is a body, with a `<frame>` of its name in it. One that MuJoCo fused with its parent is a
+    frame that holds that one (from MuJoCo 4.0 on; an older one leaves nothing of it).
     """
 
     text: str | None
     meshes: tuple[str, ...] = ()
     folder: str = ""
+    warnings: tuple[str, ...] = ()
     error: str | None = None
     crash: str | None = None
 
 
-def convert_urdf(path: Path, packages: Mapping[str, Path], *, limits: Limits | None = None) -> Converted:
+def convert_urdf(
+    path: Path, packages: Mapping[str, Path], *, stands: bool = True, limits: Limits | None = None
+) -> Converted:
     """Convert a file; `packages` has the folders that `package://NAME` stands for.
 
+    Whether it `stands` in the world decides about the root link: as long as it does, MuJoCo fuses it with the
+    world, which has no inertia; what shall move or hang on something keeps it as a body.
     Needs all meshes, for MuJoCo saves only what compiles. Never raises for what the file holds.
     """
     argument = {
         "path": str(path.absolute()),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},
+        "stands": stands,
     }
     with Session(limits) as session:
-        called = call(session, convert, (), argument)
-    if not called.ok:
-        return Converted(None, error=called.error, crash=called.crash)
-    value = called.value
-    error = value["error"] and without_folder(value["error"], path.parent)
-    return Converted(value["text"], tuple(value["meshes"]), value["folder"], error)
+        read = call(session, read_meshes, (), argument)
+        converted = call(session, convert, (), argument) if read.ok and not read.value["error"] else read
+    meshes, folder = (read.value["meshes"], read.value["folder"]) if read.ok else ([], "")
+    error = converted.value["error"] if converted.ok else converted.error
+    return Converted(
+        converted.value.get("text") if converted.ok else None,
+        tuple(meshes),
+        folder,
+        tuple(without_folder(text, path.parent) for text in read.warnings),
+        error and without_folder(error, path.parent),
+        converted.crash,
+    )
+
+
+def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
+    """Runs in the child: what MuJoCo reads, with none of it compiled."""
+    try:
+        spec = _read(mujoco, argument)
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        return {"error": _told(error), "meshes": [], "folder": ""}
+    return {"error": None, "meshes": [mesh.file for mesh in spec.meshes], "folder": spec.meshdir}
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
-    """Runs in the child."""
-    answer: dict[str, Any] = {"text": None, "meshes": [], "folder": "", "error": None}
+    """Runs in the child: the text, or why there is none."""
     try:
-        spec = mujoco.MjSpec.from_file(argument["path"])
-        for mesh in spec.meshes:
-            mesh.file = _found(mesh.file, argument["packages"])
-        answer |= {"meshes": [mesh.file for mesh in spec.meshes], "folder": spec.meshdir}
-        return answer | {"text": _saved(mujoco, spec)}
+        return {"error": None, "text": _saved(mujoco, _read(mujoco, argument), argument["stands"])}
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        return answer | {"error": str(error).strip() or type(error).__name__}
+        return {"error": _told(error)}
+
+
+def _told(error: Exception) -> str:
+    return str(error).strip() or type(error).__name__
+
+
+def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
+    """The spec of the file, its packages resolved."""
+    spec = mujoco.MjSpec.from_file(argument["path"])
+    for mesh in spec.meshes:
+        mesh.file = _found(mesh.file, argument["packages"])
+    return spec
 
 
 def _found(file: str, packages: Mapping[str, str]) -> str:
@@ -70,7 +99,7 @@ def _found(file: str, packages: Mapping[str, str]) -> str:
     return f"{packages[name]}/{inside}" if file.startswith(PACKAGE) and name in packages else file
 
 
-def _saved(mujoco: Any, spec: Any) -> str:
+def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
     """The text of a spec.
 
     What the compiler would do to the whole model is done here, where it is still a model of its own: in a
@@ -78,11 +107,14 @@ def _saved(mujoco: Any, spec: Any) -> str:
     """
     compiler = spec.compiler
     compiler.saveinertial = False
-    if not hasattr(compiler, "savecompiled"):
+    if not (hasattr(compiler, "savecompiled") and hasattr(spec, "fuse_static")):
         _save_all_digits(mujoco)
+        compiler.fusestatic &= stands  # nothing less keeps the root
         return str(spec.to_xml())
     for body in spec.bodies[1:]:
         body.add_frame(name=body.name)  # is carried along by what becomes of the body
+    for root in () if stands else spec.worldbody.bodies:
+        root.fuse = 0
     if compiler.discardvisual:
         spec.discard_visual()
     if compiler.fusestatic:

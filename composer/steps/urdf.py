@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,13 +21,12 @@ from composer.grammar import GRAMMAR
 from composer.link.linking import FileUse
 from composer.sources import ros_package
 from composer.sources.source import Source
-from composer.tree.files import join, stem
-from composer.tree.line import line_of
+from composer.steps.urdf_fault import explain, named_in
+from composer.tree.files import join
 from composer.tree.parse import parse_text, parse_xml, read_file
 from composer.tree.unit import Unit
 from composer.tree.urdf import locate_in_urdf, mesh_of, name_fused_links
-from composer.verify.compiles import CRASHES, Fault, parse
-from composer.verify.told import told
+from composer.verify.compiles import CRASHES, parse
 
 if TYPE_CHECKING:
     from composer.engine import Converted, Limits
@@ -35,8 +35,13 @@ _READ = ("compiler", "option", "size")
 """The sections of `<mujoco>` that MuJoCo reads in URDF."""
 
 
-def urdf_unit(source: Source, context: Context, limits: Limits | None, span: Span | None) -> Unit | None:
-    """The unit of a URDF file; faults go to the sink and give None. `span` is where the recipe asks for it."""
+def urdf_unit(
+    source: Source, context: Context, limits: Limits | None, span: Span | None, *, stands: bool = True
+) -> Unit | None:
+    """The unit of a URDF file; faults go to the sink and give None.
+
+    `span` is where the recipe asks for it. What `stands` in the world loses its root link to it, as it does alone.
+    """
     shown = context.shown(source.path)
     data = read_file(source.path, context.sink, file=shown, span=span)
     robot = None if data is None else parse_xml(data, shown, context.sink)
@@ -45,7 +50,7 @@ def urdf_unit(source: Source, context: Context, limits: Limits | None, span: Spa
     written = Unit(robot, shown, source.path.parent, source.path.stem)
     written.origins.texts[shown] = data
     given = dict(source.packages)
-    return _Reading(written, data, source.path, given, context, limits, span).unit()
+    return _Reading(written, data, source.path, given, context, limits, span, stands).unit()
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +64,7 @@ class _Reading:
     context: Context
     limits: Limits | None
     asked: Span | None
+    stands: bool
 
     def unit(self) -> Unit | None:
         if not self._is_urdf():
@@ -66,7 +72,11 @@ class _Reading:
         self._tell_unread()
         names = ros_package.packages_in(self.data.decode("utf-8", "replace"))
         packages = ros_package.folders(names, self.path, self.given)
-        converted = engine.convert_urdf(self.path, packages, limits=self.limits)
+        converted = engine.convert_urdf(self.path, packages, stands=self.stands, limits=self.limits)
+        for warning in converted.warnings:
+            self.context.sink.warning(
+                "mujoco-warning", f"MuJoCo warns: {warning}", self._span(named_in(warning, self.written.root))
+            )
         if converted.text is None:
             self._refused(converted)
             return None
@@ -142,12 +152,11 @@ class _Reading:
         before = len(self.context.sink.errors)
         self._missing(converted)
         if len(self.context.sink.errors) == before:
-            fault = parse(converted.error or "")
-            message = " ".join(fault.message.split())
-            help = told(message, None).help or "mend the file, or convert it to MJCF by hand and name that"
+            fault = explain(parse(converted.error or ""), self.written.root)
             self._error(
-                "mujoco-rejects", f"MuJoCo rejects the URDF: {message}", self._element(fault), help=help
-            )
+                "mujoco-rejects", fault.message, fault.element, fault.attribute,
+                notes=fault.notes, help=fault.help,
+            )  # fmt: skip
 
     def _missing(self, converted: Converted) -> None:
         unknown: dict[str, Node] = {}
@@ -169,7 +178,8 @@ class _Reading:
 
     def _unknown_package(self, name: str, mesh: Node) -> None:
         near = ros_package.beside(name, self.path)
-        folder = "PATH" if near is None else self.context.shown(near)
+        recipe = self.context.folder / (self.asked.file if self.asked else "")
+        folder = "PATH" if near is None else Path(os.path.relpath(near, recipe.parent)).as_posix()
         given = exists_note("package", list(self.given), name)
         note = Note(f"no folder above `{self.written.file}` is called `{name}`")
         self._error(
@@ -180,17 +190,3 @@ class _Reading:
             notes=(note, given) if self.given else (note,),
             help=f"say beside `model` where it is: `packages: {{{name}: {folder}}}`",
         )
-
-    def _element(self, fault: Fault) -> Node | None:
-        """The element of the URDF that MuJoCo speaks of, by its line or by its name."""
-        if fault.line is not None:
-            tags = (fault.element,) if fault.element else ("*",)
-            after = (each for each in self.written.root.iter(*tags) if (line_of(each) or 0) >= fault.line)
-            return next(after, None)
-        if fault.name is None:
-            return None
-        for each in self.written.root.iter("link", "joint", "mesh", "visual", "collision"):
-            name = stem(str(each.get("filename"))) if each.tag == "mesh" else each.get("name")
-            if name == fault.name:
-                return each
-        return None

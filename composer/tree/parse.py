@@ -221,6 +221,10 @@ def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
         return etree.fromstring(data, _parser())
     except etree.XMLSyntaxError as error:
         fault = error
+    if (fault.msg or "").startswith("Namespace prefix"):
+        root = _with_undefined_prefixes(data)
+        if root is not None:
+            return root
     try:
         return etree.fromstring(_as_mujoco_reads(data), _parser())
     except (etree.XMLSyntaxError, UnicodeDecodeError):
@@ -228,6 +232,16 @@ def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
         text = data.decode("utf-8", "replace")
         xml_fault.tell(fault.msg or "it cannot be read", file, max(line, 1), max(column, 1), text, sink)
         return None
+
+
+def _with_undefined_prefixes(data: bytes) -> Node | None:
+    """What is XML but for prefixes that nothing declares, which mean nothing to MuJoCo; None for what is not."""
+    parser = etree.XMLParser(
+        remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
+        collect_ids=False, recover=True,
+    )  # fmt: skip
+    root = etree.fromstring(data, parser)
+    return root if all(each.domain == etree.ErrorDomains.NAMESPACE for each in parser.error_log) else None
 
 
 def _as_mujoco_reads(data: bytes) -> bytes:

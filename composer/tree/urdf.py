@@ -36,6 +36,8 @@ _PLANAR = ("_TX", "_TY", "_RZ")
 def name_fused_links(root: Node) -> None:
     """Take out the empty frames that mark links; one that is no body any more leaves its name to what it became."""
     bodies = {body.get("name") for body in root.iter("body")}
+    for body in root.iter("body"):
+        body.attrib.pop("fuse", "")  # it has been asked for and done
     for mark in [frame for frame in root.iter("frame") if frame.get("name")]:
         holder, name = mark.getparent(), mark.get("name")
         assert holder is not None and name is not None
