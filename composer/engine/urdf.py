@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -108,9 +109,7 @@ def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
     compiler = spec.compiler
     compiler.saveinertial = False
     if not (hasattr(compiler, "savecompiled") and hasattr(spec, "fuse_static")):
-        _save_all_digits(mujoco)
-        compiler.fusestatic &= stands  # nothing less keeps the root
-        return str(spec.to_xml())
+        return _saved_as_compiled(mujoco, spec, stands)
     for body in spec.bodies[1:]:
         body.add_frame(name=body.name)  # is carried along by what becomes of the body
     for root in () if stands else spec.worldbody.bodies:
@@ -122,6 +121,21 @@ def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
     compiler.discardvisual = compiler.fusestatic = False
     compiler.savecompiled = compiler.savecanonical = False
     return str(spec.to_xml())
+
+
+def _saved_as_compiled(mujoco: Any, spec: Any, stands: bool) -> str:
+    """The text of a spec by an older MuJoCo, which saves compiled values: right but for rounding.
+
+    Inertia is written out, for what was inferred before links were fused cannot be inferred from what is left.
+    """
+    _save_all_digits(mujoco)
+    spec.compiler.saveinertial = True
+    if not stands:
+        spec.compiler.fusestatic = False  # nothing less keeps the root
+    text = re.sub(r' inertiafromgeom="\w+"', "", spec.to_xml())
+    if spec.compiler.settotalmass > 0:  # of which what is saved knows nothing
+        text = text.replace("<compiler ", f'<compiler settotalmass="{spec.compiler.settotalmass!r}" ', 1)
+    return text
 
 
 def _save_all_digits(mujoco: Any) -> None:

@@ -83,8 +83,6 @@ class Attachment(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
-    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
-    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
     site: Annotated[str | None, Text("site")] = None
     """The site that the part hangs on."""
     body: Annotated[str | None, Text("body")] = None
@@ -112,6 +110,8 @@ class Attachment(Model):
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
+    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
 
     @model_validator(mode="wrap")
     @classmethod

@@ -18,10 +18,10 @@ class Base(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
-    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
-    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of its keyframes: merged by name with those of the parts, kept apart, or left out."""
+    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
 
     @model_validator(mode="wrap")
     @classmethod

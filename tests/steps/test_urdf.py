@@ -14,6 +14,9 @@ from composer.pipeline import build
 from composer.verify.mount import Mount
 from composer.verify.unchanged import compare
 
+EXACT = hasattr(mujoco.MjSpec, "fuse_static")
+"""An older MuJoCo saves compiled values, which are rounded when they are compiled again."""
+TOLERANCE = 0.0 if EXACT else 1e-9
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
 GOLDEN = Path(__file__).resolve().parents[1] / "golden" / "urdf"
 INERTIA = '<inertia ixx="0.02" ixy="0.001" ixz="0" iyy="0.03" iyz="0.002" izz="0.04"/>'
@@ -101,7 +104,10 @@ def assert_same(alone: mujoco.MjModel, model: mujoco.MjModel) -> None:
     expected, found = arrays(alone), arrays(model)
     assert len(expected) > 300
     for name, value in expected.items():
-        assert value.shape == found[name].shape and value.tobytes() == found[name].tobytes(), name
+        if EXACT:
+            assert value.shape == found[name].shape and value.tobytes() == found[name].tobytes(), name
+        elif not name.startswith(("bvh", "nbvh")):
+            numpy.testing.assert_allclose(found[name], value, rtol=1e-9, atol=1e-9, err_msg=name)
 
 
 @pytest.mark.parametrize("extension", EXTENSIONS.values(), ids=EXTENSIONS)
@@ -118,8 +124,8 @@ def test_as_a_part_it_stays_what_it_is(tmp_path: Path, extension: str) -> None:
     model = built(files(tmp_path, extension, recipe=text))
     alone = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))
     mount = Mount.of(model, pos=(1.0, 2.0, 3.0))
-    assert not compare(alone, model, prefix="a/", hung_on=mount, others=[("b/", alone)])
-    assert not compare(alone, model, prefix="b/", others=[("a/", alone)])
+    assert not compare(alone, model, prefix="a/", hung_on=mount, others=[("b/", alone)], tolerance=TOLERANCE)
+    assert not compare(alone, model, prefix="b/", others=[("a/", alone)], tolerance=TOLERANCE)
 
 
 @pytest.mark.parametrize("place", ["body: cube", "joint: free", "frame: spot"])
@@ -147,12 +153,14 @@ def test_the_root_link_comes_along_in_a_recipe_that_hangs_on_something(tmp_path:
     assert [name for name in bodies if name.endswith("base")] == ["in/base", "in/second/base"]
 
 
+@pytest.mark.skipif(not EXACT, reason="this MuJoCo fuses without a trace")
 def test_a_fused_link_is_a_frame_to_attach_to(tmp_path: Path) -> None:
     text = "base: ./robot.urdf\nadd: [{to: {frame: plate}, site: {name: tip, pos: [0, 0, 1]}}]\n"
     model = built(files(tmp_path, recipe=text))
     assert model.body(model.site("tip").bodyid[0]).name == "arm"
 
 
+@pytest.mark.skipif(not EXACT, reason="this MuJoCo passes over `<mimic>` without a word")
 def test_warnings_stand_in_the_urdf(tmp_path: Path) -> None:
     recipe = files(
         tmp_path,
