@@ -35,7 +35,7 @@ def build(
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors."""
     if (plan := plan_what_remains(recipe, context)) is None:
         return None
-    if (composed := Composer(context, measure_with(context, limits)).compose(plan)) is None:
+    if (composed := Composer(context, measure_with(context, limits), limits).compose(plan)) is None:
         return None
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None

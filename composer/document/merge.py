@@ -39,7 +39,7 @@ _ALTERNATIVES: dict[Path, tuple[tuple[tuple[str, ...], ...], ...]] = {
 def merge(lower: Mapping, upper: Mapping, sink: Sink) -> Mapping:
     """`upper` over `lower`, by the rules of pieces of recipe; a `null` that deletes nothing goes to the sink. No I/O.
 
-    Mappings merge by key; scalars and lists replace, but `add` and `edit` append, and there an item with an `id` that is
+    Mappings merge by key; scalars and lists replace, but `add` and `edit` append, and there an item whose `id` is
     known replaces that one in its place. `null` deletes.
     """
     return _Merge(sink).mappings(lower, upper, ())

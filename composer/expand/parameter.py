@@ -45,7 +45,7 @@ class Parameter:
         return self.unit in ("deg", "rad")
 
     def read(self, value: Value) -> Value | Refusal:
-        """The value as it is kept, or why it cannot be. An angle with a unit becomes a number in the parameter's own."""
+        """The value as it is kept, an angle with a unit as a number in the parameter's; or why it cannot be."""
         if self.is_angle and isinstance(value, str):
             converted = _in_unit(value, str(self.unit))
             if converted is not None:

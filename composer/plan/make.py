@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from composer.context import Context
@@ -23,6 +24,8 @@ from composer.plan.plan import (
     SetSingleton,
     Step,
 )
+from composer.recipe.attach import Attachment
+from composer.recipe.base import Base
 from composer.recipe.element import Element
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
@@ -137,6 +140,7 @@ class _Planner:
             return LoadBase(None, "merge", None)
         span = locate(document, ("base", "model"))
         model = self._model(recipe.base.model, span, path, inside)
+        model = self._with_packages(model, recipe.base, ("base",), document, path)
         return None if model is None else LoadBase(model, recipe.base.keyframes, span)
 
     def _parts(
@@ -159,6 +163,7 @@ class _Planner:
                 continue
             taken[prefix] = span
             model = self._model(attachment.model, locate(document, (*at, "model")), path, inside, recipe)
+            model = self._with_packages(model, attachment, at, document, path)
             if model is None:
                 self.sink.forgive([own])
             else:
@@ -178,10 +183,6 @@ class _Planner:
             notes = tuple(Note(note) for note in error.notes)
             self.sink.error(error.code, error.message, span, notes=notes, help=error.help)
             return None
-        if source.format == "urdf":
-            self.sink.error("not-supported", f"URDF cannot be composed yet: `{reference}`", span,
-                            help="convert it to MJCF once, with MuJoCo's `compile` or `MjSpec`")  # fmt: skip
-            return None
         if source.format != "recipe":
             return source
         plan = self.plan(source.path, inside, span)
@@ -193,6 +194,37 @@ class _Planner:
                 help=f'give both the same: `separator: "{plan.separator}"`',
             )
         return plan
+
+    def _with_packages(
+        self,
+        model: Source | Plan | None,
+        asked: Base | Attachment,
+        at: tuple[str | int, ...],
+        document: Mapping,
+        path: Path,
+    ) -> Source | Plan | None:
+        """The model with the folders of the packages that its URDF refers to."""
+        if not asked.packages or model is None:
+            return model
+        if not isinstance(model, Source) or model.format != "urdf":
+            self.sink.error(
+                "unknown-key",
+                f"`packages` is for URDF, and `{asked.model}` is none",
+                locate(document, (*at, "packages"), key=True),
+                help="take `packages` out",
+            )
+            return model
+        found = {name: path.parent / folder for name, folder in asked.packages.items()}
+        for name, folder in found.items():
+            if not folder.is_dir():
+                self.sink.error(
+                    "file-not-found",
+                    f"the folder of the package `{name}` is not there: `{self.context.shown(folder)}`",
+                    locate(document, (*at, "packages", name)),
+                    help="the path is relative to the recipe, and leads to the folder that `package://"
+                    f"{name}` stands for",
+                )
+        return replace(model, packages=tuple(found.items()))
 
     def _without_rings(self, parts: tuple[AttachPart, ...]) -> tuple[AttachPart, ...]:
         """Tell parts that hang on one another in a ring, which hang on nothing; the others remain."""

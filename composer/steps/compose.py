@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -20,16 +21,22 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
-from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.plan.plan import AddElement, AppendElement, AttachPart, Plan, SetDefault, SetSingleton
 from composer.sources.source import Source
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
 from composer.steps.loose_ends import check_names
 from composer.steps.section import append, set_default, set_singleton
+from composer.steps.urdf import urdf_unit
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from composer.engine import Limits
+
+_Key = tuple[Path, tuple[tuple[str, Path], ...], bool]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,25 +53,32 @@ class Composer:
 
     context: Context
     measure: Measure | None
-    parsed: dict[Path, Unit | None] = field(default_factory=dict)
-    uses: Counter[Path] = field(default_factory=Counter)
+    limits: Limits | None = None
+    parsed: dict[_Key, Unit | None] = field(default_factory=dict)
+    uses: Counter[_Key] = field(default_factory=Counter)
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors, those of earlier stages included."""
-        self._count(plan)
-        composed = self._compose(plan)
+        self._count(plan, True)
+        composed = self._compose(plan, True)
         return None if self.context.sink.has_errors else composed
 
-    def _count(self, plan: Plan) -> None:
-        for model in (plan.base.model, *(part.model for part in plan.parts)):
+    def _count(self, plan: Plan, stands: bool) -> None:
+        for model, inner in _models(plan, stands):
             if isinstance(model, Plan):
-                self._count(model)
-            elif model is not None:
-                self.uses[model.path] += 1
+                self._count(model, inner)
+            else:
+                self.uses[_key(model, inner)] += 1
 
-    def _compose(self, plan: Plan) -> Composed | None:
-        base = self._unit(plan.base.model, plan.base.span) if plan.base.model is not None else _empty(plan)
-        units = [self._unit(step.model, locate(plan.document, (*step.at, "model"))) for step in plan.parts]
+    def _compose(self, plan: Plan, stands: bool) -> Composed | None:
+        """The model of a plan; `stands` says that it is fixed in the world of what is made in the end."""
+        base: Unit | None = _empty(plan)
+        if plan.base.model is not None:
+            base = self._unit(plan.base.model, plan.base.span, stands)
+        units = [
+            self._unit(step.model, locate(plan.document, (*step.at, "model")), stands and _stands(step))
+            for step in plan.parts
+        ]
         if base is None:
             return None
         given = [unit for unit in units if unit is not None]
@@ -126,26 +140,52 @@ class Composer:
 
     def _anew(self, plan: Plan) -> Iterator[Unit]:
         """The sources of a plan as their files have them."""
-        for model in (plan.base.model, *(part.model for part in plan.parts)):
+        for model, _ in _models(plan, True):
             if isinstance(model, Plan):
                 yield from self._anew(model)
-            elif model is not None:
+            elif model.format == "mjcf":
                 unit = parse_file(model.path, Sink(), file=self.context.shown(model.path))
                 if unit is not None:
                     yield unit
 
-    def _unit(self, model: Source | Plan, span: Span | None) -> Unit | None:
+    def _unit(self, model: Source | Plan, span: Span | None, stands: bool) -> Unit | None:
         if isinstance(model, Plan):
-            composed = self._compose(model)
+            composed = self._compose(model, stands)
             return composed.model if composed else None
-        if model.path not in self.parsed:
-            shown = self.context.shown(model.path)
-            self.parsed[model.path] = parse_file(model.path, self.context.sink, file=shown, span=span)
-        unit = self.parsed[model.path]
-        self.uses[model.path] -= 1
-        if unit is None or self.uses[model.path] <= 0:
+        key = _key(model, stands)
+        if key not in self.parsed:
+            refused = self.parsed.get((*key[:2], not key[2]), ...) is None  # one fault of a file is told once
+            self.parsed[key] = None if refused else self._read(model, span, stands)
+        unit = self.parsed[key]
+        self.uses[key] -= 1
+        if unit is None or self.uses[key] <= 0:
             return unit
         return unit.copied()
+
+    def _read(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+        if model.format == "urdf":
+            return urdf_unit(model, self.context, self.limits, span, stands=stands)
+        return parse_file(model.path, self.context.sink, file=self.context.shown(model.path), span=span)
+
+
+def _models(plan: Plan, stands: bool) -> Iterator[tuple[Source | Plan, bool]]:
+    """What a plan is made of, and whether each of them stands in the world."""
+    if plan.base.model is not None:
+        yield plan.base.model, stands
+    for part in plan.parts:
+        yield part.model, stands and _stands(part)
+
+
+def _stands(part: AttachPart) -> bool:
+    """Whether a part is fixed in the world of the recipe that it is part of."""
+    asked = part.attachment
+    in_world = asked.site is None and asked.frame is None and asked.body in (None, "world")
+    return in_world and asked.joint in (None, "weld")
+
+
+def _key(model: Source, stands: bool) -> _Key:
+    """What sources that read the same have in common; of MJCF it does not matter where it stands."""
+    return model.path, model.packages, stands or model.format != "urdf"
 
 
 def _top_tags(plan: Plan) -> Iterator[str]:
