@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -58,19 +58,30 @@ class Origins:
             return owner
         if not isinstance(owner, str):
             return owner(attribute)
-        line = line_of(element)
+        written = {str(name): str(value) for name, value in element.items()}
+        return self.in_file(owner, line_of(element), str(element.tag), written, attribute, key)
+
+    def in_file(
+        self,
+        file: str,
+        line: int | None,
+        tag: str,
+        written: Mapping[str, str],
+        attribute: str | None = None,
+        key: bool = False,
+    ) -> Span:
+        """The start tag of the element that ends on that line of a file, or what it has of an attribute."""
         if line is None:
-            return Span(owner, 1, 1)
-        text = self.text(owner)
+            return Span(file, 1, 1)
+        text = self.text(file)
         found = None
         if text is not None:
-            written = {str(name): str(value) for name, value in element.items()}
             if attribute is not None:
-                found = text.attribute(str(element.tag), line, written, attribute, key=key)
-            found = found or text.element(str(element.tag), line, written)
+                found = text.attribute(tag, line, written, attribute, key=key)
+            found = found or text.element(tag, line, written)
         if found is None:
-            return Span(owner, line, 1)
-        return Span(owner, found.line, found.column, found.line, found.end_column)
+            return Span(file, line, 1)
+        return Span(file, found.line, found.column, found.line, found.end_column)
 
     def adopt(self, other: Origins) -> None:
         """Take over what is known of elements that have moved here from another tree."""

@@ -1,0 +1,306 @@
+"""What a pass or a step did to an element, in words, and the place that is the reason."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from composer.diagnostics.span import Span
+from composer.document.node import find, locate
+from composer.explain.trace import Cause, Change, Life, Move, Trace
+from composer.link.angles import model_angle
+from composer.link.inertia import MEASURED
+from composer.link.limits import model_autolimits
+from composer.link.linking import Part
+from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.tree.classes import MAIN, ORIENTATIONS
+from composer.tree.settings import Settings
+
+if TYPE_CHECKING:
+    from composer.tree.unit import Unit
+
+_DEFAULT = Settings()
+_FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What was done, in words that follow a change, and where the reason for it is written."""
+
+    words: str
+    span: Span | None = None
+
+
+class Causes:
+    """The words of the changes that one trace has."""
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace = trace
+
+    def change(self, change: Change, life: Life) -> Told:
+        """Why an attribute changed."""
+        cause = change.cause
+        known = _CHANGES.get(cause.name)
+        if known is not None:
+            told = known(self, change, life)
+            if told is not None:
+                return told
+        return self._step(cause, change.owner, change.attribute)
+
+    def made(self, life: Life) -> Told:
+        """Why there is an element that was read from no file."""
+        cause = life.made_by
+        assert cause is not None
+        known = _MADE.get(cause.name)
+        if known is not None:
+            return known(self, life, cause)
+        return self._step(cause, life.owner, None)
+
+    def gone(self, life: Life) -> Told:
+        """Why there is an element no more."""
+        cause = life.gone
+        assert cause is not None
+        known = _GONE.get(cause.name)
+        return known(self, life, cause) if known is not None else self._step(cause, None, None)
+
+    def move(self, move: Move, life: Life) -> Told | None:
+        """Why an element stands elsewhere; None where that means nothing, as in a section that was joined."""
+        cause = move.cause
+        if cause.name in ("sections", "defaults", "compiler", "keyframes"):
+            return None
+        if cause.name == "bodies":
+            return None if cause.part is None else Told(f"hung {place(cause.part)}", _hung_at(cause.part))
+        if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
+            return None
+        return self._step(cause, None, None)
+
+    def _step(self, cause: Cause, owner: object, attribute: str | None) -> Told:
+        done = cause.done
+        if isinstance(done, Plan):
+            return _by_plan(done, attribute)
+        span = _owned(owner, attribute) or getattr(done, "span", None)
+        if isinstance(done, AddElement):
+            return Told("added by the recipe", span)
+        if isinstance(done, SetSingleton | SetDefault):
+            return Told("set by the recipe", span)
+        if isinstance(done, AppendElement):
+            return Told("written in the recipe", span)
+        return Told(_summary(done), span if isinstance(span, Span) else None)
+
+    # -- what the linker's passes do ---------------------------------------------------------------------------
+
+    def setting(self, unit: Unit, name: str) -> Span | None:
+        """Where a unit writes a compiler setting."""
+        life = self.trace.written(unit, "compiler", name)
+        return None if life is None else life.span(unit.origins, name)
+
+    def _names(self, change: Change, life: Life) -> Told | None:
+        part = change.cause.part
+        if change.after is not None and change.before is None and change.attribute == "name":
+            return Told("named after its file, with the prefix of the part", part.span if part else None)
+        if part is not None and change.after == part.prefix + (change.before or ""):
+            return Told(f"prefix of the part `{part.called}`", part.span)
+        if change.before == MAIN and change.attribute in ("class", "childclass"):
+            return Told(f"the top class of {_file(change.cause.unit)} is called that here")
+        return Told(f"names of the part `{part.called}`" if part else "names of the base", part and part.span)
+
+    def _angles(self, change: Change, life: Life) -> Told | None:
+        unit = change.cause.unit
+        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != _sequence(change.cause):
+            words = f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
+            return Told(words, self.setting(unit, "eulerseq"))
+        span = self.setting(unit, "angle")
+        degrees = f"{_file(unit)} is in degrees" + ("" if span else ", MJCF's default")
+        if change.before is None:
+            return Told(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
+        return Told(f"degrees → radians: {degrees}, the model in radians", span)
+
+    def _inertia(self, change: Change, life: Life) -> Told | None:
+        return self._inertia_rule(change.cause)
+
+    def _inertia_made(self, life: Life, cause: Cause) -> Told:
+        return self._inertia_rule(cause)
+
+    def _inertia_rule(self, cause: Cause) -> Told:
+        settings, unit = cause.unit.settings, cause.unit
+        measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
+        if measured:
+            names = " and ".join(f"`{name}`" for name in measured)
+            return Told(f"measured by MuJoCo on {_file(unit)} alone, for its {names}", self.setting(unit, measured[0]))
+        for name in ("inertiagrouprange", "inertiafromgeom"):
+            value = getattr(settings, name)
+            if value != getattr(_DEFAULT, name):
+                return Told(f"`{name}=\"{value}\"` of {_file(unit)}, made explicit", self.setting(unit, name))
+        return Told(f"the inertia rules of {_file(unit)}, made explicit")
+
+    def _fitting(self, change: Change, life: Life) -> Told | None:
+        unit = change.cause.unit
+        words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(unit)}"
+        return Told(words, self.setting(unit, "fitaabb"))
+
+    def _lengthranges(self, change: Change, life: Life) -> Told | None:
+        unit = change.cause.unit
+        words = f"measured by MuJoCo on {_file(unit)} alone, by its own `<lengthrange>`"
+        rule = next((each for each in self.trace.lives.values() if each.tag == "lengthrange" and each.root is unit.root), None)
+        return Told(words, rule.span(unit.origins) if rule else None)
+
+    def _agreement(self, change: Change, life: Life) -> Told | None:
+        linking = change.cause.linking
+        if linking is None or change.after is None:
+            return Told("only one of these settings may be written")
+        for part in linking.parts:
+            for node in part.unit.root.iter(life.tag):
+                asked = self.trace.lives.get(node)
+                if asked is not None and asked.attributes.get(change.attribute) == change.after:
+                    span = asked.span(part.unit.origins, change.attribute)
+                    return Told(f"asked for by the part `{part.called}`", span)
+        return Told("room for what the parts have")
+
+    def _agreement_made(self, life: Life, cause: Cause) -> Told:
+        for name, value in life.attributes.items():
+            told = self._agreement(Change(name, None, value, cause, life.owner), life)
+            if told is not None:
+                return told
+        return Told("what the parts ask for")
+
+    def _files(self, change: Change, life: Life) -> Told | None:
+        if change.attribute == "name":
+            return Told("named after its file")
+        return Told("where the bundle has the file")
+
+    def _same_file(self, change: Change, life: Life) -> Told | None:
+        if change.attribute == "name":
+            return Told("named after its file")
+        return Told("a file with the same bytes is in the bundle already")
+
+    def _defaults(self, change: Change, life: Life) -> Told | None:
+        if change.before is None:
+            return Told(f"what has no class of its own is of the top class of {_file(change.cause.unit)}")
+        return Told(f"the top class of {_file(change.cause.unit)} is called that here")
+
+    def _defaults_made(self, life: Life, cause: Cause) -> Told:
+        if life.tag == "default" and "class" in life.attributes:
+            return Told(f"the top class of {_file(cause.unit)}, kept apart from others", cause.part and cause.part.span)
+        return Told("holds the default classes of the parts")
+
+    def _bodies_made(self, life: Life, cause: Cause) -> Told:
+        part = cause.part
+        if part is None:
+            return Told("holds what the parts bring")
+        if life.tag == "frame" and life.attributes.get("childclass") == part.top_class:
+            return Told(f"carries the part `{part.called}` {place(part)}, and its default class", _hung_at(part))
+        if life.tag == "frame":
+            return Told(f"the pose of the {part.place.kind} that the part `{part.called}` hangs on", _hung_at(part))
+        if life.tag == "body":
+            return Told(f"a body for the joint between the part `{part.called}` and its place", part.span)
+        return Told(f"joins the part `{part.called}` to its place", part.span)
+
+    def _weld(self, life: Life, cause: Cause) -> Told:
+        part = cause.part
+        return Told("left out: `joint: weld` fixes the part in its place", part.span if part else None)
+
+    def _compiler(self, change: Change, life: Life) -> Told | None:
+        linking = change.cause.linking
+        if change.attribute in _FOLDERS:
+            return Told("every file is named by its path in the bundle")
+        if change.attribute == "angle" and linking is not None:
+            return Told(f"one unit for all parts: {model_angle(linking)}s")
+        if change.attribute == "autolimits" and linking is not None and model_autolimits(linking) == "true":
+            return Told("made explicit where it matters")
+        return Told("made explicit in what it governs, so that it does not reach other parts")
+
+    def _compiler_made(self, life: Life, cause: Cause) -> Told:
+        if len(life.sources) == 1:
+            return Told("the base's settings, as they hold for every part")
+        return Told("the settings that hold for every part")
+
+    def _keyframes_made(self, life: Life, cause: Cause) -> Told:
+        count = len(life.sources)
+        of = f" out of {count} keys of that name" if count > 1 else ""
+        return Told(f"laid out anew for the joints and actuators of the whole model{of}")
+
+    def _keyframes(self, change: Change, life: Life) -> Told | None:
+        return Told("laid out anew for the joints and actuators of the whole model")
+
+    def _settled(self, change: Change, life: Life) -> Told | None:
+        span = _owned(change.owner, change.attribute)
+        return Told("written in the recipe, in the model's unit of angle", span)
+
+    def _main(self, change: Change, life: Life) -> Told | None:
+        return Told("`main` is called that here: the top class of the base")
+
+
+def place(part: Part) -> str:
+    """Where a part hangs, in words."""
+    where = part.place
+    found = "in the world" if where.kind == "world" else f"on the {where.kind} `{where.name}`"
+    return f"{found}, with an offset" if where.offset else found
+
+
+def _hung_at(part: Part) -> Span | None:
+    return part.place.span or part.span
+
+
+def _file(unit: Unit) -> str:
+    return f"`{unit.file}`"
+
+
+def _sequence(cause: Cause) -> str | None:
+    return None if cause.linking is None else cause.linking.base.settings.eulerseq
+
+
+def _owned(owner: object, attribute: str | None) -> Span | None:
+    if isinstance(owner, Span):
+        return owner
+    if callable(owner):
+        span = owner(attribute)
+        return span if isinstance(span, Span) else None
+    return None
+
+
+def _by_plan(plan: Plan, attribute: str | None) -> Told:
+    if attribute == "model":
+        named = find(plan.document, ("name",)) is not None
+        words = "`name` of the recipe" if named else "the name of the recipe's file"
+        return Told(words, locate(plan.document, ("name",)) if named else None)
+    return Told("the recipe leaves it out", locate(plan.document, ("base", "keyframes")))
+
+
+def _summary(done: object) -> str:
+    """What a pass says of itself."""
+    module = inspect.getmodule(done)
+    text = (inspect.getdoc(done) or getattr(module, "__doc__", None) or type(done).__name__).strip()
+    return text.splitlines()[0].removeprefix("Pass: ").rstrip(".")
+
+
+_CHANGES: dict[str, Callable[[Causes, Change, Life], Told | None]] = {
+    "names": Causes._names,
+    "angles": Causes._angles,
+    "inertia": Causes._inertia,
+    "fitting": Causes._fitting,
+    "lengthranges": Causes._lengthranges,
+    "agreement": Causes._agreement,
+    "files": Causes._files,
+    "submodels": Causes._files,
+    "add_file": Causes._files,
+    "collect": Causes._same_file,
+    "defaults": Causes._defaults,
+    "compiler": Causes._compiler,
+    "keyframes": Causes._keyframes,
+    "settle_joints": Causes._settled,
+    "check_names": Causes._main,
+}
+_MADE: dict[str, Callable[[Causes, Life, Cause], Told]] = {
+    "inertia": Causes._inertia_made,
+    "agreement": Causes._agreement_made,
+    "defaults": Causes._defaults_made,
+    "bodies": Causes._bodies_made,
+    "compiler": Causes._compiler_made,
+    "keyframes": Causes._keyframes_made,
+}
+_GONE: dict[str, Callable[[Causes, Life, Cause], Told]] = {
+    "inertia": Causes._inertia_made,
+    "roots": Causes._weld,
+}

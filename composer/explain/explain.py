@@ -1,0 +1,331 @@
+"""Answer a query about a model: compose it once more, looking on, and read the answer off what was seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.bundle.collect import collect
+from composer.context import Context
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, exists_note
+from composer.explain import query
+from composer.explain.cause import Causes, Told, place
+from composer.explain.effective import class_in_force, default_text, given, levels, value
+from composer.explain.effective import chain as class_chain
+from composer.explain.explanation import (
+    AttributeExplained,
+    Changed,
+    ClassStep,
+    ElementExplained,
+    Explained,
+    Given,
+    LevelExplained,
+    Listed,
+    Reason,
+)
+from composer.explain.trace import TAG, Change, Life, Move, Trace
+from composer.mjcf.kinds import kind_of
+from composer.plan.make import make_plan
+from composer.steps.compose import Composer
+from composer.steps.measure import measure_with
+from composer.tree.classes import MAIN, ORIENTATIONS, Classes
+from composer.tree.parse import parse_file
+from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from composer.grammar.attribute import Attribute
+
+
+def explain(path: Path, asked: str, attribute: str | None, context: Context) -> Explained | None:
+    """What the model of a recipe, or an MJCF file, has to say to a query; None where `context.sink` says why not."""
+    wanted = query.read(asked, attribute, context.sink)
+    traced = None if wanted is None else trace(path, context)
+    return None if wanted is None or traced is None else traced.answer(wanted, context)
+
+
+def trace(path: Path, context: Context) -> Traced | None:
+    """The model, put together under observation. Compiles nothing but parts that MuJoCo has to measure."""
+    watch = Trace()
+    if path.suffix.lower() == ".xml":
+        unit = parse_file(context.folder / path, context.sink, file=context.shown(context.folder / path))
+        if unit is None:
+            return None
+        watch([unit], path)
+        return Traced(unit, watch, "/")
+    if path.suffix.lower() in (".zip", ".mjz", ".mjb") or (context.folder / path).is_dir():
+        _no_recipe(path, context)
+        return None
+    plan = make_plan(path, context)
+    composed = None if plan is None else Composer(context, measure_with(context), watch).compose(plan)
+    if plan is None or composed is None:
+        return None
+    collect(composed.model, composed.files, context.sink, context.shown)
+    watch([composed.model], collect)
+    return Traced(composed.model, watch, plan.separator)
+
+
+def _no_recipe(path: Path, context: Context) -> None:
+    """A bundle tells of what recipe it is, but has neither that nor the files of the parts."""
+    from composer.bundle.bundle import MANIFEST
+    from composer.bundle.manifest import from_json
+    from composer.bundle.read import ReadError, read
+
+    recipe = None
+    try:
+        if (content := read(context.folder / path).files.get(MANIFEST)) is not None:
+            recipe = from_json(content).recipe
+    except (ReadError, ValueError):
+        pass
+    built = f"`mjcompose explain {recipe.path}`" if recipe is not None else "the recipe that it was built of"
+    context.sink.error(
+        "source-kind",
+        f"`{context.shown(context.folder / path)}` has the model as it is, not where its elements came from",
+        help=f"ask the recipe: {built}" if recipe is not None else f"ask {built}",
+    )
+
+
+@dataclass(eq=False)
+class Traced:
+    """A model, and all that happened to its elements."""
+
+    model: Unit
+    watch: Trace
+    separator: str
+
+    def __post_init__(self) -> None:
+        self.classes = Classes(self.model.root)
+        self.causes = Causes(self.watch)
+        self.declared = {
+            str(each.get("class") or MAIN): each
+            for section in self.model.root.iterchildren("default")
+            for each in section.iter("default")
+        }
+
+    def answer(self, asked: query.Asked, context: Context) -> Explained | None:
+        """The answer to a query; None where there is none, which is told."""
+        found = self._on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
+        if not found:
+            query.not_found(asked, self.model.root, context.sink, self._left_out(asked))
+            return None
+        if asked.attribute is not None:
+            fitting = [node for node in found if asked.attribute in kind_of(node).attributes]
+            if not fitting:
+                self._no_attribute(found[0], asked.attribute, context)
+                return None
+            found = fitting
+        several = asked.name is None and asked.number is None and asked.line is None and len(found) > 1
+        if len(found) > 1 or several:
+            return tuple(self._listed(node, asked.attribute) for node in found)
+        if asked.attribute is not None:
+            return self.attribute(found[0], asked.attribute)
+        return self.element(found[0])
+
+    # -- one element -------------------------------------------------------------------------------------------
+
+    def element(self, node: Node) -> ElementExplained:
+        """Everything about one element."""
+        life, kind = self.watch.life(node), kind_of(node)
+        reached = kind.takes_class
+        return ElementExplained(
+            label=query.label(node, self.model.root),
+            text=_start_tag(node),
+            holder=self._holder(node),
+            written=tuple(self._written(life)),
+            end_line=life.line if isinstance(life.owner, str) else None,
+            parts=tuple(self._parts(life)),
+            changes=tuple(self._changes(life)),
+            in_force=self._in_force(node) if reached else None,
+            classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes)) if reached else (),
+            given=tuple(
+                Given(attribute.name, str(level.text), str(level.name), self._written_at(level.writer, attribute.name))
+                for attribute, level in given(node, kind, self.classes)
+            ) if reached else (),
+        )  # fmt: skip
+
+    def attribute(self, node: Node, name: str) -> AttributeExplained:
+        """Everything about one attribute."""
+        kind = kind_of(node)
+        attribute = kind.attributes[name]
+        steps = levels(node, kind, attribute, self.classes)
+        told = []
+        for step in steps:
+            words = {"element": f"<{node.tag}>", "mujoco": "MuJoCo's default"}.get(step.kind, str(step.name))
+            whole = step.text is not None and len(step.taken) == len(step.text.split())
+            told.append(
+                LevelExplained(
+                    step.kind, words, step.text, bool(step.taken),
+                    None if whole or not step.taken or step.text is None
+                    else " ".join(step.text.split()[step.taken.start : step.taken.stop]),
+                    self._level_span(step.kind, step.name, step.writer, name),
+                    () if step.writer is None or step.text is None and step.kind != "element"
+                    else tuple(self._changes(self.watch.life(step.writer), name)),
+                )
+            )  # fmt: skip
+        return AttributeExplained(
+            label=query.label(node, self.model.root),
+            attribute=name,
+            value=value(steps),
+            element=told[0],
+            levels=tuple(told),
+            in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
+            notes=tuple(self._notes(node, attribute)),
+        )
+
+    def _listed(self, node: Node, attribute: str | None) -> Listed:
+        text, life = None, self.watch.life(node)
+        reason = next(self._written(life))
+        if attribute is not None:
+            kind = kind_of(node)
+            steps = levels(node, kind, kind.attributes[attribute], self.classes)
+            text = value(steps)
+            winner = next((step for step in steps if step.taken), steps[-1])
+            words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(winner.kind, f"class {winner.name}")
+            reason = Reason(words, self._level_span(winner.kind, winner.name, winner.writer, attribute))
+        return Listed(query.label(node, self.model.root), text, reason)
+
+    # -- what it came from -------------------------------------------------------------------------------------
+
+    def _written(self, life: Life) -> Iterator[Reason]:
+        if life.made_by is not None:
+            told = self.causes.made(life)
+            yield Reason(told.words, told.span or self._span(life))
+            for source in life.sources:
+                yield Reason("read from", self._span(source))
+        else:
+            yield Reason("read from", self._span(life))
+
+    def _span(self, life: Life, attribute: str | None = None) -> Span | None:
+        if isinstance(life.owner, str) and life.line is None:
+            return None
+        return life.span(self.model.origins, attribute)
+
+    def _parts(self, life: Life) -> Iterator[Reason]:
+        for part in life.parts:
+            yield Reason(f"`{part.called}` {place(part)}", part.span)
+
+    def _holder(self, node: Node) -> str | None:
+        for above in node.iterancestors():
+            if above.tag == "worldbody":
+                return "body world"
+            if query.name_of(above) is not None:
+                return query.label(above, self.model.root)
+        return None
+
+    def _on_line(self, file: str, line: int) -> list[Node]:
+        found = []
+        for node in query.ordered(self.model.root):
+            for life in (self.watch.life(node), *self.watch.life(node).sources):
+                span = self._span(life)
+                if span is None or (span.file != file and not span.file.endswith(f"/{file}")):
+                    continue
+                last = life.line if isinstance(life.owner, str) else None
+                if span.line <= line <= (last or span.line) and node not in found:
+                    found.append(node)
+        return found
+
+    # -- what changed it ---------------------------------------------------------------------------------------
+
+    def _changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
+        for source in life.sources if len(life.sources) == 1 else ():
+            yield from self._changes(source, only)
+        for change in life.changes:
+            if isinstance(change, Move):
+                told = self.causes.move(change, life) if only is None else None
+                if told is not None:
+                    yield Changed(None, None, None, Reason(told.words, told.span))
+            elif only in (None, change.attribute):
+                yield self._changed(change, life)
+
+    def _changed(self, change: Change, life: Life) -> Changed:
+        told: Told = self.causes.change(change, life)
+        name = "tag" if change.attribute == TAG else change.attribute
+        return Changed(name, change.before, change.after, Reason(told.words, told.span))
+
+    # -- its classes -------------------------------------------------------------------------------------------
+
+    def _in_force(self, node: Node) -> Reason | None:
+        force = class_in_force(node)
+        if force.attribute is None or force.writer is None:
+            return Reason("no class is named: the top class holds")
+        if force.attribute == "class":
+            return Reason("by its own `class`", self._written_at(force.writer, "class"))
+        where = query.label(force.writer, self.model.root)
+        return Reason(f"by `childclass` of `{where}`", self._written_at(force.writer, "childclass"))
+
+    def _class_step(self, name: str) -> ClassStep:
+        node = self.declared.get(name)
+        if node is None:
+            return ClassStep(name, Reason("the top class, which sets nothing"))
+        return ClassStep(name, next(self._written(self.watch.life(node))))
+
+    def _level_span(self, kind: str, name: str | None, writer: Node | None, attribute: str) -> Span | None:
+        if writer is not None:
+            return self._written_at(writer, attribute)
+        node = self.declared.get(str(name)) if kind == "class" else None
+        return None if node is None else next(self._written(self.watch.life(node))).span
+
+    def _written_at(self, node: Node | None, attribute: str) -> Span | None:
+        """Where the value of an attribute stands: in the file it was read from, or where it was set."""
+        if node is None:
+            return None
+        life = self.watch.life(node)
+        if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
+            return self.causes.made(life).span
+        if len(life.sources) == 1:
+            return self._span(life.sources[0], attribute)
+        if attribute not in life.attributes:
+            last = next(reversed(life.of(attribute)), None)
+            if last is not None:
+                return self.causes.change(last, life).span or self._span(life)
+        return self._span(life, attribute)
+
+    def _notes(self, node: Node, attribute: Attribute) -> Iterator[str]:
+        name, kind = attribute.name, kind_of(node)
+        if name in ORIENTATIONS:
+            for other in ORIENTATIONS:
+                if other != name and node.get(other):
+                    yield f"`{other}` is written on the element: of several orientations one counts"
+        if attribute.doc:
+            yield attribute.doc
+        if default_text(attribute) is None and node.get(name) is None and not attribute.declares:
+            yield f"MuJoCo has no fixed default for `{name}` of a {kind.tag}" if attribute.is_number else ""
+
+    # -- what is not there -------------------------------------------------------------------------------------
+
+    def _left_out(self, asked: query.Asked) -> Iterator[Note]:
+        for life in self.watch.gone:
+            named = dict(life.items).get("name")
+            if asked.name is None or named is None or life.node in self._replaced():
+                continue
+            prefixes = ["", *("".join(part.prefix for part in reversed(life.parts[at:])) for at in range(len(life.parts)))]
+            if asked.name in {prefix + named for prefix in prefixes} | {named}:
+                told = self.causes.gone(life)
+                yield Note(f"there was a {life.tag} `{named}`: {told.words}", self._span(life))
+
+    def _replaced(self) -> set[Node]:
+        return {source.node for life in self.watch.lives.values() for source in life.sources}
+
+    def _no_attribute(self, node: Node, name: str, context: Context) -> None:
+        known = list(kind_of(node).attributes)
+        near = closest(name, known)
+        context.sink.error(
+            "unknown-attribute",
+            f"`<{node.tag}>` has no attribute `{name}`",
+            notes=(exists_note("attribute", sorted(known), name),),
+            help=f"did you mean `{near[0]}`?" if near else None,
+        )
+
+
+def _start_tag(node: Node) -> str:
+    attributes = "".join(f' {name!s}="{_escaped(str(text))}"' for name, text in node.items())
+    return f"<{node.tag!s}{attributes}{'' if len(node) else '/'}>"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")

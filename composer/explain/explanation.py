@@ -1,0 +1,102 @@
+"""What is told of an element or of one attribute: plain data, for text and for JSON."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from composer.diagnostics.span import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Something in words, and the place where it is written."""
+
+    words: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """An attribute that is not as it was: values as MJCF text, None where it is not written."""
+
+    attribute: str | None
+    before: str | None
+    after: str | None
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """An attribute that a default class gives to an element."""
+
+    attribute: str
+    value: str
+    by: str
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class ClassStep:
+    """A default class that reaches an element."""
+
+    name: str
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
+class ElementExplained:
+    """An element of the model, and how it came to be as it is.
+
+    `written` are the places that it was read from or made at, more than one where several were joined; `lines` is the
+    last line of the start tag of the first. `parts` has the parts it belongs to, the innermost first.
+    """
+
+    label: str
+    text: str
+    holder: str | None
+    written: tuple[Reason, ...]
+    end_line: int | None
+    parts: tuple[Reason, ...]
+    changes: tuple[Changed, ...]
+    in_force: Reason | None
+    classes: tuple[ClassStep, ...]
+    given: tuple[Given, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LevelExplained:
+    """One place that an attribute may come from; `count` numbers of it are in effect, all where that is None."""
+
+    kind: Literal["element", "class", "mujoco"]
+    name: str
+    text: str | None
+    wins: bool
+    part_of_it: str | None
+    span: Span | None
+    changes: tuple[Changed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AttributeExplained:
+    """One attribute of an element: the value in effect, and every level that it may come from, nearest first."""
+
+    label: str
+    attribute: str
+    value: str | None
+    element: LevelExplained
+    levels: tuple[LevelExplained, ...]
+    in_force: Reason | None
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """One of several things that a query means."""
+
+    label: str
+    value: str | None
+    reason: Reason
+
+
+Explained = ElementExplained | AttributeExplained | tuple[Listed, ...]
