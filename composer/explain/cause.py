@@ -182,8 +182,15 @@ class Causes:
 
     def _defaults_made(self, life: Life, cause: Cause) -> Told:
         if life.tag == "default" and "class" in life.attributes:
-            return Told(f"the top class of {_file(cause.unit)}, kept apart from others", cause.part and cause.part.span)
+            return Told(f"the top class of {_file(cause.unit)}", self._top(cause.unit))
         return Told("holds the default classes of the parts")
+
+    def _top(self, unit: Unit) -> Span | None:
+        """Where a unit begins to write its default classes."""
+        for life in self.trace.lives.values():
+            if life.root is unit.root and life.parent is unit.root and life.tag == "default" and not life.made_by:
+                return life.span(unit.origins)
+        return None
 
     def _bodies_made(self, life: Life, cause: Cause) -> Told:
         part = cause.part

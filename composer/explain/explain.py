@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.explain import query
 from composer.explain.cause import Causes, Told, place
-from composer.explain.effective import class_in_force, default_text, given, levels, value
+from composer.explain.effective import class_in_force, given, levels, value
 from composer.explain.effective import chain as class_chain
 from composer.explain.explanation import (
     AttributeExplained,
@@ -57,7 +58,7 @@ def trace(path: Path, context: Context) -> Traced | None:
         if unit is None:
             return None
         watch([unit], path)
-        return Traced(unit, watch, "/")
+        return Traced(unit, watch, "/", context.folder)
     if path.suffix.lower() in (".zip", ".mjz", ".mjb") or (context.folder / path).is_dir():
         _no_recipe(path, context)
         return None
@@ -67,7 +68,7 @@ def trace(path: Path, context: Context) -> Traced | None:
         return None
     collect(composed.model, composed.files, context.sink, context.shown)
     watch([composed.model], collect)
-    return Traced(composed.model, watch, plan.separator)
+    return Traced(composed.model, watch, plan.separator, context.folder)
 
 
 def _no_recipe(path: Path, context: Context) -> None:
@@ -97,6 +98,8 @@ class Traced:
     model: Unit
     watch: Trace
     separator: str
+    folder: Path
+    lines: dict[str, list[str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.classes = Classes(self.model.root)
@@ -174,6 +177,7 @@ class Traced:
             element=told[0],
             levels=tuple(told),
             in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
+            about=attribute.doc or None,
             notes=tuple(self._notes(node, attribute)),
         )
 
@@ -234,13 +238,41 @@ class Traced:
     def _changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
         for source in life.sources if len(life.sources) == 1 else ():
             yield from self._changes(source, only)
+        yield from self._as_the_recipe_has_it(life, only)
         for change in life.changes:
             if isinstance(change, Move):
                 told = self.causes.move(change, life) if only is None else None
                 if told is not None:
                     yield Changed(None, None, None, Reason(told.words, told.span))
-            elif only in (None, change.attribute):
+            elif only in (None, change.attribute) and change.cause.name != "settle_joints":
                 yield self._changed(change, life)
+
+    def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[Changed]:
+        """What a recipe writes in other words than MJCF: angles in their own unit above all."""
+        if life.made_by is None or life.made_by.is_pass or not callable(life.owner):
+            return
+        settled = {each.attribute: each.after or "" for each in life.changes
+                   if isinstance(each, Change) and each.cause.name == "settle_joints"}  # fmt: skip
+        element = life.owner(None)
+        for name, text in {**life.attributes, **settled}.items():
+            span = life.owner(name)
+            if only not in (None, name) or span == element:
+                continue
+            recipe = self._slice(span)
+            if recipe is not None and not _same_words(recipe, text):
+                yield Changed(name, recipe, text, Reason("written in the recipe's own unit or form", span))
+
+    def _slice(self, span: Span) -> str | None:
+        """The text of a span, where that stands on one line."""
+        if span.end_column is None or span.end_line != span.line:
+            return None
+        if span.file not in self.lines:
+            try:
+                self.lines[span.file] = (self.folder / span.file).read_text(encoding="utf-8").splitlines()
+            except (OSError, UnicodeDecodeError):
+                self.lines[span.file] = []
+        lines = self.lines[span.file]
+        return lines[span.line - 1][span.column - 1 : span.end_column - 1] if span.line <= len(lines) else None
 
     def _changed(self, change: Change, life: Life) -> Changed:
         told: Told = self.causes.change(change, life)
@@ -252,9 +284,12 @@ class Traced:
     def _in_force(self, node: Node) -> Reason | None:
         force = class_in_force(node)
         if force.attribute is None or force.writer is None:
-            return Reason("no class is named: the top class holds")
+            return Reason("as the top class: no other is named")
         if force.attribute == "class":
             return Reason("by its own `class`", self._written_at(force.writer, "class"))
+        made = self.watch.life(force.writer).made_by
+        if made is not None and made.is_pass and made.part is not None and force.writer.tag == "frame":
+            return Reason(f"as the class of the part `{made.part.called}`", made.part.span)
         where = query.label(force.writer, self.model.root)
         return Reason(f"by `childclass` of `{where}`", self._written_at(force.writer, "childclass"))
 
@@ -286,15 +321,11 @@ class Traced:
         return self._span(life, attribute)
 
     def _notes(self, node: Node, attribute: Attribute) -> Iterator[str]:
-        name, kind = attribute.name, kind_of(node)
+        name = attribute.name
         if name in ORIENTATIONS:
             for other in ORIENTATIONS:
                 if other != name and node.get(other):
                     yield f"`{other}` is written on the element: of several orientations one counts"
-        if attribute.doc:
-            yield attribute.doc
-        if default_text(attribute) is None and node.get(name) is None and not attribute.declares:
-            yield f"MuJoCo has no fixed default for `{name}` of a {kind.tag}" if attribute.is_number else ""
 
     # -- what is not there -------------------------------------------------------------------------------------
 
@@ -325,6 +356,20 @@ class Traced:
 def _start_tag(node: Node) -> str:
     attributes = "".join(f' {name!s}="{_escaped(str(text))}"' for name, text in node.items())
     return f"<{node.tag!s}{attributes}{'' if len(node) else '/'}>"
+
+
+def _same_words(recipe: str, text: str) -> bool:
+    """Whether a recipe and MJCF write the same value, each in its way."""
+    ours = re.sub(r"""[][,"']""", " ", recipe).split()
+    theirs = text.split()
+    return len(ours) == len(theirs) and all(map(_same, ours, theirs))
+
+
+def _same(ours: str, theirs: str) -> bool:
+    try:
+        return ours == theirs or float(ours) == float(theirs)
+    except ValueError:
+        return False
 
 
 def _escaped(text: str) -> str:

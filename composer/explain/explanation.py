@@ -79,7 +79,10 @@ class LevelExplained:
 
 @dataclass(frozen=True, slots=True)
 class AttributeExplained:
-    """One attribute of an element: the value in effect, and every level that it may come from, nearest first."""
+    """One attribute of an element: the value in effect, and every level that it may come from, nearest first.
+
+    `about` is what the grammar says of the attribute.
+    """
 
     label: str
     attribute: str
@@ -87,6 +90,7 @@ class AttributeExplained:
     element: LevelExplained
     levels: tuple[LevelExplained, ...]
     in_force: Reason | None
+    about: str | None
     notes: tuple[str, ...]
 
 

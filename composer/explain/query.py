@@ -165,9 +165,13 @@ def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) 
         help = f"did you mean `{meant}`?"
     else:
         help = f"did you mean `{f'{word} ' if asked.kinds else ''}{near[0]}`?" if near else None
+    unnamed = sum(name_of(node) is None for node in find(Asked("", asked.kinds), root, "/")) if asked.kinds else 0
+    if unnamed:
+        told = f"{'there is 1' if unnamed == 1 else f'there are {unnamed}'} without a name: write `{word}#0`, …"
+        notes = (*notes, Note(told))
     what = "nothing in the model is called" if asked.kinds is None else f"there is no {word}"
-    sink.error("unknown-name", f"{what} `{asked.name}`",
-               notes=(*notes, exists_note(word, alike, asked.name)), help=help)  # fmt: skip
+    listed = (exists_note(word, alike, asked.name),) if alike or not unnamed else ()
+    sink.error("unknown-name", f"{what} `{asked.name}`", notes=(*notes, *listed), help=help)
 
 
 def _kinds(word: str) -> frozenset[str] | None:

@@ -18,6 +18,7 @@ from composer.explain.explanation import (
 ReadSource = Callable[[str], str | None]
 _WIDE = 100
 _VALUE = 46
+_PATH = 48
 _MOST_LINES = 5
 
 
@@ -41,7 +42,7 @@ def _element(it: ElementExplained, read_source: ReadSource | None) -> Iterator[s
     yield ""
     yield "where it comes from"
     for number, each in enumerate(it.written):
-        yield f"  {each.words}{_at(each.span, ' ' if each.words == 'read from' else ', ')}"
+        yield f"  {each.words}{_in_full(each.span, ' ' if each.words == 'read from' else ', ')}"
         yield from _source(each.span, it.end_line if number == 0 else None, read_source)
     yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
     if it.changes:
@@ -50,38 +51,47 @@ def _element(it: ElementExplained, read_source: ReadSource | None) -> Iterator[s
         yield from _changes(it.changes)
     if it.classes:
         yield ""
-        yield f"default classes, {it.in_force.words if it.in_force else ''}" + (
-            _at(it.in_force.span, ", ") if it.in_force else ""
-        )
-        rows = []
-        for step in it.classes:
-            own = [each for each in it.given if each.by == step.name]
-            made = "" if step.reason.words == "read from" else step.reason.words
-            rows.append((step.name, "" if own else made, _at(step.reason.span)))
-            rows += [(f"  {each.attribute}", _cut(each.value), _at(each.span)) for each in own]
-        yield from _table(rows)
+        yield "default classes, the nearest first"
+        if it.in_force is not None:
+            yield f"  in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
+        yield from _classes(it)
+
+
+def _classes(it: ElementExplained) -> Iterator[str]:
+    width = max((len(each.attribute) for each in it.given), default=0)
+    values = max((len(_cut(each.value)) for each in it.given), default=0)
+    for step in it.classes:
+        made = "" if step.reason.words == "read from" else f"{step.reason.words}{', ' if step.reason.span else ''}"
+        yield f"  {step.name}  {made}{_at(step.reason.span)}"
+        for each in it.given:
+            if each.by == step.name:
+                yield f"      {each.attribute:<{width}}  {_cut(each.value):<{values}}  {_at(each.span)}"
 
 
 def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterator[str]:
     yield f"{it.attribute} of {it.label}"
     shown = it.value if it.value is not None else "not set"
     yield from textwrap.wrap(shown, _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
+    if it.about:
+        yield f"  ({it.about})"
     yield ""
     yield "where it comes from"
     yield from _table([_level(each) for each in it.levels])
     winner = next((each for each in it.levels if each.wins and each.span is not None), None)
-    if winner is not None:
+    if winner is not None and winner.span is not None:
+        yield f"  {winner.span.file}:{winner.span.line}"
         yield from _source(winner.span, None, read_source)
-    if it.in_force is not None and any(each.kind == "class" for each in it.levels):
-        first = next(each for each in it.levels if each.kind == "class")
-        yield f"  class {first.name} is in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
+    first = next((each for each in it.levels if each.kind == "class"), None)
+    if it.in_force is not None and first is not None:
+        yield ""
+        yield f"class {first.name} is in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
     for each in it.levels:
         if each.changes:
             yield ""
             where = "on the element" if each.kind == "element" else f"in the class {each.name}"
             yield f"what changed it {where}"
             yield from _changes(each.changes, name=False)
-    for note in filter(None, it.notes):
+    for note in it.notes:
         yield ""
         yield f"note: {note}"
 
@@ -95,7 +105,7 @@ def _level(each: LevelExplained) -> tuple[str, str, str, str]:
     verdict = ""
     if each.wins:
         verdict = "in effect" if each.part_of_it is None else f"in effect: {each.part_of_it}"
-    elif each.text is not None:
+    elif each.text is not None and each.kind != "mujoco":
         verdict = "overridden"
     return name, said, verdict, _at(each.span)
 
@@ -144,8 +154,18 @@ def _source(span: Span | None, last: int | None, read_source: ReadSource | None)
         yield f"    {number:>{margin}} | {line if len(line) <= _WIDE else line[: _WIDE - 1] + '…'}"
 
 
-def _at(span: Span | None, before: str = "") -> str:
+def _in_full(span: Span | None, before: str) -> str:
     return "" if span is None else f"{before}{span.file}:{span.line}"
+
+
+def _at(span: Span | None, before: str = "") -> str:
+    """File and line; of a long path the end, as the whole is told once."""
+    if span is None:
+        return ""
+    file = span.file
+    if len(file) > _PATH and file.count("/") > 2:
+        file = "…/" + "/".join(file.rsplit("/", 2)[1:])
+    return f"{before}{file}:{span.line}"
 
 
 def _cut(text: str) -> str:

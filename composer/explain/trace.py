@@ -220,7 +220,8 @@ def _differences(before: dict[str, str], after: dict[str, str], cause: Cause, ow
 def _carried(life: Life, linking: Linking) -> Part | None:
     """The part for whose sake the linker made an element of the model: what it hangs on."""
     for part in linking.parts:
-        if life.tag == "frame" and life.attributes.get("childclass") == part.top_class:
+        carries = {"frame": "childclass", "default": "class"}.get(life.tag, "")
+        if part.top_class and life.attributes.get(carries) == part.top_class:
             return part
         if part.span is not None and life.owner == part.span:
             return part
