@@ -18,7 +18,7 @@ from composer.cli.reporting import FINDINGS, report, reporting_options, source_r
 @click.argument("attribute", required=False)
 @reporting_options
 def command(model: Path, query: str, attribute: str | None, form: str, as_json: bool) -> None:
-    """Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
+    r"""Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
 
     \b
     QUERY says which thing:

@@ -68,7 +68,9 @@ def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Clas
     if kind.takes_class and attribute.in_default:
         for step in chain(element, classes):
             writer = _writer(step, element, attribute)
-            found.append(Level("class", step.name, writer, None if writer is None else writer.get(attribute.name)))
+            found.append(
+                Level("class", step.name, writer, None if writer is None else writer.get(attribute.name))
+            )
     found.append(Level("mujoco", None, None, default_text(attribute)))
     return list(_taken(found, attribute))
 
@@ -135,7 +137,7 @@ def _writer(step: DefaultClass, element: Node, attribute: Attribute) -> Node | N
 
 
 def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = None) -> list[Node]:
-    """The elements of a class that reach this one. All actuators have one set of defaults, but for what is their own."""
+    """The elements of a class that reach this one. All actuators share their defaults, but for what is their own."""
     parent = element.getparent()
     tag = default_tag(element)
     if parent is None or parent.tag != "actuator":

@@ -12,11 +12,10 @@ from composer.bundle.collect import collect
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
 from composer.explain import query
-from composer.explain.cause import Causes, Told, place
-from composer.explain.effective import class_in_force, given, levels, value
+from composer.explain.cause import Causes, place
 from composer.explain.effective import chain as class_chain
+from composer.explain.effective import class_in_force, given, levels, value
 from composer.explain.explanation import (
     AttributeExplained,
     Changed,
@@ -28,6 +27,7 @@ from composer.explain.explanation import (
     Listed,
     Reason,
 )
+from composer.explain.missing import no_attribute, not_found
 from composer.explain.trace import TAG, Change, Life, Move, Trace
 from composer.mjcf.kinds import kind_of
 from composer.plan.make import make_plan
@@ -104,6 +104,7 @@ class Traced:
     def __post_init__(self) -> None:
         self.classes = Classes(self.model.root)
         self.causes = Causes(self.watch)
+        self.labels = query.labels(self.model.root)
         self.declared = {
             str(each.get("class") or MAIN): each
             for section in self.model.root.iterchildren("default")
@@ -112,14 +113,16 @@ class Traced:
 
     def answer(self, asked: query.Asked, context: Context) -> Explained | None:
         """The answer to a query; None where there is none, which is told."""
-        found = self._on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
+        found = (
+            self._on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
+        )
         if not found:
-            query.not_found(asked, self.model.root, context.sink, self._left_out(asked))
+            not_found(asked, self.model.root, context.sink, self._left_out(asked))
             return None
         if asked.attribute is not None:
             fitting = [node for node in found if asked.attribute in kind_of(node).attributes]
             if not fitting:
-                self._no_attribute(found[0], asked.attribute, context)
+                no_attribute(found[0], asked.attribute, context.sink)
                 return None
             found = fitting
         several = asked.name is None and asked.number is None and asked.line is None and len(found) > 1
@@ -136,7 +139,7 @@ class Traced:
         life, kind = self.watch.life(node), kind_of(node)
         reached = kind.takes_class
         return ElementExplained(
-            label=query.label(node, self.model.root),
+            label=self.labels[node],
             text=_start_tag(node),
             holder=self._holder(node),
             written=tuple(self._written(life)),
@@ -149,6 +152,7 @@ class Traced:
                 Given(attribute.name, str(level.text), str(level.name), self._written_at(level.writer, attribute.name))
                 for attribute, level in given(node, kind, self.classes)
             ) if reached else (),
+            sets=tuple(self._sets(node)) if node.tag == "default" else (),
         )  # fmt: skip
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
@@ -166,12 +170,12 @@ class Traced:
                     None if whole or not step.taken or step.text is None
                     else " ".join(step.text.split()[step.taken.start : step.taken.stop]),
                     self._level_span(step.kind, step.name, step.writer, name),
-                    () if step.writer is None or step.text is None and step.kind != "element"
+                    () if step.writer is None or (step.text is None and step.kind != "element")
                     else tuple(self._changes(self.watch.life(step.writer), name)),
                 )
             )  # fmt: skip
         return AttributeExplained(
-            label=query.label(node, self.model.root),
+            label=self.labels[node],
             attribute=name,
             value=value(steps),
             element=told[0],
@@ -189,18 +193,28 @@ class Traced:
             steps = levels(node, kind, kind.attributes[attribute], self.classes)
             text = value(steps)
             winner = next((step for step in steps if step.taken), steps[-1])
-            words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(winner.kind, f"class {winner.name}")
+            words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(
+                winner.kind, f"class {winner.name}"
+            )
             reason = Reason(words, self._level_span(winner.kind, winner.name, winner.writer, attribute))
-        return Listed(query.label(node, self.model.root), text, reason)
+        return Listed(self.labels[node], text, reason)
+
+    def _sets(self, node: Node) -> Iterator[Listed]:
+        for child in node.iterchildren("*"):
+            if child.tag != "default":
+                values = " ".join(f'{name!s}="{text!s}"' for name, text in child.items())
+                yield Listed(str(child.tag), values, next(self._written(self.watch.life(child))))
 
     # -- what it came from -------------------------------------------------------------------------------------
 
     def _written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:
             told = self.causes.made(life)
-            yield Reason(told.words, told.span or self._span(life))
+            yield Reason(told.words, told.span or (None if life.sources else self._span(life)))
             for source in life.sources:
                 yield Reason("read from", self._span(source))
+        elif life.line is None and isinstance(life.owner, str):
+            yield Reason(f"begun by the recipe `{life.owner}`, which has no base")
         else:
             yield Reason("read from", self._span(life))
 
@@ -218,7 +232,7 @@ class Traced:
             if above.tag == "worldbody":
                 return "body world"
             if query.name_of(above) is not None:
-                return query.label(above, self.model.root)
+                return self.labels[above]
         return None
 
     def _on_line(self, file: str, line: int) -> list[Node]:
@@ -243,7 +257,7 @@ class Traced:
             if isinstance(change, Move):
                 told = self.causes.move(change, life) if only is None else None
                 if told is not None:
-                    yield Changed(None, None, None, Reason(told.words, told.span))
+                    yield Changed(None, None, None, told)
             elif only in (None, change.attribute) and change.cause.name != "settle_joints":
                 yield self._changed(change, life)
 
@@ -272,12 +286,13 @@ class Traced:
             except (OSError, UnicodeDecodeError):
                 self.lines[span.file] = []
         lines = self.lines[span.file]
-        return lines[span.line - 1][span.column - 1 : span.end_column - 1] if span.line <= len(lines) else None
+        return (
+            lines[span.line - 1][span.column - 1 : span.end_column - 1] if span.line <= len(lines) else None
+        )
 
     def _changed(self, change: Change, life: Life) -> Changed:
-        told: Told = self.causes.change(change, life)
         name = "tag" if change.attribute == TAG else change.attribute
-        return Changed(name, change.before, change.after, Reason(told.words, told.span))
+        return Changed(name, change.before, change.after, self.causes.change(change, life))
 
     # -- its classes -------------------------------------------------------------------------------------------
 
@@ -290,7 +305,7 @@ class Traced:
         made = self.watch.life(force.writer).made_by
         if made is not None and made.is_pass and made.part is not None and force.writer.tag == "frame":
             return Reason(f"as the class of the part `{made.part.called}`", made.part.span)
-        where = query.label(force.writer, self.model.root)
+        where = self.labels[force.writer]
         return Reason(f"by `childclass` of `{where}`", self._written_at(force.writer, "childclass"))
 
     def _class_step(self, name: str) -> ClassStep:
@@ -334,23 +349,16 @@ class Traced:
             named = dict(life.items).get("name")
             if asked.name is None or named is None or life.node in self._replaced():
                 continue
-            prefixes = ["", *("".join(part.prefix for part in reversed(life.parts[at:])) for at in range(len(life.parts)))]
-            if asked.name in {prefix + named for prefix in prefixes} | {named}:
+            prefixes = [part.prefix for part in life.parts]
+            called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
+            if asked.name in called | {
+                "".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))
+            }:
                 told = self.causes.gone(life)
                 yield Note(f"there was a {life.tag} `{named}`: {told.words}", self._span(life))
 
     def _replaced(self) -> set[Node]:
         return {source.node for life in self.watch.lives.values() for source in life.sources}
-
-    def _no_attribute(self, node: Node, name: str, context: Context) -> None:
-        known = list(kind_of(node).attributes)
-        near = closest(name, known)
-        context.sink.error(
-            "unknown-attribute",
-            f"`<{node.tag}>` has no attribute `{name}`",
-            notes=(exists_note("attribute", sorted(known), name),),
-            help=f"did you mean `{near[0]}`?" if near else None,
-        )
 
 
 def _start_tag(node: Node) -> str:

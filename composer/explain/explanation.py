@@ -45,11 +45,21 @@ class ClassStep:
 
 
 @dataclass(frozen=True, slots=True)
+class Listed:
+    """One of several elements; `value` is that of an attribute, or its start tag."""
+
+    label: str
+    value: str | None
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
 class ElementExplained:
     """An element of the model, and how it came to be as it is.
 
-    `written` are the places that it was read from or made at, more than one where several were joined; `lines` is the
-    last line of the start tag of the first. `parts` has the parts it belongs to, the innermost first.
+    `written` are the places that it was read from or made at, more than one where several were joined; `end_line`
+    is the last line of the start tag of the first. `parts` has the parts it belongs to, the innermost first. `sets`
+    is what a default class says of each kind of element.
     """
 
     label: str
@@ -62,6 +72,7 @@ class ElementExplained:
     in_force: Reason | None
     classes: tuple[ClassStep, ...]
     given: tuple[Given, ...]
+    sets: tuple[Listed, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,15 +103,6 @@ class AttributeExplained:
     in_force: Reason | None
     about: str | None
     notes: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Listed:
-    """One of several things that a query means."""
-
-    label: str
-    value: str | None
-    reason: Reason
 
 
 Explained = ElementExplained | AttributeExplained | tuple[Listed, ...]

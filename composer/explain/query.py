@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
-from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest
 from composer.explain.glob import is_glob, matcher
 from composer.grammar import GRAMMAR, ElementType
 from composer.mjcf.kinds import kind_of, naming_attribute, query, tags_of
@@ -47,13 +48,15 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
     line = _LINE.fullmatch(words[0])
     kinds = _kinds(numbered[1] if numbered else words[0])
     if numbered and kinds is None:
-        return _unknown_kind(numbered[1], sink)
+        unknown_kind(numbered[1], sink)
+        return None
     if numbered:
         asked, rest = Asked(text, kinds, number=int(numbered[2])), words[1:]
     elif line and kinds is None:
         asked, rest = Asked(text, None, line=(line[1], int(line[2]))), words[1:]
     elif kinds is None and len(words) > 1 and _is_word(words[0]) and not _is_attribute(words[1]):
-        return _unknown_kind(words[0], sink)
+        unknown_kind(words[0], sink)
+        return None
     elif kinds is None:
         asked, rest = Asked(text, None, name=words[0]), words[1:]
     elif _is_one(kinds):
@@ -119,59 +122,40 @@ def name_of(node: Node) -> str | None:
     return str(value) if value else None
 
 
-def label(node: Node, root: Node) -> str:
-    """How a query may mean this element and no other."""
-    kind = kind_of(node)
-    if kind.path == "worldbody":
-        return "body world"
-    word = _word(kind)
-    name = name_of(node)
-    if name is not None:
-        return f"{word} {name}"
-    alike = [other for other in ordered(root) if kind_of(other).path in (_kinds(word) or ())]
-    if len(alike) == 1 and _is_one(frozenset({kind.path})):
-        return word
-    return f"{word}#{alike.index(node)}"
+def labels(root: Node) -> dict[Node, str]:
+    """How a query may mean each element and no other."""
+    counts: Counter[str] = Counter()
+    found: dict[Node, str] = {}
+    for node in ordered(root):
+        kind = kind_of(node)
+        word, name = _word(kind), name_of(node)
+        if kind.path == "worldbody":
+            found[node] = "body world"
+        elif node.getparent() is root and kind.path != "default":
+            found[node] = kind.tag  # a section
+        elif name is not None:
+            found[node] = f"{word} {name}"
+        elif _is_one(frozenset({kind.path})):
+            found[node] = word
+        else:
+            found[node] = f"{word}#{counts[word]}"
+        for alike in _words(kind):
+            counts[alike] += 1
+    return found
 
 
+@cache
 def _word(kind: ElementType) -> str:
     """The tag, or the whole path where a tag alone means other elements."""
     wanted = _kinds(kind.tag)
     return kind.tag if wanted is not None and kind.path in wanted else kind.path
 
 
-def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) -> None:
-    """Tell that nothing fits a query, what there is, and what was probably meant."""
-    if asked.line is not None:
-        file, line = asked.line
-        sink.error("unknown-name", f"nothing in the model comes from `{file}:{line}`", notes=tuple(notes))
-        return
-    word = asked.text.split()[0].split("#")[0] if asked.kinds is not None else "element"
-    if asked.number is not None:
-        count = len(find(Asked(asked.text, asked.kinds), root, "/"))
-        told = f"there are {count}, the first is `{word}#0`" if count else "there are none"
-        sink.error("unknown-name", f"there is no `{word}#{asked.number}`: {told}", notes=tuple(notes))
-        return
-    if asked.name is None:
-        sink.error("unknown-name", f"the model has no {word}", notes=tuple(notes))
-        return
-    known = {name: node for node in ordered(root) if (name := name_of(node)) is not None}
-    alike = [name for node in ordered(root)
-             if (name := name_of(node)) is not None and (asked.kinds is None or kind_of(node).path in asked.kinds)]  # fmt: skip
-    near = closest(asked.name, alike)
-    if asked.name in known:
-        meant = label(known[asked.name], root)
-        notes, near = (*notes, Note(f"there is a `{meant}`")), []
-        help = f"did you mean `{meant}`?"
-    else:
-        help = f"did you mean `{f'{word} ' if asked.kinds else ''}{near[0]}`?" if near else None
-    unnamed = sum(name_of(node) is None for node in find(Asked("", asked.kinds), root, "/")) if asked.kinds else 0
-    if unnamed:
-        told = f"{'there is 1' if unnamed == 1 else f'there are {unnamed}'} without a name: write `{word}#0`, …"
-        notes = (*notes, Note(told))
-    what = "nothing in the model is called" if asked.kinds is None else f"there is no {word}"
-    listed = (exists_note(word, alike, asked.name),) if alike or not unnamed else ()
-    sink.error("unknown-name", f"{what} `{asked.name}`", notes=(*notes, *listed), help=help)
+@cache
+def _words(kind: ElementType) -> tuple[str, ...]:
+    """Every word that counts an element: `joint` counts free joints too."""
+    words = dict.fromkeys([_word(kind), *([kind.family] if kind.family else [])])
+    return tuple(word for word in words if kind.path in (_kinds(word) or ()))
 
 
 def _kinds(word: str) -> frozenset[str] | None:
@@ -212,7 +196,8 @@ def _is_attribute(word: str) -> bool:
     return any(word in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
 
 
-def _unknown_kind(word: str, sink: Sink) -> None:
+def unknown_kind(word: str, sink: Sink) -> None:
+    """Tell that MJCF has no element of that name."""
     near = closest(word, tags_of())
-    sink.error("unknown-element", f"MJCF has no element `{word}`",
-               help=f"did you mean `{near[0]}`?" if near else None)  # fmt: skip
+    help = f"did you mean `{near[0]}`?" if near else None
+    sink.error("unknown-element", f"MJCF has no element `{word}`", help=help)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator
+from itertools import groupby
 
 from composer.diagnostics.span import Span
 from composer.explain.explanation import (
@@ -45,6 +46,10 @@ def _element(it: ElementExplained, read_source: ReadSource | None) -> Iterator[s
         yield f"  {each.words}{_in_full(each.span, ' ' if each.words == 'read from' else ', ')}"
         yield from _source(each.span, it.end_line if number == 0 else None, read_source)
     yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
+    if it.sets:
+        yield ""
+        yield "what it sets"
+        yield from _table([(each.label, _cut(each.value or ""), _at(each.reason.span)) for each in it.sets])
     if it.changes:
         yield ""
         yield "what changed it"
@@ -61,7 +66,11 @@ def _classes(it: ElementExplained) -> Iterator[str]:
     width = max((len(each.attribute) for each in it.given), default=0)
     values = max((len(_cut(each.value)) for each in it.given), default=0)
     for step in it.classes:
-        made = "" if step.reason.words == "read from" else f"{step.reason.words}{', ' if step.reason.span else ''}"
+        made = (
+            ""
+            if step.reason.words == "read from"
+            else f"{step.reason.words}{', ' if step.reason.span else ''}"
+        )
         yield f"  {step.name}  {made}{_at(step.reason.span)}"
         for each in it.given:
             if each.by == step.name:
@@ -98,10 +107,7 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterat
 
 def _level(each: LevelExplained) -> tuple[str, str, str, str]:
     name = f"class {each.name}" if each.kind == "class" else each.name
-    if each.text is None:
-        said = "computed, or none" if each.kind == "mujoco" else "-"
-    else:
-        said = _cut(each.text) or '""'
+    said = "none" if each.kind == "mujoco" and each.text is None else _value(each.text)
     verdict = ""
     if each.wins:
         verdict = "in effect" if each.part_of_it is None else f"in effect: {each.part_of_it}"
@@ -111,23 +117,29 @@ def _level(each: LevelExplained) -> tuple[str, str, str, str]:
 
 
 def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:
-    for each in changes:
-        what = ""
-        if each.attribute is not None:
-            before = "-" if each.before is None else _cut(each.before) or '""'
-            after = "-" if each.after is None else _cut(each.after) or '""'
-            what = f"{each.attribute + ': ' if name else ''}{before} → {after}"
-            yield f"  {what}"
-            yield f"      {each.reason.words}{_at(each.reason.span, ', ')}"
-        else:
-            yield f"  {each.reason.words}{_at(each.reason.span, ', ')}"
+    for reason, alike in groupby(changes, key=lambda each: each.reason):
+        yield f"  {reason.words}{_at(reason.span, ', ')}"
+        rows = [each for each in alike if each.attribute is not None]
+        width = max((len(str(each.attribute)) for each in rows), default=0) if name else 0
+        for each in rows:
+            called = f"{each.attribute:<{width}}  " if name else ""
+            yield f"      {called}{_value(each.before)} → {_value(each.after)}"
+
+
+def _value(text: str | None) -> str:
+    return "-" if text is None else _cut(text) or '""'
 
 
 def _list(found: Iterable[Listed]) -> Iterator[str]:
     rows = []
     for each in found:
         words = "" if each.reason.words == "read from" else each.reason.words
-        row = (each.label, *((_cut(each.value),) if each.value is not None else ()), words, _at(each.reason.span))
+        row = (
+            each.label,
+            *((_cut(each.value),) if each.value is not None else ()),
+            words,
+            _at(each.reason.span),
+        )
         rows.append(row)
     yield from _table(rows, indent="")
 

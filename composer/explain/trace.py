@@ -62,8 +62,8 @@ class Move:
 class Life:
     """All that is known of one element: how it was when first seen, what changed, and what became of it.
 
-    `made_by` is None for what was read from a file. `parts` has the parts that it belongs to, the innermost first.
-    `sources` are the elements that one made anew takes the place of.
+    `made_by` is None for what was read from a file; `home` is the root of the tree that it was last seen in. `parts`
+    has the parts that it belongs to, the innermost first; `sources` are the elements whose place it takes.
     """
 
     node: Node
@@ -73,6 +73,7 @@ class Life:
     tag: str
     attributes: dict[str, str]
     parent: Node | None
+    home: Node
     made_by: Cause | None
     changes: list[Change | Move] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
@@ -81,7 +82,6 @@ class Life:
     items: list[tuple[str, str]] = field(default_factory=list)
     last_tag: str = ""
     last_parent: Node | None = None
-    home: Node | None = None
 
     def span(self, origins: Origins, attribute: str | None = None, owner: Owner | None = None) -> Span:
         """Where it is first written, or the value of an attribute there."""
@@ -165,9 +165,10 @@ class Trace:
         made = cause if cause.linking is not None else None
         items = _items(node)
         parent = node.getparent()
+        root = cause.unit.root
         life = Life(
-            node, cause.unit.root, owner, line_of(node), str(node.tag), dict(items), parent, made,
-            items=items, last_tag=str(node.tag), last_parent=parent, home=cause.unit.root,
+            node, root, owner, line_of(node), str(node.tag), dict(items), parent, root, made,
+            items=items, last_tag=str(node.tag), last_parent=parent,
         )  # fmt: skip
         self.lives[node] = life
         part = cause.part or (_carried(life, cause.linking) if cause.linking is not None else None)
@@ -211,7 +212,9 @@ def _items(node: Node) -> list[tuple[str, str]]:
     return [(str(name), str(value)) for name, value in node.items()]
 
 
-def _differences(before: dict[str, str], after: dict[str, str], cause: Cause, owner: Owner) -> Iterator[Change]:
+def _differences(
+    before: dict[str, str], after: dict[str, str], cause: Cause, owner: Owner
+) -> Iterator[Change]:
     for name in {**before, **after}:
         if before.get(name) != after.get(name):
             yield Change(name, before.get(name), after.get(name), cause, owner)
@@ -226,4 +229,3 @@ def _carried(life: Life, linking: Linking) -> Part | None:
         if part.span is not None and life.owner == part.span:
             return part
     return None
-

@@ -22,11 +22,13 @@ class Origins:
 
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies.
     `owners` holds the elements themselves, so that their identity is stable. `texts` has, by the name that messages
-    use, where the text of a file is; it is read when a fault in that file is told.
+    use, where the text of a file is; it is read when a fault in that file is told. `settings` has the attributes that
+    a program has set, each with its line.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
     texts: dict[str, Path | bytes | str | SourceText | None] = field(default_factory=dict)
+    settings: dict[Node, dict[str, Span]] = field(default_factory=dict)
 
     def own(self, element: Node, owner: str | Span | Place) -> None:
         self.owners[element] = owner
@@ -48,6 +50,8 @@ class Origins:
 
         With `attribute` that is the value of that one, or with `key` its name, if it is written there.
         """
+        if attribute is not None and (found := self.settings.get(element, {}).get(attribute)) is not None:
+            return found
         return self.span_by(self.owner(element, default_file), element, attribute, key)
 
     def span_by(
@@ -87,13 +91,17 @@ class Origins:
         """Take over what is known of elements that have moved here from another tree."""
         self.owners.update(other.owners)
         self.texts.update(other.texts)
+        self.settings.update(other.settings)
 
     def carried(self, old: Node, new: Node) -> Origins:
         """The same knowledge for `new`, a deep copy of `old`."""
-        if not self.owners:
+        if not self.owners and not self.settings:
             return Origins(texts=self.texts)
         owners = {copy: self.owners[node] for node, copy in _side_by_side(old, new) if node in self.owners}
-        return Origins(owners, self.texts)
+        settings = {
+            copy: dict(self.settings[node]) for node, copy in _side_by_side(old, new) if node in self.settings
+        }
+        return Origins(owners, self.texts, settings)
 
     def text(self, file: str) -> SourceText | None:
         """The text of a file, read when it is first asked for; None where there is none to be had."""
