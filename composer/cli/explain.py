@@ -36,7 +36,8 @@ def command(model: Path, query: str, attribute: str | None, form: str, as_json: 
     form = "json" if as_json else form
     context = Context()
     explained = explain(model, query, attribute, context)
-    report(context, form)
+    if explained is None or context.sink.has_errors:  # warnings are for those who check or build
+        report(context, form)
     if explained is None:
         sys.exit(FINDINGS)
     if form == "json":

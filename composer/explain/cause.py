@@ -25,6 +25,12 @@ _DEFAULT = Settings()
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 
 
+# Passes that write a value in another way, or under another name: it comes from where it came from before.
+REWRITES = frozenset(
+    "names angles files submodels add_file collect defaults compiler keyframes check_names".split()
+)
+
+
 class Causes:
     """The words of the changes that one trace has."""
 
@@ -246,11 +252,11 @@ class Causes:
 
     def _keyframes_made(self, life: Life, cause: Cause) -> Reason:
         count = len(life.sources)
-        of = f" out of {count} keys of that name" if count > 1 else ""
-        return Reason(f"laid out anew for the joints and actuators of the whole model{of}")
+        of = f", out of {count} keys of that name" if count > 1 else ""
+        return Reason(f"laid out anew for the joints and actuators{of}")
 
     def _keyframes(self, change: Change, life: Life) -> Reason | None:
-        return Reason("laid out anew for the joints and actuators of the whole model")
+        return Reason("laid out anew for the whole model")
 
     def _settled(self, change: Change, life: Life) -> Reason | None:
         span = _owned(change.owner, change.attribute)

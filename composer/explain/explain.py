@@ -13,7 +13,7 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.explain import query
-from composer.explain.cause import Causes, place
+from composer.explain.cause import REWRITES, Causes, place
 from composer.explain.effective import chain as class_chain
 from composer.explain.effective import class_in_force, given, levels, value
 from composer.explain.explanation import (
@@ -28,6 +28,7 @@ from composer.explain.explanation import (
     Reason,
 )
 from composer.explain.missing import no_attribute, not_found
+from composer.explain.rows import VECTORS, rows
 from composer.explain.trace import TAG, Change, Life, Move, Trace
 from composer.mjcf.kinds import kind_of
 from composer.plan.make import make_plan
@@ -182,12 +183,14 @@ class Traced:
             levels=tuple(told),
             in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
             about=attribute.doc or None,
+            rows=tuple(self._rows(node, name)) if node.tag == "key" and name in VECTORS else (),
             notes=tuple(self._notes(node, attribute)),
         )
 
     def _listed(self, node: Node, attribute: str | None) -> Listed:
         text, life = None, self.watch.life(node)
-        reason = next(self._written(life))
+        written = list(self._written(life))
+        reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
         if attribute is not None:
             kind = kind_of(node)
             steps = levels(node, kind, kind.attributes[attribute], self.classes)
@@ -199,11 +202,17 @@ class Traced:
             reason = Reason(words, self._level_span(winner.kind, winner.name, winner.writer, attribute))
         return Listed(self.labels[node], text, reason)
 
+    def _rows(self, key: Node, vector: str) -> Iterator[Listed]:
+        for holder, numbers, source in rows(self.model, key, vector, self.watch):
+            span = None if source is None else self._span(source, vector)
+            reason = Reason("the reference configuration" if source is None else "", span)
+            yield Listed(self.labels[holder], numbers, reason)
+
     def _sets(self, node: Node) -> Iterator[Listed]:
         for child in node.iterchildren("*"):
-            if child.tag != "default":
-                values = " ".join(f'{name!s}="{text!s}"' for name, text in child.items())
-                yield Listed(str(child.tag), values, next(self._written(self.watch.life(child))))
+            for name, text in child.items() if child.tag != "default" else ():
+                reason = Reason("", self._written_at(child, str(name)))
+                yield Listed(f"{child.tag!s} {name!s}", str(text), reason)
 
     # -- what it came from -------------------------------------------------------------------------------------
 
@@ -329,10 +338,9 @@ class Traced:
             return self.causes.made(life).span
         if len(life.sources) == 1:
             return self._span(life.sources[0], attribute)
-        if attribute not in life.attributes:
-            last = next(reversed(life.of(attribute)), None)
-            if last is not None:
-                return self.causes.change(last, life).span or self._span(life)
+        for change in reversed(life.of(attribute)):
+            if change.cause.name not in REWRITES:
+                return self.causes.change(change, life).span or self._span(life)
         return self._span(life, attribute)
 
     def _notes(self, node: Node, attribute: Attribute) -> Iterator[str]:

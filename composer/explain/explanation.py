@@ -92,7 +92,7 @@ class LevelExplained:
 class AttributeExplained:
     """One attribute of an element: the value in effect, and every level that it may come from, nearest first.
 
-    `about` is what the grammar says of the attribute.
+    `about` is what the grammar says of the attribute. `rows` tells the numbers of a keyframe by what they belong to.
     """
 
     label: str
@@ -102,6 +102,7 @@ class AttributeExplained:
     levels: tuple[LevelExplained, ...]
     in_force: Reason | None
     about: str | None
+    rows: tuple[Listed, ...]
     notes: tuple[str, ...]
 
 

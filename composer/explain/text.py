@@ -90,6 +90,12 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterat
     if winner is not None and winner.span is not None:
         yield f"  {winner.span.file}:{winner.span.line}"
         yield from _source(winner.span, None, read_source)
+    if it.rows:
+        yield ""
+        yield "number by number"
+        yield from _table(
+            [(row.label, row.value or "", row.reason.words + _at(row.reason.span)) for row in it.rows]
+        )
     first = next((each for each in it.levels if each.kind == "class"), None)
     if it.in_force is not None and first is not None:
         yield ""
@@ -117,8 +123,10 @@ def _level(each: LevelExplained) -> tuple[str, str, str, str]:
 
 
 def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:
-    for reason, alike in groupby(changes, key=lambda each: each.reason):
-        yield f"  {reason.words}{_at(reason.span, ', ')}"
+    for reason, alike in groupby(
+        changes, key=lambda each: f"{each.reason.words}{_at(each.reason.span, ', ')}"
+    ):
+        yield f"  {reason}"
         rows = [each for each in alike if each.attribute is not None]
         width = max((len(str(each.attribute)) for each in rows), default=0) if name else 0
         for each in rows:
