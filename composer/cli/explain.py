@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import click
 
-from composer.cli.reporting import FINDINGS, report, reporting_options, source_reader
+from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, source_reader
 
 
 @click.command()
@@ -31,18 +30,23 @@ def command(model: Path, query: str, attribute: str | None, form: str, as_json: 
     """
     from composer.context import Context
     from composer.explain.explain import explain
+    from composer.explain.explanation import as_data
+    from composer.explain.query import read
     from composer.explain.text import render
 
     form = "json" if as_json else form
     context = Context()
-    explained = explain(model, query, attribute, context)
+    asked = read(query, attribute, context.sink)
+    if asked is None:
+        report(context, form)
+        sys.exit(USAGE)
+    explained = explain(model, asked, context)
     if explained is None or context.sink.has_errors:  # warnings are for those who check or build
         report(context, form)
     if explained is None:
         sys.exit(FINDINGS)
     if form == "json":
-        data = [asdict(each) for each in explained] if isinstance(explained, tuple) else asdict(explained)
-        click.echo(json.dumps(data, indent=2, ensure_ascii=False))
+        click.echo(json.dumps(as_data(explained), indent=2, ensure_ascii=False))
     else:
         click.echo(render(explained, source_reader(context.folder)))
     sys.exit(FINDINGS if context.sink.has_errors else 0)

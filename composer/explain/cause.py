@@ -251,9 +251,9 @@ class Causes:
         return Reason("the settings that hold for every part")
 
     def _keyframes_made(self, life: Life, cause: Cause) -> Reason:
-        count = len(life.sources)
-        of = f", out of {count} keys of that name" if count > 1 else ""
-        return Reason(f"laid out anew for the joints and actuators{of}")
+        if len(life.sources) > 1:
+            return Reason(f"{len(life.sources)} keys of that name made one, laid out for the whole model")
+        return Reason("laid out anew for the whole model")
 
     def _keyframes(self, change: Change, life: Life) -> Reason | None:
         return Reason("laid out anew for the whole model")

@@ -44,11 +44,10 @@ if TYPE_CHECKING:
     from composer.grammar.attribute import Attribute
 
 
-def explain(path: Path, asked: str, attribute: str | None, context: Context) -> Explained | None:
+def explain(path: Path, asked: query.Asked, context: Context) -> Explained | None:
     """What the model of a recipe, or an MJCF file, has to say to a query; None where `context.sink` says why not."""
-    wanted = query.read(asked, attribute, context.sink)
-    traced = None if wanted is None else trace(path, context)
-    return None if wanted is None or traced is None else traced.answer(wanted, context)
+    traced = trace(path, context)
+    return None if traced is None else traced.answer(asked, context)
 
 
 def trace(path: Path, context: Context) -> Traced | None:
@@ -179,7 +178,6 @@ class Traced:
             label=self.labels[node],
             attribute=name,
             value=value(steps),
-            element=told[0],
             levels=tuple(told),
             in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
             about=attribute.doc or None,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
 
 from composer.diagnostics.span import Span
 
@@ -77,7 +77,11 @@ class ElementExplained:
 
 @dataclass(frozen=True, slots=True)
 class LevelExplained:
-    """One place that an attribute may come from; `count` numbers of it are in effect, all where that is None."""
+    """One place that an attribute may come from.
+
+    Where it `wins` its text is in effect, or only `part_of_it`: a list that is shorter leaves its last numbers to the
+    next level that has them.
+    """
 
     kind: Literal["element", "class", "mujoco"]
     name: str
@@ -98,7 +102,6 @@ class AttributeExplained:
     label: str
     attribute: str
     value: str | None
-    element: LevelExplained
     levels: tuple[LevelExplained, ...]
     in_force: Reason | None
     about: str | None
@@ -107,3 +110,11 @@ class AttributeExplained:
 
 
 Explained = ElementExplained | AttributeExplained | tuple[Listed, ...]
+
+
+def as_data(explained: Explained) -> dict[str, Any]:
+    """The explanation as JSON takes it; `explains` says which of the three it is."""
+    if isinstance(explained, tuple):
+        return {"explains": "list", "found": [asdict(each) for each in explained]}
+    kind = "element" if isinstance(explained, ElementExplained) else "attribute"
+    return {"explains": kind, **asdict(explained)}

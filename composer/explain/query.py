@@ -75,7 +75,7 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:
     """The elements of a model that a query means, in the order of the model; lines are not looked up here."""
-    found = [node for node in ordered(root) if asked.kinds is None or kind_of(node).path in asked.kinds]
+    found = [node for node in ordered(root) if asked.kinds is None or _counts(kind_of(node)) in asked.kinds]
     if asked.number is not None:
         return found[asked.number : asked.number + 1]
     if asked.name is None:
@@ -86,6 +86,11 @@ def find(asked: Asked, root: Node, separator: str) -> list[Node]:
         fits = matcher(asked.name, separator)
         return [node for node in found if asked.name == "**" or fits(name_of(node) or "")]
     return [node for node in found if name_of(node) == asked.name]
+
+
+def _counts(kind: ElementType) -> str:
+    """The path that an element counts under: the world is the first body."""
+    return "body" if kind.path == "worldbody" else kind.path
 
 
 def ordered(root: Node) -> Iterator[Node]:
@@ -155,7 +160,9 @@ def _word(kind: ElementType) -> str:
 def _words(kind: ElementType) -> tuple[str, ...]:
     """Every word that counts an element: `joint` counts free joints too."""
     words = dict.fromkeys([_word(kind), *([kind.family] if kind.family else [])])
-    return tuple(word for word in words if kind.path in (_kinds(word) or ()))
+    if kind.path == "worldbody":
+        words = dict.fromkeys(["body"])
+    return tuple(word for word in words if _counts(kind) in (_kinds(word) or ()))
 
 
 def _kinds(word: str) -> frozenset[str] | None:

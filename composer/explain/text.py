@@ -65,13 +65,14 @@ def _element(it: ElementExplained, read_source: ReadSource | None) -> Iterator[s
 def _classes(it: ElementExplained) -> Iterator[str]:
     width = max((len(each.attribute) for each in it.given), default=0)
     values = max((len(_cut(each.value)) for each in it.given), default=0)
+    names = max(len(step.name) for step in it.classes)
     for step in it.classes:
         made = (
             ""
             if step.reason.words == "read from"
             else f"{step.reason.words}{', ' if step.reason.span else ''}"
         )
-        yield f"  {step.name}  {made}{_at(step.reason.span)}"
+        yield f"  {step.name:<{names}}  {made}{_at(step.reason.span)}"
         for each in it.given:
             if each.by == step.name:
                 yield f"      {each.attribute:<{width}}  {_cut(each.value):<{values}}  {_at(each.span)}"
@@ -82,7 +83,7 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterat
     shown = it.value if it.value is not None else "not set"
     yield from textwrap.wrap(shown, _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
     if it.about:
-        yield f"  ({it.about})"
+        yield f"  # {it.about}"
     yield ""
     yield "where it comes from"
     yield from _table([_level(each) for each in it.levels])
