@@ -37,7 +37,9 @@ def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
     written = {each.root: each for each in _leaves(trace.life(key)) if each.attributes.get(vector)}
     for holder, width in owners:
         life = trace.life(holder)
-        said = written.get(life.root) if life.made_by is None else None  # no file knows of what was added since
+        said = (
+            written.get(life.root) if life.made_by is None else None
+        )  # no file knows of what was added since
         found.append(Row(holder, " ".join(numbers[at : at + width]), said))
         at += width
     return found

@@ -139,7 +139,7 @@ class Trace:
             life.gone = causes.get(life.home)
         self.gone += [life for life in lost if life.gone is not None]
         for life in born:
-            if life.made_by is not None and life.made_by.is_pass:
+            if life.made_by is not None and life.made_by.is_pass and life.tag != "default":
                 self._succeed(life, lost)
 
     def life(self, node: Node) -> Life:

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from composer.context import Context
-from composer.explain.explain import Traced, trace
+from composer.explain.explain import trace
+from composer.explain.traced import Traced
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 GOLDEN = REPOSITORY / "tests" / "golden"

@@ -11,7 +11,8 @@ import pytest
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.explain import query
-from composer.explain.explain import Traced, trace
+from composer.explain.explain import trace
+from composer.explain.traced import Traced
 from composer.mjcf.kinds import kind_of
 from composer.pipeline import build
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from composer.diagnostics.sink import Sink
 from composer.explain import query
-from composer.explain.explain import Traced
 from composer.explain.text import render
+from composer.explain.traced import Traced
 from composer.mjcf.kinds import kind_of
 
 # What is about the whole model, and made for it, stands nowhere.

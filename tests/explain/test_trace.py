@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from composer.context import Context
-from composer.explain.explain import Traced
 from composer.explain.trace import TAG, Change, Life
+from composer.explain.traced import Traced
 from composer.pipeline import build
 from composer.steps.compose import Composer
 from composer.tree.watch import nobody
