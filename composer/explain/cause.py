@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from composer.diagnostics.span import Span
 from composer.document.node import find, locate
+from composer.explain.effective import class_in_force
 from composer.explain.explanation import Reason
 from composer.explain.trace import Cause, Change, Life, Move, Trace
 from composer.link.angles import model_angle
@@ -15,7 +16,7 @@ from composer.link.inertia import MEASURED
 from composer.link.limits import model_autolimits
 from composer.link.linking import Part
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
-from composer.tree.classes import MAIN, ORIENTATIONS
+from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.settings import Settings
 
 if TYPE_CHECKING:
@@ -120,6 +121,9 @@ class Causes:
         span = self.setting(unit, "angle")
         degrees = f"{_file(unit)} is in degrees" + ("" if span else ", MJCF's default")
         if change.before is None:
+            given = Classes(life.node.getroottree().getroot()).get(class_in_force(life.node).name)
+            found = given.lookup("joint", change.attribute)
+            span = None if found is None else self.trace.life(found[1]).span(unit.origins, change.attribute)
             return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
         return Reason(f"degrees → radians: {degrees}, the model in radians", span)
 

@@ -13,8 +13,15 @@ from composer.explain.traced import Traced
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 GOLDEN = REPOSITORY / "tests" / "golden"
-RECIPES = sorted(GOLDEN.glob("*/recipe.yaml")) + [
-    path for path in sorted((REPOSITORY / "recipes").glob("*.yaml")) if not path.name.startswith("menagerie")
+MEASURED = Path(__file__).resolve().parent / "measured" / "recipe.yaml"
+RECIPES = [
+    *sorted(GOLDEN.glob("*/recipe.yaml")),
+    MEASURED,
+    *(
+        path
+        for path in sorted((REPOSITORY / "recipes").glob("*.yaml"))
+        if not path.name.startswith("menagerie")
+    ),
 ]
 
 
@@ -27,7 +34,7 @@ def _traced(recipe: Path) -> Traced:
 
 
 @pytest.fixture(
-    params=RECIPES, ids=lambda path: path.parent.name if path.parent.parent == GOLDEN else path.stem
+    params=RECIPES, ids=lambda path: path.parent.name if path.name == "recipe.yaml" else path.stem
 )
 def recipe(request: pytest.FixtureRequest) -> Path:
     """Each golden recipe, and each of the examples."""
