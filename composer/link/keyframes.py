@@ -214,8 +214,8 @@ def _take(
     vector: str,
     text: list[str],
 ) -> None:
-    holders = _holders(layout, vector)
-    total = sum([width for _, width in holders])
+    owners = holders(layout, vector)
+    total = sum([width for _, width in owners])
     if len(text) > total:
         linking.sink.error(
             "keyframe-conflict",
@@ -225,7 +225,7 @@ def _take(
         return
     taken = key.values.setdefault(vector, {})
     at = 0
-    for holder, width in holders:
+    for holder, width in owners:
         if at + width > len(text):
             if at < len(text) and vector not in ("mpos", "mquat"):  # MuJoCo ignores half a pose there
                 linking.sink.error(
@@ -273,7 +273,8 @@ def _called(key: Node) -> str:
     return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
 
 
-def _holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
+def holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
+    """What the numbers of a vector belong to, in their order, each with how many are its own."""
     if vector in ("qpos", "qvel"):
         return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
     if vector in ("ctrl", "act"):

@@ -100,6 +100,21 @@ class Element:
         """The place it came from: in a file, or the line of the program that added it."""
         return self._model.span(self._node)
 
+    def origin_of(self, attribute: str) -> Span:
+        """The same of one attribute: where its value is written, or the line of the program that set it.
+
+        Raises `MjcfError` for one that such elements do not have, and where it is not set.
+        """
+        known = attribute_of(self._kind, attribute)
+        if known is None:
+            raise unknown_attribute(self._kind, attribute)
+        if self._alive()._node.get(known.name) is None:
+            raise failure(
+                "unknown-attribute", f"`{attribute}` of {self._described()} is not set", call_site()
+            )
+        origins, file = self._model.unit.origins, self._model.unit.file
+        return origins.span(self._node, file, known.name)
+
     # -- adding and removing ---------------------------------------------------------------------------------
 
     def add(self, tag: str, /, **attributes: object) -> Element:

@@ -32,6 +32,7 @@ from composer.steps.urdf import urdf_unit
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
+from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
     from composer.engine import Limits
@@ -54,6 +55,7 @@ class Composer:
     context: Context
     measure: Measure | None
     limits: Limits | None = None
+    watch: Watch = nobody
     parsed: dict[_Key, Unit | None] = field(default_factory=dict)
     uses: Counter[_Key] = field(default_factory=Counter)
 
@@ -113,6 +115,7 @@ class Composer:
         if plan.base.keyframes == "none":
             for section in list(base.root.iterchildren("keyframe")):
                 base.root.remove(section)
+        self.watch([base, *units], plan)
         making = Making(
             plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
             "radian", base.settings.eulerseq, plan.path.parent, base.file, base.origins,
@@ -122,8 +125,9 @@ class Composer:
         linking = Linking(
             base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
             isolate_base=frozenset(_top_tags(plan)),
-            measure=self.measure,
+            measure=self.measure, watch=self.watch,
         )  # fmt: skip
+        self.watch(linking.units, linking)
         making.model_angle = model_angle(linking)
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making)
@@ -158,9 +162,11 @@ class Composer:
             self.parsed[key] = None if refused else self._read(model, span, stands)
         unit = self.parsed[key]
         self.uses[key] -= 1
-        if unit is None or self.uses[key] <= 0:
-            return unit
-        return unit.copied()
+        if unit is not None and self.uses[key] > 0:
+            unit = unit.copied()
+        if unit is not None:
+            self.watch([unit], model)
+        return unit
 
     def _read(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
         if model.format == "urdf":
@@ -213,6 +219,7 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
             set_default(step, linking, making)
         elif isinstance(step, AppendElement):
             append(step, linking, making)
+        linking.watch(linking.units, step)
     if making.pending:
         classes = linking.base.classes
 
@@ -220,8 +227,12 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
             return joint_type(joint, classes)
 
         settle_joints(making, kind)
+        linking.watch(linking.units, settle_joints)
     check_names(linking, making)
+    linking.watch(linking.units, check_names)
     for part in plan.parts:
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
         add_file(linking, making.directory, node, attribute, name)
+    if making.files:
+        linking.watch(linking.units, add_file)

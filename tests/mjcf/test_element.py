@@ -254,6 +254,24 @@ def test_the_origin_is_a_place_in_a_file_or_a_line_of_the_program(arm: mjcf.Root
     assert added.origin.file == __file__
 
 
+def test_the_origin_of_an_attribute(arm: mjcf.RootElement) -> None:
+    joint = arm.find("joint", "shoulder")
+    assert joint is not None
+    name = joint.origin_of("name")
+    assert (name.file, name.line) == (joint.origin.file, 14) and name.column > joint.origin.column
+    joint.damping = 3
+    place = joint.origin_of("damping")
+    assert place.file == __file__ and place.line > joint.origin.line
+    assert joint.origin_of("name") == name
+    assert copy.deepcopy(arm).find("joint", "shoulder").origin_of("damping") == place  # type: ignore[union-attr]
+    added = arm.worldbody.add("geom", size=[1])
+    assert added.origin_of("size") == added.origin
+    with pytest.raises(mjcf.MjcfError, match="`armature` of .* is not set"):
+        joint.origin_of("armature")
+    with pytest.raises(mjcf.MjcfError, match="did you mean `damping`"):
+        joint.origin_of("dampin")
+
+
 def test_a_removed_element_is_of_no_use(body: mjcf.Element) -> None:
     geom = body.add("geom", name="g", size=[1])
     body.remove()
