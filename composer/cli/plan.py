@@ -19,11 +19,15 @@ def command(recipe: Path, form: str, as_json: bool) -> None:
     from composer.context import Context
     from composer.plan.describe import as_data, describe
     from composer.plan.make import make_plan
+    from composer.steps.left_behind import left_behind
 
     form = "json" if as_json else form
     context = Context()
     plan = make_plan(recipe, context)
+    subtrees = left_behind(plan, context) if plan is not None else {}
     report(context, form)
     if plan is None:
         sys.exit(FINDINGS)
-    click.echo(json.dumps(as_data(plan), indent=2) if form == "json" else describe(plan))
+    click.echo(json.dumps(as_data(plan, subtrees), indent=2) if form == "json" else describe(plan, subtrees))
+    if context.sink.has_errors:
+        sys.exit(FINDINGS)

@@ -22,6 +22,7 @@ class LoadBase:
     model: Source | Plan | None
     keyframes: KeyPolicy
     span: Span | None
+    subtree: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,6 +82,8 @@ class Attachment(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    subtree: Annotated[str | None, Text("subtree")] = None
+    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     site: Annotated[str | None, Text("site")] = None
     """The site that the part hangs on."""
     body: Annotated[str | None, Text("body")] = None

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -20,16 +22,21 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
+from composer.link.subtree import Subtree
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.recipe.fault import Path as KeyPath
 from composer.sources.source import Source
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
 from composer.steps.loose_ends import check_names
 from composer.steps.section import append, set_default, set_singleton
+from composer.steps.subtree import Wanted, wanted
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +55,22 @@ class Composer:
     measure: Measure | None
     parsed: dict[Path, Unit | None] = field(default_factory=dict)
     uses: Counter[Path] = field(default_factory=Counter)
+    subtrees: dict[tuple[str, KeyPath], Subtree] = field(default_factory=dict)
+    """What became of the models of which only one body is taken, by recipe and path in it."""
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors."""
         self._count(plan)
         return self._compose(plan)
+
+    def look(self, plan: Plan) -> None:
+        """Take the subtrees of a plan, and compose no more than they are taken of."""
+        self._count(plan)
+        for each in wanted(plan):
+            if each.body is not None:
+                self._guarded(plan, partial(self._unit, plan, each))
+            elif isinstance(each.model, Plan):
+                self.look(each.model)
 
     def _count(self, plan: Plan) -> None:
         for model in (plan.base.model, *(part.model for part in plan.parts)):
@@ -62,13 +80,12 @@ class Composer:
                 self.uses[model.path] += 1
 
     def _compose(self, plan: Plan) -> Composed | None:
-        base = self._unit(plan.base.model, plan.base.span) if plan.base.model is not None else _empty(plan)
-        units = [self._unit(step.model, locate(plan.document, (*step.at, "model"))) for step in plan.parts]
-        given = [unit for unit in units if unit is not None]
-        if base is None or len(given) < len(units):
-            return None
+        return self._guarded(plan, partial(self._composed, plan))
+
+    def _guarded(self, plan: Plan, work: Callable[[], Result | None]) -> Result | None:
+        """What the work gives; None where it stumbles over a source that says what MJCF does not have."""
         try:
-            return self._joined(plan, base, given)
+            return work()
         except STUMBLES:
             if malformed(self._anew(plan), self.context.sink):
                 return None
@@ -78,6 +95,11 @@ class Composer:
                 "not-supported", f"elements of a model in `{plan.file}` stand too deep inside one another"
             )
             return None
+
+    def _composed(self, plan: Plan) -> Composed | None:
+        base, *units = [self._unit(plan, each) for each in wanted(plan)]
+        given = [unit for unit in units if unit is not None]
+        return None if base is None or len(given) < len(units) else self._joined(plan, base, given)
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit]) -> Composed | None:
         """The parts hung on the base, and the recipe's own elements in it."""
@@ -121,7 +143,20 @@ class Composer:
                 if unit is not None:
                     yield unit
 
-    def _unit(self, model: Source | Plan, span: Span | None) -> Unit | None:
+    def _unit(self, plan: Plan, wanted: Wanted) -> Unit | None:
+        """The base or a part of a plan, cut down to what is wanted of it."""
+        if wanted.model is None:
+            return _empty(plan)
+        unit = self._whole(wanted.model, locate(plan.document, (*wanted.at, "model")))
+        if unit is None or wanted.body is None:
+            return unit
+        subtree = wanted.take(unit, self.context.sink, self.measure)
+        if subtree is None:
+            return None
+        self.subtrees[plan.file, wanted.at] = subtree
+        return unit
+
+    def _whole(self, model: Source | Plan, span: Span | None) -> Unit | None:
         if isinstance(model, Plan):
             composed = self._compose(model)
             return composed.model if composed else None
