@@ -37,7 +37,7 @@ def drop_unneeded(unit: Unit) -> list[Name]:
             assert section is not None
             section.remove(plugin)
     for section in list(unit.root.iterchildren(*_SUPPORT)):
-        if not len(section) and not section.attrib:
+        if next(section.iterchildren("*"), None) is None:
             unit.root.remove(section)
     return dropped
 
@@ -79,7 +79,7 @@ def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
         elif section.tag == "asset":
             waiting.extend((skin, "asset") for skin in section.iterchildren("skin"))
     while waiting:
-        node, section = waiting.pop()
+        node, inside = waiting.pop()
         tops = [node]
         if node.tag == "default":
             tops = [child for child in node.iterchildren("*") if child.tag != "default"]
@@ -87,7 +87,7 @@ def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
             if parent is not None and parent.tag == "default":
                 need(parent, "default")
         for top in tops:
-            for name in references(top, section):
+            for name in references(top, inside):
                 found = supporting.get(name)
                 if found is not None:
                     need(found, _section_of(found))

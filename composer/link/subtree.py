@@ -222,7 +222,8 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)
         if tag in _OF_THE_WHOLE:
-            going.append((section, Left("section", tag)))
+            if _strip(section, looks=next(unit.root.iter("camera"), None) is not None):
+                going.append((section, Left("section", tag)))
             continue
         for element in section.iterchildren("*") if tag in _CONCERNING else ():
             if tag == "asset" and element.tag != "skin":
@@ -239,8 +240,23 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
         parent.remove(element)
         yield left
     for section in list(unit.root.iterchildren(*_CONCERNING)):
-        if not len(section):
+        if next(section.iterchildren("*"), None) is None:
             unit.root.remove(section)
+
+
+def _strip(section: Node, looks: bool) -> bool:
+    """Take out of a section of the whole model what no body needs; whether nothing is left of it.
+
+    A camera's intrinsics depend on `znear`.
+    """
+    for child in list(section):
+        near = child.get("znear") if looks and child.tag == "map" else None
+        if near is None:
+            section.remove(child)
+        else:
+            child.attrib.clear()
+            child.set("znear", near)
+    return not len(section)
 
 
 # -- keyframes --------------------------------------------------------------------------------------------------
@@ -288,5 +304,5 @@ def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
             section.remove(key)
             yield Left("key", str(key.get("name") or ""))
     for section in list(unit.root.iterchildren("keyframe")):
-        if not len(section):
+        if next(section.iterchildren("*"), None) is None:
             unit.root.remove(section)

@@ -95,3 +95,12 @@ class Plan:
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
+
+    @property
+    def prefixes(self) -> frozenset[str]:
+        """The prefixes of all parts, those of nested recipes with what stands before them; `""` is the base."""
+        found = {"", *(part.prefix for part in self.parts)}
+        for prefix, model in [("", self.base.model), *((part.prefix, part.model) for part in self.parts)]:
+            if isinstance(model, Plan):
+                found |= {prefix + inner for inner in model.prefixes}
+        return frozenset(found)
