@@ -16,6 +16,7 @@ from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.link.linking import FileUse
 from composer.tree.classes import DefaultClass
+from composer.tree.files import stem
 from composer.tree.names import LISTS, REFERS, REFERS_BY, naming_table, object_namespace
 from composer.tree.unit import Unit
 
@@ -43,7 +44,7 @@ def dedup(
         for element in [
             each for section in model.root.iterchildren("asset") for each in section.iterchildren(kind)
         ]:
-            name = str(element.get("name") or "")
+            name = str(element.get("name") or stem(str(element.get("file") or "")))
             if not name:
                 continue
             part = max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")

@@ -222,8 +222,7 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)
         if tag in _OF_THE_WHOLE:
-            if _strip(section, looks=next(unit.root.iter("camera"), None) is not None):
-                going.append((section, Left("section", tag)))
+            yield from _strip(section, looks=next(unit.root.iter("camera"), None) is not None)
             continue
         for element in section.iterchildren("*") if tag in _CONCERNING else ():
             if tag == "asset" and element.tag != "skin":
@@ -244,19 +243,22 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
             unit.root.remove(section)
 
 
-def _strip(section: Node, looks: bool) -> bool:
-    """Take out of a section of the whole model what no body needs; whether nothing is left of it.
-
-    A camera's intrinsics depend on `znear`.
-    """
+def _strip(section: Node, looks: bool) -> Iterator[Left]:
+    """Take out of a section of the whole model what no body needs; a camera needs `znear` for its intrinsics."""
+    root, tag = section.getparent(), str(section.tag)
+    assert root is not None
+    if section.attrib:
+        section.attrib.clear()
+        yield Left("setting", tag)
     for child in list(section):
         near = child.get("znear") if looks and child.tag == "map" else None
-        if near is None:
-            section.remove(child)
-        else:
-            child.attrib.clear()
-            child.set("znear", near)
-    return not len(section)
+        section.remove(child)
+        if near is not None:
+            section.append(section.makeelement("map", {"znear": near}))
+        elif isinstance(child.tag, str):
+            yield Left("setting", f"{tag}/{child.tag}")
+    if not len(section):
+        root.remove(section)
 
 
 # -- keyframes --------------------------------------------------------------------------------------------------
@@ -267,8 +269,10 @@ _Rows = Mapping[Node, Mapping[str, Mapping[Node, list[str]]]]
 def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
     """The numbers of every key, by vector and by what they belong to, while the unit is still whole."""
     unit = linking.base
-    for size in unit.root.iterchildren("size"):
+    for size in list(unit.root.iterchildren("size")):
         size.attrib.pop("nkey", "")  # keys that say nothing
+        if not size.attrib:
+            unit.root.remove(size)
     if policy == "none":
         for section in list(unit.root.iterchildren("keyframe")):
             unit.root.remove(section)
