@@ -115,6 +115,8 @@ def _say(built: Built, out: str, form: str) -> None:
 
 
 def _merging(built: Built) -> str:
-    plural = {"mesh": "meshes", "hfield": "height fields"}
-    counts = ", ".join(f"{len(names)} {plural.get(kind, f'{kind}s')}" for kind, names in built.merged.items())
+    plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
+    counts = ", ".join(
+        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in built.merged.items()
+    )
     return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"

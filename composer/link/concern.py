@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from enum import Enum
 from pathlib import Path
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from composer.tree.files import join, stem, written_path
+from composer.tree.files import join, written_path
 from composer.tree.names import GENERATORS, WORLD, declaration, references, word
 from composer.tree.skin_file import BadSkin, rename_bones
 from composer.tree.unit import Unit
@@ -48,8 +48,6 @@ class Concern:
             tag = str(section.tag)
             for element in section.iterchildren("*"):
                 declared = declaration(element, tag)
-                if declared is None and element.tag == "skin" and element.get("file"):
-                    declared = "skin", stem(str(element.get("file")))
                 if declared is not None and declared[0] not in SUPPORTING:
                     self._others.setdefault(declared, (element, tag))
 
@@ -60,7 +58,11 @@ class Concern:
             return known
         self._verdicts[element] = Verdict(Side.NEITHER)  # for elements that refer to one another in a ring
         within, without, lacks = False, False, ""
-        for namespace, name in self._references(element, section):
+        bones: list[str] | None = []
+        if element.tag == "skin" and element.get("file"):
+            bones = self._bones(element)
+            within = bones is None  # it is told when its file is read
+        for namespace, name in (*references(element, section), *(("body", bone) for bone in bones or ())):
             verdict = self._of_name(namespace, name)
             within = within or verdict.side in (Side.INSIDE, Side.BOTH)
             without = without or verdict.side in (Side.OUTSIDE, Side.BOTH)
@@ -97,13 +99,8 @@ class Concern:
             return Verdict(Side.OUTSIDE, f"the {word(namespace)} `{name}`")
         return Verdict(Side.INSIDE if inside else Side.NEITHER)
 
-    def _references(self, element: Node, section: str) -> Iterator[tuple[str, str]]:
-        yield from references(element, section)
-        if element.tag == "skin" and element.get("file"):
-            yield from (("body", name) for name in self._bones(element))
-
-    def _bones(self, skin: Node) -> list[str]:
-        """The bodies that a skin file names; none where it cannot be read, which is told when files are."""
+    def _bones(self, skin: Node) -> list[str] | None:
+        """The bodies that a skin file names; None where it cannot be read."""
         unit = self._unit
         path = written_path(unit.settings, skin, str(skin.get("file")))
         content = unit.contents.get(path, Path(join(str(unit.directory), path)))
@@ -116,7 +113,7 @@ class Concern:
         try:
             rename_bones(content if isinstance(content, bytes) else content.read_bytes(), note)
         except (OSError, BadSkin):
-            return []
+            return None
         return bones
 
 

@@ -16,8 +16,7 @@ from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.link.linking import FileUse
 from composer.tree.classes import DefaultClass
-from composer.tree.files import stem
-from composer.tree.names import LISTS, REFERS, REFERS_BY, naming_table, object_namespace
+from composer.tree.names import LISTS, REFERS, REFERS_BY, declaration, naming_table, object_namespace
 from composer.tree.unit import Unit
 
 KINDS = ("texture", "material", "mesh", "hfield")
@@ -44,9 +43,10 @@ def dedup(
         for element in [
             each for section in model.root.iterchildren("asset") for each in section.iterchildren(kind)
         ]:
-            name = str(element.get("name") or stem(str(element.get("file") or "")))
-            if not name:
+            declared = declaration(element, "asset")
+            if declared is None:
                 continue
+            name = declared[1]
             part = max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
             alike = kept.setdefault(meanings.of(element), [])
             free = [each for each in alike if part not in each.parts]

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from lxml.etree import _Element as Node
 
 from composer.link.concern import SUPPORTING
-from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import declaration, references
 from composer.tree.unit import Unit
 
@@ -46,8 +45,6 @@ def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
     for section in unit.root.iterchildren("asset"):
         for element in section.iterchildren("*"):
             declared = declaration(element, "asset")
-            if declared is None and element.tag in NAMED_AFTER_FILE and element.get("file"):
-                declared = str(element.tag), stem(str(element.get("file")))
             if declared is not None and declared[0] in SUPPORTING:
                 yield declared, element
             elif declared is None and element.tag != "skin":

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from composer.link.subtree import Subtree
 from composer.plan.plan import AddElement, AppendElement, AttachPart, Plan, SetDefault, SetSingleton, Step
 from composer.recipe.element import Element
 from composer.recipe.fault import Path
 from composer.sources.source import Source
 
-Subtrees = Mapping[tuple[str, Path], Subtree]
+if TYPE_CHECKING:
+    from composer.link.subtree import Subtree
+
+Subtrees: TypeAlias = "Mapping[tuple[str, Path], Subtree]"
 """What became of models of which one body is taken, by recipe and path in it."""
 _PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "default class": "default classes"}
 

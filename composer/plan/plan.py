@@ -97,6 +97,14 @@ class Plan:
     settled: frozenset[str]
 
     @property
+    def takes_subtrees(self) -> bool:
+        """Whether of some model, here or in a nested recipe, one body alone is wanted."""
+        if self.base.subtree is not None or any(part.attachment.subtree is not None for part in self.parts):
+            return True
+        models = (self.base.model, *(part.model for part in self.parts))
+        return any(isinstance(model, Plan) and model.takes_subtrees for model in models)
+
+    @property
     def prefixes(self) -> frozenset[str]:
         """The prefixes of all parts, those of nested recipes with what stands before them; `""` is the base."""
         found = {"", *(part.prefix for part in self.parts)}

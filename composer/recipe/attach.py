@@ -82,8 +82,6 @@ class Attachment(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
-    subtree: Annotated[str | None, Text("subtree")] = None
-    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     site: Annotated[str | None, Text("site")] = None
     """The site that the part hangs on."""
     body: Annotated[str | None, Text("body")] = None
@@ -109,6 +107,8 @@ class Attachment(Model):
     root is kept where it may be; `weld` removes it."""
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
+    subtree: Annotated[str | None, Text("subtree")] = None
+    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
 

@@ -9,6 +9,7 @@ from functools import cache
 from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
+from composer.tree.files import NAMED_AFTER_FILE, stem
 
 DECLARES, REFERS, REFERS_BY, LISTS, GENERATES = range(5)
 Action = tuple[int, str]
@@ -89,8 +90,10 @@ def references(top: Node, section: str) -> Iterator[tuple[str, str]]:
 
 
 def declaration(node: Node, section: str) -> tuple[str, str] | None:
-    """Namespace and name that an element of a section declares, if it has a name."""
+    """Namespace and name that an element of a section declares or is given after its file, if it has a name."""
     for key, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
         if kind == DECLARES and (value := node.get(key)):
             return namespace, str(value)
+    if node.tag in NAMED_AFTER_FILE and section in ("asset", "deformable") and (file := node.get("file")):
+        return str(node.tag), stem(str(file))
     return None

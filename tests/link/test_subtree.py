@@ -6,6 +6,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from link.test_files import skin
 from link.workshop import Workshop, obj
 from lxml import etree
 
@@ -286,6 +287,20 @@ def test_names_that_mujoco_makes_belong_where_they_are_made(take) -> None:  # ty
     taken = take(model(arm + legs.format("wheel"), sections), "arm")
     taken.check()
     assert (taken.names("sensor/*"), list(taken.cut)) == (["in"], ["sensor both"])
+
+
+def test_skins_and_flexes_belong_to_their_bodies(take) -> None:  # type: ignore[no-untyped-def]
+    files = {"in.skn": skin("arm", "tip"), "both.skn": skin("base", "arm"), "out.skn": skin("base")}
+    deformable = """<asset><skin file="in.skn"/><skin file="out.skn"/></asset><deformable><skin file="both.skn"/>
+      <flex name="in" dim="1" body="arm tip" vertex="0 0 0 0 0 0" element="0 1"/>
+      <flex name="both" dim="1" body="base tip" vertex="0 0 0 0 0 0" element="0 1"/></deformable>"""
+    taken = take(model(ARM, deformable), "arm", files)
+    compiled = taken.check()
+    assert taken.cut == {"skin both": "the body `base`", "flex both": "the body `base`"}
+    assert (compiled.nskin, compiled.nflex) == (1, 1)
+    assert "skin out" in taken.left
+    unreadable = take(model(ARM, '<deformable><skin file="no.skn"/></deformable>'), "arm")
+    assert unreadable.unit.root.find("deformable/skin") is not None, "it is told where all files are read"
 
 
 def test_a_body_that_is_several_cannot_be_taken(take) -> None:  # type: ignore[no-untyped-def]
