@@ -138,7 +138,7 @@ def labels(root: Node) -> dict[Node, str]:
             found[node] = "body world"
         elif node.getparent() is root and kind.path != "default":
             found[node] = kind.tag  # a section
-        elif name is not None:
+        elif name is not None and name.split() == [name]:
             found[node] = f"{word} {name}"
         elif _is_one(frozenset({kind.path})):
             found[node] = word
