@@ -25,16 +25,20 @@ from composer.mjcf.errors import MjcfAttributeError, MjcfError, MjcfWarning
 from composer.mjcf.export import export_with_assets, export_with_assets_as_zip
 from composer.mjcf.names import SEPARATOR as PREFIX_SEPARATOR
 from composer.mjcf.parse import from_file, from_path, from_xml_string
+from composer.mjcf.physics.binding import Binding
+from composer.mjcf.physics.physics import Physics
 from composer.mjcf.root import RootElement
 
 __all__ = [
     "PREFIX_SEPARATOR",
     "Asset",
     "AttachmentFrame",
+    "Binding",
     "Element",
     "MjcfAttributeError",
     "MjcfError",
     "MjcfWarning",
+    "Physics",
     "RootElement",
     "export_with_assets",
     "export_with_assets_as_zip",

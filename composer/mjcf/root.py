@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
@@ -15,6 +15,9 @@ from composer.mjcf.element import Element, view
 from composer.mjcf.kinds import WORLD_SECTION
 from composer.mjcf.model import UNNAMED, Model
 from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from composer.mjcf.physics.physics import Physics
 
 
 class RootElement(Element):
@@ -122,6 +125,16 @@ class RootElement(Element):
         from composer.mjcf.flat import text
 
         return text(self._model, conflict)
+
+    def compile_model(self, *, conflict: Policy = "error") -> Physics:
+        """The model with everything attached to it, compiled by MuJoCo: its physics in the reference configuration.
+
+        Later edits do not reach it. `conflict` is that of `to_xml_string`. Raises `MjcfError` with what is
+        wrong with the model, at the place it comes from, also where it is MuJoCo that refuses it.
+        """
+        from composer.mjcf.physics.physics import Physics
+
+        return Physics.from_mjcf_model(self, conflict=conflict)
 
     @property
     def assets(self) -> dict[str, bytes]:

@@ -1,0 +1,163 @@
+"""The order in which MuJoCo compiles the elements of a flat model, and which compiled element is which."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from lxml.etree import _Element as Node
+
+from composer.mjcf.kinds import WORLD_SECTION, kind_of, naming_attribute
+from composer.mjcf.names import own_name
+from composer.tree.classes import through_frames
+from composer.tree.names import WORLD
+from composer.verify.roster import KINDS, Roster
+
+# What MuJoCo makes any number of elements of.
+_BLOCKS = ("replicate", "attach", "composite", "flexcomp")
+_ON_BODIES = ("joint", "geom", "site", "camera", "light")
+_SECTIONS = ("asset", "deformable", "contact", "equality", "tendon", "actuator", "sensor", "custom", "keyframe")
+# MuJoCo sorts these by what they refer to: two of a kind, by these attributes.
+_SORTED = {"pair": ("geom", "geom1", "geom2"), "exclude": ("body", "body1", "body2")}
+
+Order = Mapping[str, Sequence[Node | None]]
+"""By kind the elements in order; None stands for any number of others."""
+
+
+def compiled_kind(node: Node) -> str | None:
+    """The kind of object that an element becomes, or None if it becomes none: `mesh`, `plugin`."""
+    if node.tag == WORLD_SECTION:
+        return "body"
+    family = kind_of(node).family
+    kind = "plugin" if family == "instance" else family
+    return kind if kind in KINDS else None
+
+
+def compiled_name(node: Node) -> str:
+    """The name that MuJoCo gives it, empty where it has none."""
+    if node.tag == WORLD_SECTION:
+        return WORLD
+    attribute = naming_attribute(kind_of(node))
+    return (attribute and own_name(node, attribute.name)) or ""
+
+
+def compiled_order(root: Node) -> Order:
+    """Bodies depth first, what stands on them body by body, everything else as it is written.
+
+    >>> from lxml import etree
+    >>> order = compiled_order(etree.fromstring(
+    ...     '<mujoco><worldbody><body><body><geom name="b"/></body><geom name="a"/></body></worldbody></mujoco>'))
+    >>> [geom.get('name') for geom in order['geom']]
+    ['a', 'b']
+    """
+    found: dict[str, list[Node | None]] = {kind: [] for kind in KINDS}
+    generated = any(True for _ in root.iterdescendants(*_BLOCKS))
+    if generated:
+        for kind in KINDS:
+            if kind not in _ON_BODIES and kind != "body":
+                found[kind].append(None)
+    waiting = list(root.iterchildren(WORLD_SECTION))
+    while waiting:
+        body = waiting.pop()
+        if body.tag in _BLOCKS:
+            _any_number(found)
+            continue
+        found["body"].append(body)
+        inner: list[Node] = []
+        for child in through_frames(body):
+            if child.tag == "body":
+                inner.append(child)
+            elif child.tag in _BLOCKS:
+                inner.append(child)
+                _any_number(found, on="this")
+            elif isinstance(child.tag, str) and (kind := compiled_kind(child)) in _ON_BODIES:
+                found[str(kind)].append(child)
+        waiting.extend(reversed(inner))
+    for node in _elsewhere(root):
+        kind = compiled_kind(node)
+        if kind is not None:
+            found[kind].append(node)
+    if generated:
+        for kind in KINDS:
+            found[kind].append(None)
+    return found
+
+
+def rows(order: Order, roster: Roster) -> dict[Node, int]:
+    """The number of every element among those of its kind, as far as that is certain.
+
+    A stretch of elements counts where the names fit one by one; where they do not, as MuJoCo has left
+    something out or put in, only those with names are found.
+    """
+    found: dict[Node, int] = {}
+    whole = _same_bodies(order["body"], roster.names["body"])
+    for kind, expected in order.items():
+        names, ids = roster.names[kind], roster.ids[kind]
+        if kind in _SORTED:
+            found.update(_sorted(kind, expected, roster))
+            continue
+        stretches = _stretches(expected)
+        for at, stretch in enumerate(stretches):
+            start = None
+            if whole or kind not in _ON_BODIES:
+                start = _start(stretch, at == 0, at == len(stretches) - 1, names, ids)
+            for place, node in enumerate(stretch):
+                row = ids.get(compiled_name(node)) if start is None else start + place
+                if row is not None:
+                    found[node] = row
+    return found
+
+
+def _sorted(kind: str, expected: Sequence[Node | None], roster: Roster) -> Iterator[tuple[Node, int]]:
+    """Pairs and excludes, by name or by the two that they are of."""
+    referred, *attributes = _SORTED[kind]
+    if kind == "pair":
+        of_two = zip(roster.model.pair_geom1.tolist(), roster.model.pair_geom2.tolist(), strict=True)
+    else:
+        of_two = ((both >> 16, both & 0xFFFF) for both in roster.model.exclude_signature.tolist())
+    places = {frozenset(two): row for row, two in enumerate(of_two)}
+    for node in expected:
+        if node is None:
+            continue
+        two = frozenset(roster.ids[referred].get(str(node.get(attribute)), -1) for attribute in attributes)
+        row = roster.ids[kind].get(compiled_name(node), places.get(two))
+        if row is not None:
+            yield node, row
+
+
+def _start(
+    stretch: Sequence[Node], first: bool, last: bool, names: Sequence[str], ids: Mapping[str, int]
+) -> int | None:
+    own = [compiled_name(node) for node in stretch]
+    known = next((ids[name] - at for at, name in enumerate(own) if name in ids), None)
+    if first and last and len(own) != len(names):
+        return None
+    start = 0 if first else len(names) - len(own) if last else known
+    return start if start is not None and start >= 0 and names[start : start + len(own)] == own else None
+
+
+def _same_bodies(expected: Sequence[Node | None], names: Sequence[str]) -> bool:
+    """Whether no body is missing: MuJoCo gives what stands on those that it takes out to others."""
+    return None in expected or len(expected) == len(names)
+
+
+def _stretches(expected: Sequence[Node | None]) -> list[list[Node]]:
+    stretches: list[list[Node]] = [[]]
+    for node in expected:
+        if node is None:
+            stretches.append([])
+        else:
+            stretches[-1].append(node)
+    return stretches
+
+
+def _any_number(found: dict[str, list[Node | None]], on: str | None = None) -> None:
+    for kind in _ON_BODIES if on else ("body", *_ON_BODIES):
+        found[kind].append(None)
+
+
+def _elsewhere(root: Node) -> Iterator[Node]:
+    """The elements outside of the body tree that may become objects."""
+    for section in root.iterchildren("extension"):
+        yield from section.iterdescendants("instance")
+    for section in root.iterchildren(*_SECTIONS):
+        yield from section.iterchildren("*")
