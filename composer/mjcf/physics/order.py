@@ -12,9 +12,15 @@ from composer.tree.classes import through_frames
 from composer.tree.names import WORLD
 from composer.verify.roster import KINDS, Roster
 
-# What MuJoCo makes any number of elements of.
-_BLOCKS = ("replicate", "attach", "composite", "flexcomp")
 _ON_BODIES = ("joint", "geom", "site", "camera", "light")
+_REFERRING = ("pair", "exclude", "equality", "tendon", "actuator", "sensor")
+# What MuJoCo makes any number of elements of, and of which kinds.
+_BLOCKS: Mapping[str, tuple[str, ...]] = {
+    "attach": tuple(KINDS),
+    "composite": ("body", "joint", "geom", "site", "exclude", "equality", "tendon", "skin", "plugin"),
+    "flexcomp": ("body", "joint", "equality", "flex", "plugin"),
+    "replicate": ("body", *_ON_BODIES, *_REFERRING),
+}
 _SECTIONS = ("asset", "deformable", "contact", "equality", "tendon", "actuator", "sensor", "custom", "keyframe")
 # MuJoCo sorts these by what they refer to: two of a kind, by these attributes.
 _SORTED = {"pair": ("geom", "geom1", "geom2"), "exclude": ("body", "body1", "body2")}
@@ -50,16 +56,15 @@ def compiled_order(root: Node) -> Order:
     ['a', 'b']
     """
     found: dict[str, list[Node | None]] = {kind: [] for kind in KINDS}
-    generated = any(True for _ in root.iterdescendants(*_BLOCKS))
-    if generated:
-        for kind in KINDS:
-            if kind not in _ON_BODIES and kind != "body":
-                found[kind].append(None)
+    blocks = {str(block.tag) for block in root.iterdescendants(*_BLOCKS)}
+    generated = {kind for block in blocks for kind in _BLOCKS[block]} - {"body", *_ON_BODIES}
+    for kind in generated:
+        found[kind].append(None)
     waiting = list(root.iterchildren(WORLD_SECTION))
     while waiting:
         body = waiting.pop()
         if body.tag in _BLOCKS:
-            _any_number(found)
+            _any_number(found, body)
             continue
         found["body"].append(body)
         inner: list[Node] = []
@@ -68,7 +73,7 @@ def compiled_order(root: Node) -> Order:
                 inner.append(child)
             elif child.tag in _BLOCKS:
                 inner.append(child)
-                _any_number(found, on="this")
+                _any_number(found, child)
             elif isinstance(child.tag, str) and (kind := compiled_kind(child)) in _ON_BODIES:
                 found[str(kind)].append(child)
         waiting.extend(reversed(inner))
@@ -76,9 +81,8 @@ def compiled_order(root: Node) -> Order:
         kind = compiled_kind(node)
         if kind is not None:
             found[kind].append(node)
-    if generated:
-        for kind in KINDS:
-            found[kind].append(None)
+    for kind in generated:
+        found[kind].append(None)
     return found
 
 
@@ -96,6 +100,8 @@ def rows(order: Order, roster: Roster) -> dict[Node, int]:
             found.update(_sorted(kind, expected, roster))
             continue
         stretches = _stretches(expected)
+        if sum(map(len, stretches)) == len(names):  # nothing was made
+            stretches = [[node for stretch in stretches for node in stretch]]
         for at, stretch in enumerate(stretches):
             start = None
             if whole or kind not in _ON_BODIES:
@@ -114,13 +120,20 @@ def _sorted(kind: str, expected: Sequence[Node | None], roster: Roster) -> Itera
         of_two = zip(roster.model.pair_geom1.tolist(), roster.model.pair_geom2.tolist(), strict=True)
     else:
         of_two = ((both >> 16, both & 0xFFFF) for both in roster.model.exclude_signature.tolist())
-    places = {frozenset(two): row for row, two in enumerate(of_two)}
+    places: dict[frozenset[int], list[int]] = {}
+    for row, two in enumerate(of_two):
+        places.setdefault(frozenset(two), []).append(row)
     for node in expected:
         if node is None:
             continue
-        two = frozenset(roster.ids[referred].get(str(node.get(attribute)), -1) for attribute in attributes)
-        row = roster.ids[kind].get(compiled_name(node), places.get(two))
+        mine = frozenset(roster.ids[referred].get(str(node.get(attribute)), -1) for attribute in attributes)
+        of_mine = places.get(mine, [])
+        row = roster.ids[kind].get(compiled_name(node))
+        if row is None and of_mine:
+            row = of_mine[0]
         if row is not None:
+            if row in of_mine:
+                of_mine.remove(row)
             yield node, row
 
 
@@ -150,9 +163,11 @@ def _stretches(expected: Sequence[Node | None]) -> list[list[Node]]:
     return stretches
 
 
-def _any_number(found: dict[str, list[Node | None]], on: str | None = None) -> None:
-    for kind in _ON_BODIES if on else ("body", *_ON_BODIES):
-        found[kind].append(None)
+def _any_number(found: dict[str, list[Node | None]], block: Node) -> None:
+    """What a block makes stands on its body and on bodies below that one."""
+    for kind in _BLOCKS[str(block.tag)]:
+        if kind == "body" or kind in _ON_BODIES:
+            found[kind].append(None)
 
 
 def _elsewhere(root: Node) -> Iterator[Node]:
