@@ -21,7 +21,17 @@ _BLOCKS: Mapping[str, tuple[str, ...]] = {
     "flexcomp": ("body", "joint", "equality", "flex", "plugin"),
     "replicate": ("body", *_ON_BODIES, *_REFERRING),
 }
-_SECTIONS = ("asset", "deformable", "contact", "equality", "tendon", "actuator", "sensor", "custom", "keyframe")
+_SECTIONS = (
+    "asset",
+    "deformable",
+    "contact",
+    "equality",
+    "tendon",
+    "actuator",
+    "sensor",
+    "custom",
+    "keyframe",
+)
 # MuJoCo sorts these by what they refer to: two of a kind, by these attributes.
 _SORTED = {"pair": ("geom", "geom1", "geom2"), "exclude": ("body", "body1", "body2")}
 

@@ -20,7 +20,6 @@ from composer.mjcf.physics.binding import Binding, EmptyBinding, binding_of
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
 from composer.mjcf.physics.order import compiled_kind
 from composer.mjcf.physics.rendering import Rendering
-from composer.mjcf.reference import describe
 from composer.mjcf.root import RootElement
 from composer.verify.roster import KINDS, Roster
 
@@ -41,7 +40,16 @@ class Physics:
     0.04
     """
 
-    __slots__ = ("__weakref__", "_bindings", "_data", "_model", "_of_tree", "_rendering", "_roster", "_snapshots")
+    __slots__ = (
+        "__weakref__",
+        "_bindings",
+        "_data",
+        "_model",
+        "_of_tree",
+        "_rendering",
+        "_roster",
+        "_snapshots",
+    )
 
     def __init__(self, model: Any, data: Any = None, *, snapshot: Snapshot | None = None) -> None:
         """Physics of an `MjModel`, and an `MjData` of it where there is one; they are used as they are."""
@@ -182,7 +190,9 @@ class Physics:
         if several is None or not all(isinstance(each, Element) for each in several):
             got = next((each for each in several or () if not isinstance(each, Element)), elements)
             raise failure(
-                "wrong-type", f"elements are bound, or sequences of them, got `{type(got).__name__}`", call_site()
+                "wrong-type",
+                f"elements are bound, or sequences of them, got `{type(got).__name__}`",
+                call_site(),
             )
         for each in several:
             each._alive()

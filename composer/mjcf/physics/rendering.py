@@ -25,9 +25,7 @@ class Rendering:
         """RGB, `(height, width, 3)`."""
         for what, number in (("height", height), ("width", width)):
             if not isinstance(number, int | np.integer) or number < 1:
-                raise failure(
-                    "out-of-range", f"`{what}` is a number of pixels, got `{number}`", call_site()
-                )
+                raise failure("out-of-range", f"`{what}` is a number of pixels, got `{number}`", call_site())
         if self._renderer is None or self._size != (height, width):
             self.close()
             self._renderer, self._size = _renderer(model, height, width), (height, width)
