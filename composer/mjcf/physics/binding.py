@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -70,9 +71,12 @@ class Binding:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        raise self._unknown(name)
+        field = fields(self._kind).get(name)
+        if field is None:
+            raise self._unknown(name)
+        return self._read(name, field)  # Python asks here for fields that raised; they do so again
 
-    def __setattr__(self, name: str, value: object) -> None:
+    def __setattr__(self, name: str, value: Any) -> None:
         view = self.__dict__.get(name)
         if view is None:
             field = fields(self._kind).get(name)
@@ -169,7 +173,7 @@ class EmptyBinding:
             raise AttributeError(name)
         return np.empty(0)
 
-    def __setattr__(self, name: str, value: object) -> None:
+    def __setattr__(self, name: str, value: Any) -> None:
         np.empty(0)[...] = value
 
     def __repr__(self) -> str:
@@ -208,7 +212,7 @@ def _as_slice(index: list[int]) -> slice | None:
     if not index:
         return slice(0, 0)
     step = index[1] - index[0] if len(index) > 1 else 1
-    if step == 0 or any(b - a != step for a, b in zip(index, index[1:], strict=False)):
+    if step == 0 or any(b - a != step for a, b in pairwise(index)):
         return None
     end = index[-1] + step
     return slice(index[0], end if end >= 0 else None, step)

@@ -10,9 +10,10 @@ from composer.mjcf.kinds import WORLD_SECTION, kind_of, naming_attribute
 from composer.mjcf.names import own_name
 from composer.tree.classes import through_frames
 from composer.tree.names import WORLD
-from composer.verify.roster import KINDS, Roster
+from composer.verify.roster import KINDS, Model, Roster
 
 _ON_BODIES = ("joint", "geom", "site", "camera", "light")
+_STANDING = {**{kind: kind for kind in _ON_BODIES}, "freejoint": "joint"}
 _REFERRING = ("pair", "exclude", "equality", "tendon", "actuator", "sensor")
 # What MuJoCo makes any number of elements of, and of which kinds.
 _BLOCKS: Mapping[str, tuple[str, ...]] = {
@@ -74,7 +75,8 @@ def compiled_order(root: Node) -> Order:
     while waiting:
         body = waiting.pop()
         if body.tag in _BLOCKS:
-            _any_number(found, body)
+            for kind in _made(body)[1]:
+                found[kind].append(None)
             continue
         found["body"].append(body)
         inner: list[Node] = []
@@ -83,14 +85,15 @@ def compiled_order(root: Node) -> Order:
                 inner.append(child)
             elif child.tag in _BLOCKS:
                 inner.append(child)
-                _any_number(found, child)
-            elif isinstance(child.tag, str) and (kind := compiled_kind(child)) in _ON_BODIES:
-                found[str(kind)].append(child)
+                for made in _made(child)[0]:
+                    found[made].append(None)
+            elif child.tag in _STANDING:
+                found[_STANDING[str(child.tag)]].append(child)
         waiting.extend(reversed(inner))
     for node in _elsewhere(root):
-        kind = compiled_kind(node)
-        if kind is not None:
-            found[kind].append(node)
+        written = compiled_kind(node)
+        if written is not None:
+            found[written].append(node)
     for kind in generated:
         found[kind].append(None)
     return found
@@ -126,25 +129,27 @@ def rows(order: Order, roster: Roster) -> dict[Node, int]:
 def _sorted(kind: str, expected: Sequence[Node | None], roster: Roster) -> Iterator[tuple[Node, int]]:
     """Pairs and excludes, by name or by the two that they are of."""
     referred, *attributes = _SORTED[kind]
-    if kind == "pair":
-        of_two = zip(roster.model.pair_geom1.tolist(), roster.model.pair_geom2.tolist(), strict=True)
-    else:
-        of_two = ((both >> 16, both & 0xFFFF) for both in roster.model.exclude_signature.tolist())
     places: dict[frozenset[int], list[int]] = {}
-    for row, two in enumerate(of_two):
+    for row, two in enumerate(_of_two(kind, roster.model)):
         places.setdefault(frozenset(two), []).append(row)
     for node in expected:
         if node is None:
             continue
         mine = frozenset(roster.ids[referred].get(str(node.get(attribute)), -1) for attribute in attributes)
-        of_mine = places.get(mine, [])
-        row = roster.ids[kind].get(compiled_name(node))
-        if row is None and of_mine:
-            row = of_mine[0]
-        if row is not None:
-            if row in of_mine:
-                of_mine.remove(row)
-            yield node, row
+        alike = places.get(mine, [])
+        found = roster.ids[kind].get(compiled_name(node), alike[0] if alike else None)
+        if found is not None:
+            yield node, found
+        if found in alike:
+            alike.remove(found)
+
+
+def _of_two(kind: str, model: Model) -> Iterator[tuple[int, int]]:
+    """The numbers of the two that each is of: geoms, or bodies packed into one number."""
+    if kind == "pair":
+        yield from zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    else:
+        yield from ((both >> 16, both & 0xFFFF) for both in model.exclude_signature.tolist())
 
 
 def _start(
@@ -173,11 +178,23 @@ def _stretches(expected: Sequence[Node | None]) -> list[list[Node]]:
     return stretches
 
 
-def _any_number(found: dict[str, list[Node | None]], block: Node) -> None:
-    """What a block makes stands on its body and on bodies below that one."""
-    for kind in _BLOCKS[str(block.tag)]:
-        if kind == "body" or kind in _ON_BODIES:
-            found[kind].append(None)
+def _made(block: Node) -> tuple[set[str], set[str]]:
+    """The kinds of what a block makes on its own body, and below that one."""
+    if block.tag != "replicate":
+        kinds = {kind for kind in _BLOCKS[str(block.tag)] if kind == "body" or kind in _ON_BODIES}
+        return (set() if block.tag == "flexcomp" else kinds - {"body"}), kinds
+    here: set[str] = set()
+    below: set[str] = set()
+    for child in through_frames(block):
+        if child.tag in _BLOCKS:
+            inner = _made(child)
+            here |= inner[0]
+            below |= inner[1]
+        elif child.tag == "body":
+            below |= {"body", *_ON_BODIES}
+        elif child.tag in _STANDING:
+            here.add(_STANDING[str(child.tag)])
+    return here, below
 
 
 def _elsewhere(root: Node) -> Iterator[Node]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link.linking import Policy
 from composer.mjcf.call_site import call_site
@@ -36,7 +37,7 @@ class Physics:
     >>> physics = root.compile_model()
     >>> physics.bind(root.find('joint', 'j')).qvel = 2
     >>> physics.step(10)
-    >>> round(physics.data.qpos[0], 3)
+    >>> round(float(physics.data.qpos[0]), 3)
     0.04
     """
 
@@ -250,7 +251,7 @@ class Physics:
 
     def _not_found(self, element: Element, kind: str, taken: Snapshot | None) -> MjcfError:
         what, help = element._described(), None
-        notes = ()
+        notes: tuple[Note, ...] = ()
         if taken is None:
             message = f"{what} is of the model `{element._model.name}`, which was not compiled here"
             help = "compile the model that it is in, or bind before you copy"
@@ -288,7 +289,7 @@ class Physics:
             "unknown-name" if isinstance(given, str) else "out-of-range",
             f"the compiled model has no {kind} `{given}`",
             call_site(),
-            notes=(exists_note(kind, [name or f"number {at}" for at, name in enumerate(names)], str(given)),),
+            notes=(exists_note(kind, [name or str(at) for at, name in enumerate(names)], str(given)),),
             help=f"did you mean `{near[0]}`?" if near else None,
         )
 
