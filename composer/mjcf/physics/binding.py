@@ -96,14 +96,8 @@ class Binding:
         return f"<Binding of {shown}>"
 
     def _read(self, name: str, field: Field) -> Array:
-        home = self._homes.get(name)
-        if home is None:
-            view = self._view(name, field)
-            if not isinstance(view, Home):
-                return view
-            home = view
-        rows: Array = home.read()
-        return rows
+        view = self._view(name, field)
+        return view.read() if isinstance(view, Home) else view
 
     def _view(self, name: str, field: Field) -> Array | Home[Any]:
         """The field, kept from now on: memory of MuJoCo's does not move while the model lives."""
@@ -196,7 +190,10 @@ class _FieldView:
         self.name, self.field = name, field
 
     def __get__(self, binding: Binding | None, owner: type[Binding]) -> Any:
-        return self if binding is None else binding._read(self.name, self.field)
+        if binding is None:
+            return self
+        home = binding._homes.get(self.name)
+        return binding._read(self.name, self.field) if home is None else home.read()
 
 
 def _shortest(kind: str) -> list[str]:

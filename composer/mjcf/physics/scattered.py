@@ -42,18 +42,18 @@ class Home(Generic[_Number]):
 
     source: NDArray[_Number]
     index: NDArray[np.intp]
+    flat: bool
 
     @classmethod
     def of(cls, array: NDArray[_Number], index: NDArray[np.intp]) -> Home[_Number]:
-        return cls(array.view(Scattered), index)
+        return cls(array.view(Scattered), index, array.ndim == 1)
 
     def read(self) -> Scattered:
         """The rows as they are now."""
-        source: Any = self.source
         # Indexing is fast for numbers, `take` for rows of several.
-        rows: Scattered = source[self.index] if source.ndim == 1 else source.take(self.index, 0)
+        rows: Any = self.source[self.index] if self.flat else self.source.take(self.index, 0)
         rows.home = self
-        return rows
+        return rows  # type: ignore[no-any-return]
 
     def write(self, value: object) -> None:
         source: Any = self.source
