@@ -20,6 +20,7 @@ from composer.mjcf.attachment import (
     get_frame_joints,
     get_freejoint,
 )
+from composer.mjcf.committing import commit_defaults
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, MjcfWarning
 from composer.mjcf.export import export_with_assets, export_with_assets_as_zip
@@ -40,6 +41,7 @@ __all__ = [
     "MjcfWarning",
     "Physics",
     "RootElement",
+    "commit_defaults",
     "export_with_assets",
     "export_with_assets_as_zip",
     "from_file",
