@@ -25,7 +25,7 @@ from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, MjcfWarning
 from composer.mjcf.export import export_with_assets, export_with_assets_as_zip
 from composer.mjcf.names import SEPARATOR as PREFIX_SEPARATOR
-from composer.mjcf.parse import from_file, from_path, from_xml_string
+from composer.mjcf.parse import from_file, from_path, from_xml_string, from_zip
 from composer.mjcf.physics.binding import Binding
 from composer.mjcf.physics.physics import Physics
 from composer.mjcf.root import RootElement
@@ -47,6 +47,7 @@ __all__ = [
     "from_file",
     "from_path",
     "from_xml_string",
+    "from_zip",
     "get_attachment_frame",
     "get_frame_freejoint",
     "get_frame_joints",

@@ -283,6 +283,12 @@ class Element:
     def __copy__(self) -> Element:
         return self.__deepcopy__({})
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled with the whole composition: what is pickled together stays together."""
+        from composer.mjcf.pickled import reduced
+
+        return reduced(self)
+
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *map(spoken, self._kind.attributes), *self._kind.children})
 
