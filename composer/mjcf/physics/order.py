@@ -20,7 +20,7 @@ _BLOCKS: Mapping[str, tuple[str, ...]] = {
     "attach": tuple(KINDS),
     "composite": ("body", "joint", "geom", "site", "exclude", "equality", "tendon", "skin", "plugin"),
     "flexcomp": ("body", "joint", "equality", "flex", "plugin"),
-    "replicate": ("body", *_ON_BODIES, *_REFERRING),
+    "replicate": ("body", *_ON_BODIES, *_REFERRING, "key"),
 }
 _SECTIONS = (
     "asset",

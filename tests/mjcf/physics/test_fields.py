@@ -8,8 +8,17 @@ from composer.mjcf import Physics, RootElement
 from composer.mjcf.physics.fields import fields
 from composer.verify.roster import KINDS
 
-# MuJoCo's own views give the body of each degree of freedom, and a moment that is no memory of its own.
-_OTHERWISE = {("joint", "bodyid"), ("actuator", "moment"), ("joint", "plastic"), ("tendon", "plastic")}
+# MuJoCo's own views give the body of each degree of freedom, and a moment that is no memory of its own; those
+# of 3.12 have rows of others for the last three.
+_OTHERWISE = {
+    ("joint", "bodyid"),
+    ("actuator", "moment"),
+    ("joint", "plastic"),
+    ("tendon", "plastic"),
+    ("joint", "cdof"),
+    ("joint", "cdof_dot"),
+    ("tendon", "J_colind"),
+}
 _VIEWED = (
     "body joint geom site camera light mesh hfield texture material pair exclude equality tendon actuator sensor "
     "numeric tuple key"
@@ -70,3 +79,10 @@ def test_lists_of_indices_and_what_is_made_anew_in_every_step_are_no_fields() ->
     names = {name for kind in KINDS for name in fields(kind)}
     assert not names & {"body_awake_ind", "dof_awake_ind", "wrap_xpos", "efc_force", "contact", "dof_island"}
     assert hasattr(mujoco.MjData, "efc_force")
+
+
+def test_rows_of_degrees_of_freedom_and_of_a_jacobian(model: RootElement, physics: Physics) -> None:
+    assert physics.bind(model.find("joint", "h")).cdof.tolist() == physics.data.cdof[6:7].tolist()
+    assert physics.bind(model.find("joint", "ball")).cdof_dot.tolist() == physics.data.cdof_dot[8:11].tolist()
+    assert physics.bind(model.find("tendon", "te")).ten_J_colind.tolist() == [6, 7]
+    assert physics.bind(model.find("tendon", "te")).J.tolist() == [1, 2]
