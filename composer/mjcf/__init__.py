@@ -28,6 +28,7 @@ from composer.mjcf.names import SEPARATOR as PREFIX_SEPARATOR
 from composer.mjcf.parse import from_file, from_path, from_xml_string, from_zip
 from composer.mjcf.physics.binding import Binding
 from composer.mjcf.physics.physics import Physics
+from composer.mjcf.physics.spec import from_spec
 from composer.mjcf.root import RootElement
 
 __all__ = [
@@ -46,6 +47,7 @@ __all__ = [
     "export_with_assets_as_zip",
     "from_file",
     "from_path",
+    "from_spec",
     "from_xml_string",
     "from_zip",
     "get_attachment_frame",

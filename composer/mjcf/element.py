@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, cast
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
@@ -295,6 +297,11 @@ class Element:
     def __repr__(self) -> str:
         attributes = "".join(f' {name!s}="{value!s}"' for name, value in self._node.items())
         return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
+
+    def _repr_html_(self) -> str:
+        """The element and what is below it in its own model, for notebooks."""
+        text = etree.tostring(self._node, encoding="unicode", pretty_print=True, with_tail=False)
+        return f"<pre>{html.escape(text)}</pre>"
 
     # -- for this package ------------------------------------------------------------------------------------
 

@@ -24,7 +24,7 @@ def test_the_examples_of_the_page(
     mesh.write_bytes((folder / "gripper" / "shell.stl").read_bytes())
     monkeypatch.chdir(folder)
     examples = re.findall(r"```python\n(.*?)```", (repository / "docs" / "mjcf.md").read_text(), re.DOTALL)
-    assert len(examples) == 8
+    assert len(examples) == 9
     names: dict[str, object] = {}
     for example in examples:
         exec(compile(example, "docs/mjcf.md", "exec"), names)
@@ -35,6 +35,6 @@ def test_the_examples_of_the_page(
     assert physics.data.joint("gripper/right").qpos[0] == 0.02
     assert mujoco.MjModel.from_xml_path("out/model.xml").nsensor == 5
     told = capsys.readouterr().out.splitlines()
-    assert told[-4:] == [".stl", "True", told[-2], "left True"]
+    assert told[-5:] == [".stl", "True", told[-3], "left True", "hammer"]
     assert told[2:5] == ["base default", "arm default", "fore default"]
-    assert told[-2].startswith("[0.01 0.02] ")
+    assert told[-3].startswith("[0.01 0.02] ")
