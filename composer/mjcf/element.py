@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, cast
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
@@ -298,12 +300,23 @@ class Element:
     def __copy__(self) -> Element:
         return self.__deepcopy__({})
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled with the whole composition: what is pickled together stays together."""
+        from composer.mjcf.pickled import reduced
+
+        return reduced(self)
+
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *map(spoken, self._kind.attributes), *self._kind.children})
 
     def __repr__(self) -> str:
         attributes = "".join(f' {name!s}="{value!s}"' for name, value in self._node.items())
         return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
+
+    def _repr_html_(self) -> str:
+        """The element and what is below it in its own model, for notebooks."""
+        text = etree.tostring(self._node, encoding="unicode", pretty_print=True, with_tail=False)
+        return f"<pre>{html.escape(text)}</pre>"
 
     # -- for this package ------------------------------------------------------------------------------------
 
