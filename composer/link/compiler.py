@@ -13,7 +13,6 @@ from composer.tree.unit import Unit
 
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 _MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
-# Settings of a whole model whose effect on one part cannot be written into that part yet.
 _WHOLE_MODEL = ("fusestatic", "discardvisual")
 _NO_EFFECT = ("coordinate", "usethread", "conflict")
 _OF_FREEJOINTS = frozenset({"name", "type", "group", "class"})
@@ -24,16 +23,6 @@ def check_settings(linking: Linking) -> None:
     """Refuse what cannot be kept; a base alone keeps everything it says."""
     if not linking.parts:
         return
-    for unit in linking.units:
-        for compiler in unit.root.iterchildren("compiler"):
-            for name in _WHOLE_MODEL:
-                if compiler.get(name) == "true":
-                    linking.sink.error(
-                        "compiler-setting",
-                        f"`{name}` of `{unit.label}` cannot be kept in a composition",
-                        linking.span(unit, compiler, name),
-                        help=f'take `{name}="true"` out of the file, or of a copy of it',
-                    )
     for unit in linking.units:
         if unit.settings.alignfree == "true":
             _align_free_joints(linking, unit)

@@ -16,6 +16,7 @@ from composer.link.keyframes import keyframes, layouts
 from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
+from composer.link.reductions import reductions
 from composer.link.roots import check_planes, roots
 from composer.link.sections import sections
 from composer.link.submodels import submodels
@@ -24,6 +25,7 @@ Pass = Callable[[Linking], None]
 
 # In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
 PASSES: tuple[Pass, ...] = (
+    reductions,
     choose_classes,
     check_settings,
     inertia,
