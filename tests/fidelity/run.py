@@ -1,4 +1,4 @@
-"""The whole fidelity table: `python tests/fidelity/run.py [--pairs] [--cases] [--robots N] [--settings] [--roundtrip]`.
+"""The whole fidelity table: `python tests/fidelity/run.py [--pairs] [--cases] [--robots N] [--settings N] [--roundtrip]`.
 
 Needs MJCOMPOSE_CORPUS. Exits with 1 where anything is not as it should be. Without a choice of sets it runs
 the pairs and the feature cases.
@@ -54,7 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--pairs", action="store_true", help="the corpus's pairs")
     parser.add_argument("--cases", action="store_true", help="the corpus's feature cases")
     parser.add_argument("--robots", type=int, default=0, metavar="N", help="all ordered pairs of N robots")
-    parser.add_argument("--settings", action="store_true", help="models of the pairs with compiler settings")
+    parser.add_argument(
+        "--settings", type=int, default=0, metavar="N", help="N models with compiler settings"
+    )
     parser.add_argument("--roundtrip", action="store_true", help="parse, write and compile every model")
     parser.add_argument("--only", metavar="TEXT", help="only what has this in its name")
     parser.add_argument("--stand-in", action="store_true", help="MuJoCo's own attach in place of mjcompose")
@@ -73,7 +75,7 @@ def _chosen(options: argparse.Namespace, corpus: Path, written: Path) -> list[tu
     if options.robots:
         chosen.append(("Robots", list(corpora.robots(corpus, options.robots))))
     if options.settings:
-        chosen.append(("Settings", list(with_settings(corpus, written))))
+        chosen.append(("Settings", list(with_settings(corpus, written, options.settings))))
     return [(title, [c for c in found if (options.only or "") in c.id]) for title, found in chosen]
 
 

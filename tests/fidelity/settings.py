@@ -20,9 +20,9 @@ SETTINGS = (
 )
 
 
-def with_settings(corpus: Path, folder: Path) -> Iterator[Composition]:
-    """Every model of the pairs with every setting, in both places. The models are written below `folder`."""
-    for number, model in enumerate(_models(corpus)):
+def with_settings(corpus: Path, folder: Path, count: int) -> Iterator[Composition]:
+    """The first models of the pairs with every setting, in both places. They are written below `folder`."""
+    for number, model in enumerate(_models(corpus)[:count]):
         name = f"{model.parent.name}/{model.stem}"
         for setting in SETTINGS:
             label = "+".join(each.partition("=")[0] for each in setting.split())
