@@ -40,6 +40,8 @@ def _leave_uncoloured(section: Node) -> None:
         for name, (kind, namespace) in table.get(str(element.tag), {}).items():
             if kind == REFERS and namespace in _COLOURS and name in element.attrib:
                 del element.attrib[name]
+                if section.tag == "default" and not element.attrib:
+                    _remove(element)
     for layer in list(section.iter("layer")):
         _remove(layer)
 

@@ -42,16 +42,16 @@ def test_a_free_joint_with_settings_cannot_be_aligned(workshop: Workshop, joint:
     assert "`alignfree`" in fault.message
 
 
-@pytest.mark.parametrize("name", ["fusestatic", "discardvisual"])
-@pytest.mark.parametrize("role", ["base", "part"])
-def test_what_cannot_be_kept_is_refused(workshop: Workshop, name: str, role: str) -> None:
-    model = f'<mujoco>\n<compiler {name}="true"/></mujoco>'
-    linked = workshop.link(model, BASE) if role == "base" else workshop.link(BASE, model)
-    fault = linked.fault
-    assert fault.code == "compiler-setting"
-    assert f"`{name}`" in fault.message
-    assert fault.span is not None
-    assert fault.span.line == 2
+@pytest.mark.parametrize("joint", FREE_JOINTS[:6])
+@pytest.mark.parametrize(
+    "settings", ['settotalmass="7"', 'boundmass="1000"', 'fusestatic="true"', 'fitaabb="true"']
+)
+def test_what_is_measured_is_measured_in_the_frame_before_alignment(
+    workshop: Workshop, joint: str, settings: str
+) -> None:
+    model = FREE.format(settings=f'alignfree="true" {settings}', joint=joint)
+    workshop.link(BASE, model).check()
+    workshop.link(model, BASE).check()
 
 
 def test_a_model_alone_keeps_everything_but_its_folders(workshop: Workshop) -> None:
