@@ -104,8 +104,8 @@ def test_the_xml_is_plain(workshop: Workshop) -> None:
 
 
 def test_faults_of_several_passes_are_told_at_once(workshop: Workshop) -> None:
-    part = """<mujoco><compiler fusestatic="true"/><option timestep="1"/>
-      <worldbody><body name="b"><freejoint/></body><site name="mark"/></worldbody>
+    part = """<mujoco><compiler alignfree="true"/><option timestep="1"/>
+      <worldbody><body name="b"><joint type="free" damping="1"/></body><site name="mark"/></worldbody>
       <actuator><motor joint="none"/></actuator></mujoco>"""
     linked = workshop.link(
         BASE, Piece(part, "", placed("site", "mark")), Piece(BASE, "c/", placed("site", "no"))
