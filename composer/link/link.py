@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from composer.link.agreement import agreement
+from composer.link.alignment import alignment
 from composer.link.angles import angles
 from composer.link.bodies import bodies
-from composer.link.compiler import check_settings, compiler
+from composer.link.compiler import compiler
 from composer.link.defaults import choose_classes, defaults
 from composer.link.files import files
 from composer.link.fitting import fitting
@@ -27,7 +28,7 @@ Pass = Callable[[Linking], None]
 PASSES: tuple[Pass, ...] = (
     reductions,
     choose_classes,
-    check_settings,
+    alignment,
     inertia,
     fitting,
     lengthranges,
@@ -47,7 +48,7 @@ PASSES: tuple[Pass, ...] = (
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, check_planes)
+_HINDERS_NOTHING = (alignment, agreement, roots, names, bodies, check_planes)
 
 
 def link(linking: Linking) -> bool:
