@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from composer.diagnostics.span import Span
 from composer.document.node import find, locate
-from composer.explain.effective import class_in_force
 from composer.explain.explanation import Reason
 from composer.explain.trace import Cause, Change, Life, Move, Trace
 from composer.link.angles import model_angle
@@ -17,6 +16,7 @@ from composer.link.limits import model_autolimits
 from composer.link.linking import Part
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
+from composer.tree.effective import class_in_force
 from composer.tree.settings import Settings
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest, exists_note
 from composer.explain.query import Asked, find, labels, name_of, ordered
-from composer.mjcf.kinds import kind_of
+from composer.tree.kinds import kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -13,8 +13,6 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.explain import query
 from composer.explain.cause import REWRITES, Causes, place
-from composer.explain.effective import chain as class_chain
-from composer.explain.effective import class_in_force, given, levels, value
 from composer.explain.explanation import (
     AttributeExplained,
     Changed,
@@ -29,8 +27,10 @@ from composer.explain.explanation import (
 from composer.explain.missing import no_attribute, not_found
 from composer.explain.rows import VECTORS, rows
 from composer.explain.trace import TAG, Change, Life, Move, Trace
-from composer.mjcf.kinds import kind_of
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
+from composer.tree.effective import chain as class_chain
+from composer.tree.effective import class_in_force, given, levels, value
+from composer.tree.kinds import kind_of
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:

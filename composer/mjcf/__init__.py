@@ -24,12 +24,12 @@ from composer.mjcf.committing import commit_defaults
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, MjcfWarning
 from composer.mjcf.export import export_with_assets, export_with_assets_as_zip
-from composer.mjcf.names import SEPARATOR as PREFIX_SEPARATOR
 from composer.mjcf.parse import from_file, from_path, from_xml_string, from_zip
 from composer.mjcf.physics.binding import Binding
 from composer.mjcf.physics.physics import Physics
 from composer.mjcf.physics.spec import from_spec
 from composer.mjcf.root import RootElement
+from composer.tree.name_index import SEPARATOR as PREFIX_SEPARATOR
 
 __all__ = [
     "PREFIX_SEPARATOR",

@@ -13,11 +13,11 @@ from composer.mjcf import edit
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element, _targets, view
 from composer.mjcf.errors import failure
-from composer.mjcf.kinds import WORLD_SECTION, kind_of
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.reference import describe
 from composer.mjcf.removal import release
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
+from composer.tree.kinds import WORLD_SECTION, kind_of
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement

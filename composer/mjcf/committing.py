@@ -9,10 +9,10 @@ from lxml.etree import _Element as Node
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.mjcf.element import Element
-from composer.mjcf.kinds import ROOT, kind_of
 from composer.mjcf.model import Model
 from composer.mjcf.mounting import childclass_at
 from composer.tree.classes import ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
+from composer.tree.kinds import ROOT, kind_of
 
 _ACTUATORS = frozenset(GRAMMAR.section("actuator").children)
 _SECTIONS_OF_NO_ELEMENTS = ("default", "extension")

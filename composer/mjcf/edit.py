@@ -16,13 +16,13 @@ from composer.grammar.attribute import Attribute
 from composer.mjcf.asset import Asset, Files, place
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, failure
-from composer.mjcf.kinds import attribute_of, naming_attribute, section_of, spoken
 from composer.mjcf.misspelled import unknown_attribute
 from composer.mjcf.model import Attachment, Model, Target
-from composer.mjcf.names import MAY_REPEAT, is_list, renamed
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode
 from composer.tree.classes import ORIENTATIONS
+from composer.tree.kinds import attribute_of, naming_attribute, section_of, spoken
+from composer.tree.name_index import MAY_REPEAT, is_list, renamed
 
 
 @dataclass(slots=True)

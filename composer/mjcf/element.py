@@ -17,18 +17,18 @@ from composer.mjcf import edit, finding
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
-from composer.mjcf.kinds import (
+from composer.mjcf.misspelled import unknown_attribute, unknown_tag
+from composer.mjcf.model import Model, Target
+from composer.mjcf.reference import describe, refers, resolved
+from composer.mjcf.value import BadValue, decode
+from composer.tree.kinds import (
     HOLDS_ONE_OF_EACH,
     attribute_of,
     kind_of,
     naming_attribute,
     spoken,
 )
-from composer.mjcf.misspelled import unknown_attribute, unknown_tag
-from composer.mjcf.model import Model, Target
-from composer.mjcf.names import own_name
-from composer.mjcf.reference import describe, refers, resolved
-from composer.mjcf.value import BadValue, decode
+from composer.tree.name_index import own_name
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement

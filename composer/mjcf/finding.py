@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from composer.mjcf import traversal
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
-from composer.mjcf.kinds import Query, kind_of, query, section_of, tags_of
 from composer.mjcf.misspelled import unknown_tag
 from composer.mjcf.model import Target
+from composer.tree.kinds import Query, kind_of, query, section_of, tags_of
 from composer.tree.names import WORLD
 
 

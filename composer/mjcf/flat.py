@@ -22,10 +22,10 @@ from composer.link.linking import FileUse, Linking, Measure, Policy
 from composer.mjcf.asset import Asset
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
-from composer.mjcf.kinds import HOLDS_ONE_OF_EACH
 from composer.mjcf.loose_ends import check_references
 from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.mounting import Mounting
+from composer.tree.kinds import HOLDS_ONE_OF_EACH
 from composer.tree.unit import Unit
 from composer.tree.write import write
 

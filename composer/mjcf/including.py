@@ -17,9 +17,9 @@ from composer.mjcf.attachment import AttachmentFrame
 from composer.mjcf.duplicate import duplicate
 from composer.mjcf.errors import raise_errors
 from composer.mjcf.model import Model
-from composer.mjcf.names import own_name
 from composer.mjcf.reference import describe
 from composer.tree.files import NAMED_AFTER_FILE, file_attributes
+from composer.tree.name_index import own_name
 from composer.tree.settings import Settings
 
 _SETTINGS = ("compiler", "option", "size", "visual", "statistic")

@@ -8,9 +8,9 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link.names import may_be_generated
-from composer.mjcf.kinds import section_of, spoken
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
+from composer.tree.kinds import section_of, spoken
 
 _SHOWN = 20
 

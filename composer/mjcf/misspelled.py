@@ -8,7 +8,7 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar import ElementType
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
-from composer.mjcf.kinds import spoken
+from composer.tree.kinds import spoken
 
 
 def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:

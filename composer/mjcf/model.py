@@ -12,9 +12,9 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
 from composer.grammar import GRAMMAR
-from composer.mjcf.kinds import WORLD_SECTION, kind_of, naming_attribute, section_of
-from composer.mjcf.names import SEPARATOR, NameIndex, own_name
 from composer.tree.classes import MAIN
+from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute, section_of
+from composer.tree.name_index import SEPARATOR, NameIndex, own_name
 from composer.tree.names import WORLD
 from composer.tree.unit import Unit
 

@@ -14,10 +14,10 @@ from composer.link.numbers import text as number_text
 from composer.link.placing import read_pose
 from composer.mjcf.duplicate import counterpart
 from composer.mjcf.errors import failure
-from composer.mjcf.kinds import WORLD_SECTION
 from composer.mjcf.model import Attachment, Model
-from composer.mjcf.names import NameIndex
 from composer.tree.classes import MAIN, ORIENTATIONS, childclass_of
+from composer.tree.kinds import WORLD_SECTION
+from composer.tree.name_index import NameIndex
 from composer.tree.unit import Unit
 
 _ANGULAR = {"hinge": ("range", "ref", "springref", "springyield"), "ball": ("range", "springyield")}

@@ -8,9 +8,9 @@ from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
-from composer.mjcf.kinds import kind_of
 from composer.mjcf.model import Model, Target
 from composer.mjcf.value import BadValue
+from composer.tree.kinds import kind_of
 from composer.tree.names import WORLD
 
 

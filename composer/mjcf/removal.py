@@ -8,8 +8,8 @@ from lxml.etree import _Element as Node
 
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
-from composer.mjcf.kinds import ROOT, WORLD_SECTION, section_of
 from composer.mjcf.model import Attachment, Model, Target
+from composer.tree.kinds import ROOT, WORLD_SECTION, section_of
 
 # An element is still one without its class or its material; without anything else that it names it is not.
 _DROPPED = frozenset({"default", "material"})

@@ -13,8 +13,8 @@ from composer.mjcf.attachment import attach, detach, set_model_name
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element, view
 from composer.mjcf.errors import failure
-from composer.mjcf.kinds import WORLD_SECTION
 from composer.mjcf.model import UNNAMED, Model
+from composer.tree.kinds import WORLD_SECTION
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:

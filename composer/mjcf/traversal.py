@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from lxml.etree import _Element as Node
 
-from composer.mjcf.kinds import ROOT, WORLD_SECTION, Query, section_of
 from composer.mjcf.model import Attachment, Model, Target
+from composer.tree.kinds import ROOT, WORLD_SECTION, Query, section_of
 
 
 def from_root(model: Model, query: Query) -> Iterator[Target]:

@@ -8,7 +8,7 @@ from composer.diagnostics.sink import Sink
 from composer.explain import query
 from composer.explain.text import render
 from composer.explain.traced import Traced
-from composer.mjcf.kinds import kind_of
+from composer.tree.kinds import kind_of
 
 # What is about the whole model, and made for it, stands nowhere.
 _MADE = {"mujoco", "compiler", "default", "worldbody", "keyframe", "frame"}

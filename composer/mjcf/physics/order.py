@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from lxml.etree import _Element as Node
 
-from composer.mjcf.kinds import WORLD_SECTION, kind_of, naming_attribute
-from composer.mjcf.names import own_name
 from composer.tree.classes import through_frames
+from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute
+from composer.tree.name_index import own_name
 from composer.tree.names import WORLD
 from composer.verify.roster import KINDS, Model, Roster
 

@@ -13,8 +13,8 @@ from composer.diagnostics.sink import Sink
 from composer.explain import query
 from composer.explain.explain import trace
 from composer.explain.traced import Traced
-from composer.mjcf.kinds import kind_of
 from composer.pipeline import build
+from composer.tree.kinds import kind_of
 
 _OBJECTS = "body joint geom site camera light tendon equality actuator sensor key".split()
 _ARRAYS = [

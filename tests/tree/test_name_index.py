@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from composer.mjcf.names import NameIndex, is_list, own_name, renamed
+from composer.tree.name_index import NameIndex, is_list, own_name, renamed
 
 ROOT = etree.fromstring(
     '<mujoco><default><default class="c"><geom material="m"/></default></default>'

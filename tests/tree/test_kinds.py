@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from composer.mjcf.kinds import attribute_of, kind_of, query, section_of, spoken, tags_of
+from composer.tree.kinds import attribute_of, kind_of, query, section_of, spoken, tags_of
 
 ROOT = etree.fromstring(
     "<mujoco><default><geom/></default><worldbody><body><geom/><frame><joint/></frame></body></worldbody>"
