@@ -14,7 +14,16 @@ from composer.link.angles import model_angle
 from composer.link.inertia import MEASURED
 from composer.link.limits import model_autolimits
 from composer.link.linking import Part
-from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.plan.edits import in_words
+from composer.plan.plan import (
+    AddElement,
+    AppendElement,
+    DropElements,
+    EditElements,
+    Plan,
+    SetDefault,
+    SetSingleton,
+)
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import class_in_force
 from composer.tree.settings import Settings
@@ -90,6 +99,8 @@ class Causes:
             return Reason("set by the recipe", span)
         if isinstance(done, AppendElement):
             return Reason("written in the recipe", span)
+        if isinstance(done, EditElements | DropElements):
+            return Reason(in_words(done), span)
         return Reason(_summary(done), span if isinstance(span, Span) else None)
 
     # -- what the linker's passes do ---------------------------------------------------------------------------

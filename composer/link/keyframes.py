@@ -67,7 +67,7 @@ def keyframes(linking: Linking) -> None:
     if final is None:
         return
     old = [key for section in root.iterchildren("keyframe") for key in section.iterchildren("key")]
-    if not linking.parts and _same(final, linking.base_layout):
+    if not linking.parts and not linking.emptied and _same(final, linking.base_layout):
         return
     _check_kept(linking, keys.values())
     for key in old:
@@ -152,9 +152,30 @@ def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
 
 
 def _final_layout(linking: Linking) -> Layout | None:
+    known = {**linking.measured, **_slots(linking)}
+    for node in linking.reshaped:
+        known.pop(node, None)
     try:
-        return lay_out(linking.base, {**linking.measured, **_slots(linking)})
+        return lay_out(linking.base, known)
     except Unknown as unknown:
+        if unknown.element in linking.reshaped:
+            return _measured_anew(linking, known, unknown)
+        _not_laid_out(linking, linking.base, unknown)
+        return None
+
+
+def _measured_anew(linking: Linking, known: dict[Node, Slot], unknown: Unknown) -> Layout | None:
+    """What an edit has changed, asked of MuJoCo on the finished model without its keys."""
+    unit = linking.flat()
+    sections = list(unit.root.iterchildren("keyframe"))
+    for section in sections:
+        unit.root.remove(section)
+    found = widths(linking, unit)
+    for section in sections:
+        unit.root.append(section)
+    try:
+        return lay_out(linking.base, {**(found or {}), **known})
+    except Unknown:
         _not_laid_out(linking, linking.base, unknown)
         return None
 
@@ -181,8 +202,8 @@ def _not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
 
 def _same(final: Layout, before: Layout) -> bool:
     return (
-        list(final.joints) == list(before.joints)
-        and list(final.actuators) == list(before.actuators)
+        list(final.joints.items()) == list(before.joints.items())
+        and list(final.actuators.items()) == list(before.actuators.items())
         and final.mocaps == before.mocaps
     )
 
@@ -377,6 +398,8 @@ class _Reference:
         second = vector in ("qvel", "act")
         for element, slot in (layout.joints if vector in ("qpos", "qvel") else layout.actuators).items():
             given = values.get(element)
+            if given is not None and (element in self.linking.emptied or len(given) != slot.widths[second]):
+                given = None
             if given is None:
                 given = self._qpos(element, slot) if vector == "qpos" else ["0"] * slot.widths[second]
             row += given

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Literal, NamedTuple, Protocol
 
 from lxml.etree import _Element as Node
@@ -96,7 +97,8 @@ class Linking:
 
     `settled` holds the option paths (`option/cone`) that the recipe sets itself: no conflict there. `isolate_base` has
     the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
-    `alignfree`.
+    `alignfree`. Edits of what is linked note in `reshaped` whose numbers in a key may be more or fewer now, and in
+    `emptied` whose old numbers have no meaning any more.
     """
 
     base: Unit
@@ -116,6 +118,8 @@ class Linking:
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
+    reshaped: set[Node] = field(default_factory=set)
+    emptied: set[Node] = field(default_factory=set)
 
     @property
     def units(self) -> list[Unit]:
@@ -125,6 +129,14 @@ class Linking:
     def angle(self) -> str:
         """What the model says: `degree` only where every unit does."""
         return "degree" if all(unit.settings.angle == "degree" for unit in self.units) else "radian"
+
+    def flat(self) -> Unit:
+        """The model as it stands, with its files; of parts that are not joined yet it has nothing."""
+        base = self.base
+        contents = {
+            use.path: use.content if use.content is not None else Path(use.source) for use in self.files
+        }
+        return Unit(base.root, base.file, base.directory, base.label, contents or base.contents, base.origins)
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
         """Where an element of a unit, or the value of its attribute, is written."""

@@ -45,9 +45,9 @@ class Left:
 
 @dataclass(frozen=True, slots=True)
 class Subtree:
-    """What became of a unit: the body that is left of it, and what is not."""
+    """What became of a unit: the body that is left of it, None for all of them, and what is not."""
 
-    body: str
+    body: str | None
     left: tuple[Left, ...]
 
     @property

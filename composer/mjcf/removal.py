@@ -9,10 +9,7 @@ from lxml.etree import _Element as Node
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model, Target
-from composer.tree.kinds import ROOT, WORLD_SECTION, section_of
-
-# An element is still one without its class or its material; without anything else that it names it is not.
-_DROPPED = frozenset({"default", "material"})
+from composer.tree.removal import can_do_without, is_section, whole
 
 
 def remove(model: Model, node: Node, cascade: bool) -> None:
@@ -50,7 +47,7 @@ def _names(target: Target) -> list[tuple[str, str]]:
     """Namespace and name of everything that goes."""
     model, node = target
     inside = list(node.iter("*"))
-    declared = [model.declared(each) for each in inside if not _is_section(each)]
+    declared = [model.declared(each) for each in inside if not is_section(each)]
     hanging = [each for each in model.attachments.values() if each.host in inside]
     return [
         *(each for each in declared if each is not None),
@@ -76,7 +73,7 @@ def _take_out(target: Target) -> None:
     for prefix, attachment in list(model.attachments.items()):
         if attachment.host in inside:
             release(model, prefix)
-    if _is_section(node):
+    if is_section(node):
         model.forget(node)
         node.attrib.clear()
         for child in list(node):
@@ -104,28 +101,14 @@ def _let_go(model: Model, namespace: str, name: str) -> list[Target]:
     here: Model | None = model
     while here is not None:
         for node, attribute in here.names.users(namespace, name):
-            if namespace in _DROPPED or section_of(node) == "default":
+            if can_do_without(node, namespace):
                 here.forget(node)
                 del node.attrib[attribute]
                 here.note(node)
             else:
-                going.append(Target(here, _whole(node)))
+                going.append(Target(here, whole(node)))
         if here.hung is None:
             break
         name = here.prefix + name
         here = here.hung.parent
     return going
-
-
-def _whole(node: Node) -> Node:
-    """What makes sense only as a whole: a section's direct child, in the body tree the element itself."""
-    if section_of(node) == WORLD_SECTION:
-        return node
-    while (parent := node.getparent()) is not None and not _is_section(parent):
-        node = parent
-    return node
-
-
-def _is_section(node: Node) -> bool:
-    parent = node.getparent()
-    return parent is not None and parent.tag == ROOT

@@ -5,7 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from composer.plan.plan import AddElement, AppendElement, AttachPart, Plan, SetDefault, SetSingleton, Step
+from composer.plan.edits import in_words, words_of
+from composer.plan.plan import (
+    AddElement,
+    AppendElement,
+    AttachPart,
+    EditElements,
+    LoadBase,
+    Plan,
+    SetDefault,
+    SetSingleton,
+    Step,
+)
+from composer.recipe.attach import Attachment
 from composer.recipe.element import Element
 from composer.recipe.fault import Path
 from composer.sources.source import Source
@@ -30,13 +42,13 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
         yield f"{inner}start from an empty model"
     else:
         yield f"{inner}start from {_model(plan.base.model)}{_body(plan.base.subtree)}"
-        yield from _left(subtrees.get((plan.file, ("base",))), inner + "  ")
+        yield from _own(plan.base, subtrees.get((plan.file, ("base",))), inner + "  ")
         if isinstance(plan.base.model, Plan):
             yield from _lines(plan.base.model, subtrees, inner + "  ")
     for part in plan.parts:
         model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
         yield f"{inner}attach {part.prefix or '(no prefix)'}: {model}, {_place(part)}"
-        yield from _left(subtrees.get((plan.file, part.at)), inner + "  ")
+        yield from _own(part.attachment, subtrees.get((plan.file, part.at)), inner + "  ")
         if isinstance(part.model, Plan):
             yield from _lines(part.model, subtrees, inner + "  ")
     for step in plan.steps:
@@ -53,6 +65,15 @@ def _model(model: Source | Plan) -> str:
 
 def _body(name: str | None) -> str:
     return "" if name is None else f", its body {name} alone"
+
+
+def _own(wanted: LoadBase | Attachment, subtree: Subtree | None, indent: str) -> Iterator[str]:
+    """What is done to a base or a part by itself."""
+    if wanted.drop:
+        yield f"{indent}drop {', '.join(map(str, wanted.drop))}"
+    yield from _left(subtree, indent)
+    for each in wanted.edit:
+        yield indent + words_of(each)
 
 
 def _left(subtree: Subtree | None, indent: str) -> Iterator[str]:
@@ -94,6 +115,8 @@ def _step(step: Step) -> str:
         return f"set {step.section}: {', '.join(_settings(step.element))}"
     if isinstance(step, SetDefault):
         return f"set the default class {step.name}: {', '.join(child.tag for child in step.element.children)}"
+    if isinstance(step, EditElements):
+        return in_words(step)
     assert isinstance(step, AppendElement)
     return f"add {_element(step.element)} to {step.section}"
 
@@ -116,11 +139,13 @@ def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
         "name": plan.name,
         "recipe": plan.file,
         "base": _model_data(plan.base.model, found),
+        **_own_data(plan.base),
         **_subtree_data(found.get((plan.file, ("base",)))),
         "parts": [
             {
                 "prefix": part.prefix,
                 "model": _model_data(part.model, found),
+                **_own_data(part.attachment),
                 **_subtree_data(found.get((plan.file, part.at))),
                 "place": _place(part),
             }
@@ -130,11 +155,16 @@ def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
     }
 
 
+def _own_data(wanted: LoadBase | Attachment) -> dict[str, Any]:
+    edits = [words_of(each) for each in wanted.edit]
+    return {"edits": edits} if edits else {}
+
+
 def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:
     if subtree is None:
         return {}
     left = [{"kind": each.what, "name": each.name, "lacks": each.lacks} for each in subtree.left]
-    return {"subtree": {"body": subtree.body, "left": left}}
+    return {"subtree": {"body": subtree.body, "left": left}} if subtree.body else {"dropped": left}
 
 
 def _model_data(model: Source | Plan | None, subtrees: Subtrees) -> Any:

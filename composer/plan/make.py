@@ -18,6 +18,7 @@ from composer.plan.plan import (
     AddElement,
     AppendElement,
     AttachPart,
+    EditElements,
     LoadBase,
     Plan,
     SetDefault,
@@ -141,7 +142,10 @@ class _Planner:
         span = locate(document, ("base", "model"))
         model = self._model(recipe.base.model, span, path, inside)
         model = self._with_packages(model, recipe.base, ("base",), document, path)
-        return None if model is None else LoadBase(model, recipe.base.keyframes, span, recipe.base.subtree)
+        if model is None:
+            return None
+        base = recipe.base
+        return LoadBase(model, base.keyframes, span, base.subtree, base.drop, base.edit)
 
     def _parts(
         self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]
@@ -278,6 +282,8 @@ def _steps(recipe: Recipe, document: Mapping) -> Iterator[Step]:
     for section in _SECTIONS:
         for element in getattr(recipe, section):
             yield AppendElement(section, element, locate(document, element.at, key=True))
+    for edit in recipe.edit:
+        yield EditElements(edit, locate(document, edit.at))
 
 
 def _settled(steps: tuple[Step, ...]) -> Iterator[str]:

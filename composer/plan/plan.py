@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
+from composer.expr import Value
 from composer.recipe.attach import Attachment
+from composer.recipe.drop import Drop
+from composer.recipe.edit import Edit
 from composer.recipe.element import Element
 from composer.sources.source import Source
 
@@ -23,6 +27,8 @@ class LoadBase:
     keyframes: KeyPolicy
     span: Span | None
     subtree: str | None = None
+    drop: tuple[Drop, ...] = ()
+    edit: tuple[Edit, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +81,23 @@ class AppendElement:
     span: Span
 
 
-Step = LoadBase | AttachPart | AddElement | SetSingleton | SetDefault | AppendElement
+@dataclass(frozen=True, slots=True)
+class EditElements:
+    """Change what a selector means, in the whole model or in a part of it alone."""
+
+    edit: Edit
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class DropElements:
+    """Leave out of a part, or of the base, what is not wanted of it."""
+
+    drop: tuple[Drop, ...]
+    span: Span
+
+
+Step = LoadBase | AttachPart | AddElement | SetSingleton | SetDefault | AppendElement | EditElements
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,14 +117,30 @@ class Plan:
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
+    scope: Mapping[str, Value] = field(default_factory=dict)
+    """The values of the recipe's parameters, for expressions that are evaluated element by element."""
+
+    @property
+    def edits(self) -> tuple[EditElements, ...]:
+        """The steps that edit the whole model."""
+        return tuple(step for step in self.steps if isinstance(step, EditElements))
 
     @property
     def takes_subtrees(self) -> bool:
-        """Whether of some model, here or in a nested recipe, one body alone is wanted."""
-        if self.base.subtree is not None or any(part.attachment.subtree is not None for part in self.parts):
+        """Whether of some model, here or in a nested recipe, not all is wanted."""
+        wanted: list[LoadBase | Attachment] = [self.base, *(part.attachment for part in self.parts)]
+        if any(each.subtree is not None or each.drop for each in wanted):
             return True
         models = (self.base.model, *(part.model for part in self.parts))
         return any(isinstance(model, Plan) and model.takes_subtrees for model in models)
+
+    @property
+    def selects_parts(self) -> bool:
+        """Whether some edit, here or in a nested recipe, asks from which part an element came."""
+        if any(each.part is not None for step in self.edits for each in step.edit.select.all()):
+            return True
+        models = (self.base.model, *(part.model for part in self.parts))
+        return any(isinstance(model, Plan) and model.selects_parts for model in models)
 
     @property
     def prefixes(self) -> frozenset[str]:

@@ -19,10 +19,12 @@ from pydantic import (
 from pydantic_core import CoreSchema, core_schema
 
 from composer.recipe.base import KeyPolicy
+from composer.recipe.drop import Drop, Drops
+from composer.recipe.edit import Edit, Edits
 from composer.recipe.element import Element, Single
 from composer.recipe.fault import Fault, checked, refusal
 from composer.recipe.model import Model
-from composer.recipe.placing import JointField, JointWord, Offset
+from composer.recipe.placing import ORIENTATIONS, JointField, JointWord, Offset
 from composer.recipe.presence import exclusive
 from composer.recipe.raw import path_of
 from composer.recipe.settings import Settings, settings
@@ -33,7 +35,6 @@ RESERVED = "base"
 PATH_LIKE = ("/", ":")
 """Separators that make levels of a name; `_` and the like may stand in a prefix as well."""
 PLACES = ("site", "body", "frame")
-ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 
 Vector = tuple[Single, ...]
 
@@ -110,6 +111,10 @@ class Attachment(Model):
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
     subtree: Annotated[str | None, Text("subtree")] = None
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""
+    drop: Annotated[tuple[Drop, ...], Drops()] = ()
+    """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
+    edit: Annotated[tuple[Edit, ...], Edits()] = ()
+    """Ordered changes to the part, in its own names, before it is attached."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
     packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)

@@ -7,6 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetJsonSchemaHandler, ModelWrapValidatorHandler, model_validator
 from pydantic_core import CoreSchema
 
+from composer.recipe.drop import Drop, Drops
+from composer.recipe.edit import Edit, Edits
 from composer.recipe.model import Model
 from composer.recipe.text import Choice, Text
 
@@ -20,6 +22,10 @@ class Base(Model):
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
     subtree: Annotated[str | None, Text("subtree")] = None
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""
+    drop: Annotated[tuple[Drop, ...], Drops()] = ()
+    """What to leave out, with all that refers to it: sections, tags and selectors."""
+    edit: Annotated[tuple[Edit, ...], Edits()] = ()
+    """Ordered changes to the model, before anything is attached to it."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of its keyframes: merged by name with those of the parts, kept apart, or left out."""
     packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from composer.grammar import GRAMMAR
 from composer.grammar.element import Constraint, ElementType
 from composer.recipe.attribute_schema import attribute_schema, shared
+from composer.recipe.edit_schema import edit, selector
 from composer.recipe.reader import CONFIG, FRAGMENT
 from composer.recipe.recipe import SETTABLE
 from composer.recipe.reference import Schema, reference
@@ -170,6 +171,8 @@ _DEFINITIONS: dict[str, Callable[[str], Schema]] = {
     "step": _definition_of_step,
     "class": _definition_of_class,
     "addition": _definition_of_addition,
+    "edit": lambda _: edit(),
+    "selector": lambda _: selector(),
 }
 _FORMS: dict[str, Callable[[str], Schema]] = {
     "typed": _typed,

@@ -21,6 +21,7 @@ from composer.recipe.shown import kind_of
 from composer.recipe.value import read_value
 
 OWNER = "an attached part"
+ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 WORDS = ("weld", "free", "ball", "mocap")
 JointWord = Literal["weld", "free", "ball", "mocap"]
 JointType = ("hinge", "slide", "ball")

@@ -39,7 +39,9 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     if isinstance(node, Scalar):
         if node.value is None:
             faults.append(_nothing(at))
-        elif not EXPRESSIONS and isinstance(node.value, str) and TEMPLATE in node.value:
+        elif (
+            not EXPRESSIONS and isinstance(node.value, str) and TEMPLATE in node.value and not is_deferred(at)
+        ):
             faults.append(_expression(at))
         return node.value
     if isinstance(node, Sequence):
@@ -55,6 +57,12 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
             continue
         mapping[name] = _raw(value, path, faults)
     return mapping
+
+
+def is_deferred(at: Path) -> bool:
+    """Whether `${…}` at that path is evaluated for each element: in `edit` of the recipe, of the base or a part."""
+    depth = {"base": 1, "attach": 2}.get(str(at[0]), 0)
+    return at[depth : depth + 1] == ("edit",)
 
 
 def _nothing(at: Path) -> Fault:

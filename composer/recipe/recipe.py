@@ -14,6 +14,7 @@ from composer.recipe.attach import Attachment, Prefixes
 from composer.recipe.base import Base
 from composer.recipe.by_tag import ByTag, Lists
 from composer.recipe.default_class import DefaultClass, Defaults
+from composer.recipe.edit import Edit, Edits
 from composer.recipe.element import Element
 from composer.recipe.extension import Extension
 from composer.recipe.fault import Fault, refusal
@@ -89,6 +90,9 @@ class Recipe(Model):
     """The parts: a mapping from the prefix of their names to what they are and where they hang."""
     add: Annotated[tuple[Addition, ...], Additions()] = ()
     """Elements under a body, a frame or the world."""
+
+    edit: Annotated[tuple[Edit, ...], Edits()] = ()
+    """Ordered changes to what is there, by selectors, when everything else is in place."""
 
     option: Annotated[Element | None, Singleton("option")] = None
     """Simulation options."""

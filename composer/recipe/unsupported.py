@@ -6,10 +6,11 @@ from composer.recipe.fault import Path
 
 # The keys by the kind of mapping that they stand in. One that works is taken out here.
 UNSUPPORTED: dict[str, frozenset[str]] = {
-    "recipe": frozenset("params extends edit variants matrix randomize check keyframe".split()),
-    "base": frozenset("with drop edit".split()),
-    "attach": frozenset("with drop edit replicate before after when".split()),
+    "recipe": frozenset("params extends variants matrix randomize check keyframe".split()),
+    "base": frozenset("with".split()),
+    "attach": frozenset("with replicate before after when".split()),
     "add": frozenset({"id", "when"}),
+    "edit": frozenset({"when"}),
     "element": frozenset({"when"}),
 }
 EXPRESSIONS = False
@@ -19,7 +20,7 @@ EXPRESSIONS = False
 def is_unsupported(path: Path) -> bool:
     """Whether the key at the end of the path is one of the language that does not work yet.
 
-    >>> is_unsupported(("attach", "arm", "edit")), is_unsupported(("attach", "edit"))
+    >>> is_unsupported(("attach", "arm", "with")), is_unsupported(("attach", "with"))
     (True, False)
     """
     return path[-1] in UNSUPPORTED.get(_kind(path), ())
@@ -30,7 +31,7 @@ def _kind(path: Path) -> str:
     section, depth = path[0], len(path)
     if depth == 1:
         return "recipe"
-    if (section, depth) in (("base", 2), ("attach", 3), ("add", 3)):
+    if (section, depth) in (("base", 2), ("attach", 3), ("add", 3), ("edit", 3)):
         return str(section)
     return "element" if depth == _ITEM_DEPTH.get(section) else ""
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from lxml import etree
@@ -22,13 +21,16 @@ from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
 from composer.link.subtree import Subtree
-from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.plan.plan import AddElement, AppendElement, EditElements, Plan, SetDefault, SetSingleton
 from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
+from composer.steps.edit import edit, is_of_keys
+from composer.steps.editing import Editing
 from composer.steps.elements import Making, settle_joints
 from composer.steps.load import Loader
 from composer.steps.loose_ends import check_names
+from composer.steps.own_edits import OwnEdits
 from composer.steps.section import append, set_default, set_singleton
 from composer.steps.subtree import Wanted, wanted
 from composer.tree.classes import MAIN
@@ -57,12 +59,15 @@ class Composer:
         self, context: Context, measure: Measure | None, limits: Limits | None = None, watch: Watch = nobody
     ) -> None:
         self.context, self.measure, self.watch = context, measure, watch
+        self.selects_parts = False
         self.loader = Loader(context, limits, watch)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
+        self.parts: dict[Node, str] = {}
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors, those of earlier stages included."""
         self._expect(plan, True)
+        self.selects_parts = plan.selects_parts
         composed = self._compose(plan, True)
         return None if self.context.sink.has_errors else composed
 
@@ -70,8 +75,9 @@ class Composer:
         """Take the subtrees of a plan, and compose no more than they are taken of."""
         self._expect(plan, stands)
         for each in wanted(plan, stands):
-            if each.body is not None:
-                self._guarded(plan, partial(self._unit, plan, each))
+            if each.body is not None or each.drop:
+                wanted_alone = replace(each, edit=())
+                self._guarded(plan, partial(self._unit, plan, wanted_alone))
             elif isinstance(each.model, Plan):
                 self.look(each.model, each.stands)
 
@@ -138,19 +144,30 @@ class Composer:
             measure=self.measure, watch=self.watch,
         )  # fmt: skip
         self.watch(linking.units, linking)
+        if self.selects_parts:
+            self._note_parts(plan, units)
         making.model_angle = model_angle(linking)
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making)
         if not link(linking):
             return None
         _carry_out(plan, linking, making)
+        _edit(plan.edits, False, Editing(linking, making, plan.scope, self.parts))
         if self.context.sink.error_count > before:
             return None
         finish(linking)
+        _edit(plan.edits, True, Editing(linking, making, plan.scope, self.parts))
         if self.context.sink.error_count > before:
             return None
-        flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
-        return Composed(flat, tuple(linking.files))
+        return Composed(linking.flat(), tuple(linking.files))
+
+    def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
+        """From which part each element comes, before they are one model; a nested recipe has noted its own."""
+        for step, unit in zip(plan.parts, units, strict=True):
+            name = step.prefix.removesuffix(plan.separator) or str(step.at[-1])
+            for node in unit.root.iter("*"):
+                inner = self.parts.get(node)
+                self.parts[node] = f"{name}/{inner}" if inner else name
 
     def _anew(self, plan: Plan) -> Iterator[Unit]:
         """The sources of a plan as their files have them."""
@@ -167,13 +184,22 @@ class Composer:
         if wanted.model is None:
             return _empty(plan)
         unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
-        if unit is None or wanted.body is None:
-            return unit
-        subtree = wanted.take(unit, self.context.sink, self.measure)
-        if subtree is None:
+        if unit is None:
             return None
-        self.watch([unit], subtree)
-        self.subtrees[plan.file, wanted.at] = subtree
+        if wanted.body is not None:
+            subtree = wanted.take(unit, self.context.sink, self.measure)
+            if subtree is None:
+                return None
+            self.watch([unit], subtree)
+            self.subtrees[plan.file, wanted.at] = subtree
+        if wanted.drop or wanted.edit:
+            edits = OwnEdits(plan, wanted, unit, self.context.sink, self.measure, self.watch)
+            dropped = edits.carry_out()
+            if dropped is None:
+                return None
+            if wanted.drop:
+                known = self.subtrees.get((plan.file, wanted.at), Subtree(None, ()))
+                self.subtrees[plan.file, wanted.at] = Subtree(known.body, (*known.left, *dropped))
         return unit
 
     def _whole(self, wanted: Wanted, span: Span) -> Unit | None:
@@ -195,8 +221,12 @@ def _empty(plan: Plan) -> Unit:
     return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
 
 
-def _contents(files: list[FileUse]) -> dict[str, bytes | Path]:
-    return {use.path: use.content if use.content is not None else Path(use.source) for use in files}
+def _edit(steps: Iterable[EditElements], of_keys: bool, editing: Editing) -> None:
+    """The edits of the whole model: first all but those of keys, which are laid out when all else is settled."""
+    for step in steps:
+        if is_of_keys(step) == of_keys:
+            edit(step, editing)
+            editing.linking.watch(editing.linking.units, step)
 
 
 def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
@@ -209,6 +239,8 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
             set_default(step, linking, making)
         elif isinstance(step, AppendElement):
             append(step, linking, making)
+        else:
+            continue
         linking.watch(linking.units, step)
     if making.pending:
         classes = linking.base.classes
@@ -226,3 +258,4 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
         add_file(linking, making.directory, node, attribute, name)
     if making.files:
         linking.watch(linking.units, add_file)
+    making.files.clear()

@@ -147,8 +147,8 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
         _set_euler(node, element, name, value, making)
     elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
         *axis, angle = value
-        turned = _turned(angle, making, numbers.orientation_radians)
-        node.set(name, numbers.text([*map(float, axis), turned]))
+        inner = turned(angle, making, numbers.orientation_radians)
+        node.set(name, numbers.text([*map(float, axis), inner]))
     elif attribute.angle == "joint":
         making.pending.append((node, element, name))
     else:
@@ -163,7 +163,7 @@ def _set_euler(node: Node, element: Element, name: str, value: object, making: M
         radians = [_in(angle, making, "radian", numbers.orientation_radians) for angle in value]
         node.set("quat", numbers.text(quat_from_euler(radians, making.eulerseq)))
         return
-    node.set(name, numbers.text([_turned(angle, making, numbers.orientation_radians) for angle in value]))
+    node.set(name, numbers.text([turned(angle, making, numbers.orientation_radians) for angle in value]))
 
 
 def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
@@ -185,7 +185,7 @@ def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
                 _item_span(making, node, element, name, bare[0]),
                 help=f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe",
             )
-        node.set(name, numbers.text([_turned(v, making, numbers.joint_radians) for v in values]))
+        node.set(name, numbers.text([turned(v, making, numbers.joint_radians) for v in values]))
     making.pending.clear()
 
 
@@ -212,7 +212,7 @@ def in_radians(value: object, making: Making) -> float:
     return _in(value, making, "radian", numbers.orientation_radians)
 
 
-def _turned(value: object, making: Making, radians: Callable[[float], float]) -> float:
+def turned(value: object, making: Making, radians: Callable[[float], float]) -> float:
     return _in(value, making, making.model_angle, radians)
 
 

@@ -13,6 +13,8 @@ from composer.link.linking import KeyPolicy, Measure
 from composer.link.subtree import Subtree, take_subtree
 from composer.plan.plan import Plan
 from composer.recipe.attach import Attachment
+from composer.recipe.drop import Drop
+from composer.recipe.edit import Edit
 from composer.recipe.fault import Path
 from composer.sources.source import Source
 from composer.tree.unit import Unit
@@ -32,6 +34,8 @@ class Wanted:
     keyframes: KeyPolicy
     span: Span
     stands: bool
+    drop: tuple[Drop, ...] = ()
+    edit: tuple[Edit, ...] = ()
 
     def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
         """Cut the unit down to the body; None where that cannot be, which is told."""
@@ -46,11 +50,12 @@ def wanted(plan: Plan, stands: bool) -> Iterator[Wanted]:
     """The base of a plan and its parts, in their order; `stands` says it of the plan as a whole."""
     base, document = plan.base, plan.document
     span = locate(document, ("base", "subtree"))
-    yield Wanted(base.model, base.subtree, ("base",), base.keyframes, span, stands)
+    yield Wanted(base.model, base.subtree, ("base",), base.keyframes, span, stands, base.drop, base.edit)
     for step in plan.parts:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
-        yield Wanted(step.model, part.subtree, step.at, part.keyframes, span, stands and _stands(part))
+        inside = stands and _stands(part)
+        yield Wanted(step.model, part.subtree, step.at, part.keyframes, span, inside, part.drop, part.edit)
 
 
 def _stands(part: Attachment) -> bool:

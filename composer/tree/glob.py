@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-_TOKEN = re.compile(r"\*\*/|\*\*|\*|\?|\{[^{}]*\}|.", re.DOTALL)
+_TOKENS = r"\*\*|\*|\?|\{[^{}]*\}|."
 
 
 def is_glob(name: str) -> bool:
@@ -25,11 +25,14 @@ def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
 
 
 def _pattern(glob: str, separator: str) -> str:
-    any_character = f"[^{re.escape(separator)}]" if separator not in ("_", "__") else "."
+    makes_levels = separator not in ("_", "__")
+    end = re.escape(separator)
+    any_character = f"[^{end}]" if makes_levels else "."
     pieces = []
-    for token in _TOKEN.findall(glob):
-        if token == "**/":
-            pieces.append(f"(?:.*{re.escape(separator)})?" if separator == "/" else ".*/")
+    levels = f"**{separator}"
+    for token in re.findall(rf"\*\*{end}|{_TOKENS}" if makes_levels else _TOKENS, glob, re.DOTALL):
+        if token == levels:
+            pieces.append(f"(?:.*{end})?")
         elif token == "**":
             pieces.append(".*")
         elif token == "*":

@@ -1,0 +1,84 @@
+"""What is left out of a model: the entries of `drop`, each a section, a tag or a selector."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from composer.diagnostics.suggest import closest
+from composer.grammar import GRAMMAR
+from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.select import read_selector
+from composer.recipe.shown import kind_of
+from composer.tree.selector import EVERYTHING, Selector, known_tags, paths_of
+
+# Without these nothing else of a model can be read.
+_KEPT = ("worldbody", "compiler")
+
+
+@dataclass(frozen=True, slots=True)
+class Drop:
+    """One entry: a whole section, or what a selector means. `index` is its place in the list."""
+
+    section: str | None
+    select: Selector | None
+    index: int
+
+    def __str__(self) -> str:
+        if self.section is not None:
+            return self.section
+        assert self.select is not None
+        return self.select.tag if self.select == Selector(self.select.tag, EVERYTHING) else str(self.select)
+
+
+@dataclass(frozen=True, slots=True)
+class Drops:
+    """Marks a field `drop`: `[light, contact, {geom: "visual_*"}]`. Gives a tuple of `Drop`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        from composer.recipe.edit_schema import drops
+
+        return drops()
+
+    def _validate(self, value: Any) -> tuple[Drop, ...]:
+        faults: list[Fault] = []
+        found: list[Drop | None] = []
+        if isinstance(value, list):
+            found = [_drop(item, index, (index,), faults) for index, item in enumerate(value)]
+        else:
+            help = f"write `drop: [{value}]`" if isinstance(value, str) else "write `drop: [light, contact]`"
+            faults.append(Fault("wrong-type", f"`drop` expects a list, got {kind_of(value)}", help=help))
+        if faults:
+            raise refusal(faults, value)
+        return tuple(each for each in found if each is not None)
+
+
+def _drop(value: Any, index: int, at: Path, faults: list[Fault]) -> Drop | None:
+    if not isinstance(value, str):
+        selector = read_selector(value, at, "an entry of `drop`", faults)
+        return None if selector is None else Drop(None, selector, index)
+    if value in GRAMMAR.root.children:
+        if value not in _KEPT:
+            return Drop(value, None, index)
+        message = f"`{value}` cannot be left out of a model"
+        faults.append(Fault("not-supported", message, at, help="name what in it is to be left out"))
+        return None
+    if paths_of(value):
+        return Drop(None, Selector(value, EVERYTHING), index)
+    near = closest(value, known_tags())
+    remarks = (
+        () if near else (Remark("a section (`contact`), a tag (`light`) or a selector (`{geom: visual_*}`)"),)
+    )
+    faults.append(
+        Fault("unknown-element", f"MJCF has no section and no element `{value}`", at, remarks=remarks,
+              help=f"write `{near[0]}`" if near else None)
+    )  # fmt: skip
+    return None

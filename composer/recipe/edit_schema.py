@@ -1,0 +1,100 @@
+"""JSON Schema of `edit` and `drop`."""
+
+from __future__ import annotations
+
+from composer.grammar import GRAMMAR
+from composer.recipe.edit_values import CONVERTIBLE
+from composer.recipe.placing import ORIENTATIONS
+from composer.recipe.reference import Schema, reference
+from composer.tree.selector import known_tags
+
+_TEXT: Schema = {"type": "string", "minLength": 1}
+
+
+def edits() -> Schema:
+    """The list `edit`."""
+    return {"type": "array", "items": reference("edit")}
+
+
+def drops() -> Schema:
+    """The list `drop`."""
+    return {"type": "array", "items": {"anyOf": [_TEXT, reference("selector")]}}
+
+
+def edit() -> Schema:
+    """One entry of `edit`."""
+    values: Schema = {"type": "object", "minProperties": 1}
+    attributes: Schema = {"type": "array", "items": _TEXT, "minItems": 1}
+    frame = {"type": "object", "properties": {"frame": _TEXT}, "required": ["frame"]}
+    pose = {name: {"type": ["array", "string"]} for name in ("pos", *ORIENTATIONS)}
+    properties: Schema = {
+        "select": reference("selector"),
+        "expect": {"type": "integer", "minimum": 0, "description": "how many elements must be selected"},
+        "optional": {"type": "boolean", "description": "whether it may be that nothing is selected"},
+        "unset": {
+            "anyOf": [attributes, {"type": "object", "additionalProperties": attributes}],
+            "description": "attributes that are no longer written",
+        },
+        "set": {**values, "description": "attributes and their new values, `friction[0]` for one number"},
+        "scale": {**values, "description": "attributes and what they are multiplied with"},
+        "offset": {**values, "description": "attributes and what is added to them"},
+        "convert": {
+            "type": "object",
+            "properties": {"to": {"enum": [*CONVERTIBLE]}},
+            "required": ["to"],
+            "description": "another kind of actuator, and attributes of it",
+        },
+        "move": {
+            "type": "object",
+            "properties": {"to": {"anyOf": [_TEXT, frame]}, **pose},
+            "required": ["to"],
+            "additionalProperties": False,
+            "description": "another body or frame to stand in, and the pose there",
+        },
+        "rename": {**_TEXT, "description": "the new name, which every reference follows"},
+        "remove": {
+            "enum": [True, "cascade"],
+            "description": "take it out: `true` if nothing refers to it, `cascade` with all that does",
+        },
+        "id": {
+            **_TEXT,
+            "description": "a name by which a recipe that extends this one can replace the entry",
+        },
+        "when": {"description": "the builds that it belongs to"},
+    }
+    verbs = [name for name in properties if name not in ("select", "expect", "optional", "id", "when")]
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": ["select"],
+        "additionalProperties": False,
+        "if": {"required": ["remove"]},
+        "then": {"not": {"anyOf": [{"required": [verb]} for verb in verbs if verb != "remove"]}},
+        "else": {"anyOf": [{"required": [verb]} for verb in verbs if verb != "remove"]},
+    }
+
+
+def selector() -> Schema:
+    """A mapping from a tag to a glob, and what narrows it down."""
+    narrowing: Schema = {
+        "parent": {**reference("selector"), "description": "the body, or other element, that it stands in"},
+        "in": {**reference("selector"), "description": "an element that it stands in, at any depth"},
+        "part": {**_TEXT, "description": "the part that it came from"},
+        "class": {**_TEXT, "description": "the default class in effect, or one that it descends from"},
+        "where": {
+            "type": ["object", "string"],
+            "description": "attributes and their values in effect, or one boolean `${…}`",
+        },
+    }
+    return {
+        "type": "object",
+        "properties": narrowing,
+        "propertyNames": {"enum": [*narrowing, *known_tags(), *_paths()]},
+        "additionalProperties": _TEXT,
+        "minProperties": 1,
+    }
+
+
+def _paths() -> list[str]:
+    known = set(known_tags())
+    return [path for path in GRAMMAR.paths if "/" in path and path not in known and path != "mujoco/include"]

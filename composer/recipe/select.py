@@ -1,0 +1,162 @@
+"""Selectors as a recipe writes them: a mapping from a tag to a glob, and what narrows it down."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.expr import ExpressionError, Template, is_template
+from composer.grammar import GRAMMAR
+from composer.grammar.element import ElementType
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
+from composer.recipe.raw import path_of
+from composer.recipe.shown import kind_of, shown
+from composer.recipe.subscript import attribute_and_index
+from composer.tree.pattern import fault_of, is_regular
+from composer.tree.selector import XPATH, Selector, known_tags, paths_of
+
+NARROWING = ("parent", "in", "part", "class", "where")
+_EXAMPLE = 'write for instance `{geom: "**/pad*"}`'
+
+
+def read_selector(value: Any, at: Path, owner: str, faults: list[Fault]) -> Selector | None:
+    """The selector, or None where something in it is wrong."""
+    if not isinstance(value, dict):
+        message = f"{owner} expects a selector, a mapping from a tag to names, got {kind_of(value)}"
+        faults.append(Fault("wrong-type", message, at, help=_EXAMPLE))
+        return None
+    before = len(faults)
+    tags = [name for name in value if name not in NARROWING]
+    if not tags:
+        faults.append(Fault("missing-key", f"{owner} lacks a tag", at, help=_EXAMPLE))
+        return None
+    tag, *others = tags
+    if others:
+        known = bool(paths_of(others[0])) or others[0] == XPATH
+        near = closest(others[0], NARROWING)
+        faults.append(
+            Fault(
+                EXCLUSIVE if known else "unknown-key",
+                f"{owner} has both `{tag}` and `{others[0]}`, of which only one may stand"
+                if known
+                else f"`{others[0]}` is no key of a selector",
+                (*at, others[0]),
+                key=True,
+                remarks=()
+                if known
+                else (Remark(exists_note("key", NARROWING, others[0]).message),),
+                help="write an entry of its own for each"
+                if known
+                else f"write `{near[0]}`" if near else None,
+            )
+        )  # fmt: skip
+    if tag != XPATH and not paths_of(tag):
+        faults.append(_unknown_tag(tag, (*at, tag)))
+        return None
+    pattern = _pattern(value[tag], tag, (*at, tag), faults)
+    outer = {
+        name: read_selector(value[name], (*at, name), f"`{name}`", faults)
+        for name in ("parent", "in")
+        if name in value
+    }
+    texts = {
+        name: _text(value[name], name, (*at, name), faults) for name in ("part", "class") if name in value
+    }
+    kinds = kinds_of(tag)
+    if "class" in value and kinds and not any(kind.takes_class or kind.tag == "default" for kind in kinds):
+        message = f"`{tag}` takes no class"
+        faults.append(Fault("unknown-key", message, (*at, "class"), key=True, help="leave `class` out"))
+    where = _where(value["where"], tag, (*at, "where"), faults) if "where" in value else None
+    if len(faults) > before or pattern is None:
+        return None
+    return Selector(
+        tag, pattern, outer.get("parent"), outer.get("in"), texts.get("part"), texts.get("class"), where,
+        path_of(value),
+    )  # fmt: skip
+
+
+def kinds_of(tag: str) -> tuple[ElementType, ...]:
+    """The element types that a selector's tag means; none where only the model can tell."""
+    return () if tag == XPATH else tuple(GRAMMAR.element(path) for path in sorted(paths_of(tag)))
+
+
+def _unknown_tag(tag: str, at: Path) -> Fault:
+    near = closest(tag, known_tags())
+    remarks = (
+        () if near else (Remark("a tag of MJCF (`geom`), a path (`equality/joint`), a family (`actuator`)"),)
+    )
+    return Fault("unknown-element", f"MJCF has no element `{tag}`", at, key=True, remarks=remarks,
+                 help=f"write `{near[0]}`" if near else None)  # fmt: skip
+
+
+def _pattern(value: Any, tag: str, at: Path, faults: list[Fault]) -> str | None:
+    if not isinstance(value, str) or not value:
+        help = f'write `{tag}: "**"` for all of them'
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            help = f"quote it: `{tag}: '{shown(value)}'`"
+        what = "an XPath" if tag == XPATH else "a name or a glob"
+        message = f"`{tag}` expects {what}, got {kind_of(value) if value != '' else 'empty text'}"
+        faults.append(Fault("wrong-type", message, at, help=help))
+        return None
+    if tag == XPATH:
+        return value
+    return value if _is_sound(value, tag, at, faults) else None
+
+
+def _is_sound(value: str, name: str, at: Path, faults: list[Fault]) -> bool:
+    wrong = fault_of(value[1:-1]) if is_regular(value) else None
+    if wrong is not None:
+        faults.append(Fault("wrong-type", f"the regular expression of `{name}` is none: {wrong}", at))
+    return wrong is None
+
+
+def _text(value: Any, name: str, at: Path, faults: list[Fault]) -> str | None:
+    if isinstance(value, str) and value:
+        return value if _is_sound(value, name, at, faults) else None
+    faults.append(Fault("wrong-type", f"`{name}` expects a name or a glob, got {kind_of(value)}", at))
+    return None
+
+
+def _where(value: Any, tag: str, at: Path, faults: list[Fault]) -> dict[str, Any] | str | None:
+    if isinstance(value, str) and is_template(value):
+        check_template(value, at, faults)
+        return value
+    if not isinstance(value, dict) or not value:
+        help = 'write `where: {type: mesh}`, or `where: "${size[0] > 0.1}"`'
+        message = (
+            f"`where` is a mapping from attributes to values, or one boolean expression, got {kind_of(value)}"
+        )
+        faults.append(Fault("wrong-type", message, at, help=help))
+        return None
+    kinds = kinds_of(tag)
+    for name, wanted in value.items():
+        attribute, _ = attribute_and_index(name)
+        if isinstance(wanted, dict) or wanted is None:
+            message = f"`{name}` in `where` is compared with a value, got {kind_of(wanted)}"
+            faults.append(Fault("wrong-type", message, (*at, name)))
+        if kinds and not any(attribute in kind.attributes for kind in kinds):
+            faults.append(unknown_attribute(attribute, tag, kinds, (*at, name)))
+    return dict(value)
+
+
+def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
+    """That no element of a tag has such an attribute."""
+    known = sorted({each for kind in kinds for each in kind.attributes})
+    near = closest(name, known)
+    return Fault(
+        "unknown-attribute",
+        f"`{name}` is no attribute of `{tag}`",
+        at,
+        key=True,
+        remarks=(Remark(exists_note("attribute", known, name).message),),
+        help=f"write `{near[0]}`" if near else None,
+    )
+
+
+def check_template(text: str, at: Path, faults: list[Fault]) -> Template | None:
+    """Tell what is wrong with the form of `${…}` in a text."""
+    try:
+        return Template.parse(text)
+    except ExpressionError as error:
+        faults.append(Fault("expression", error.message, at, help=error.help))
+        return None

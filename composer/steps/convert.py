@@ -1,0 +1,377 @@
+"""Verb `convert`: an actuator becomes one of another kind that does the same, or it is told what is lost.
+
+What an actuator does is asked of MuJoCo, which knows how its attributes and classes add up: a gain, a bias and the
+dynamics of an activation. That is what the attributes of the new kind are written from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.grammar.format import to_text
+from composer.link import numbers
+from composer.recipe.edit_values import FROM
+from composer.recipe.fault import Fault, Path
+from composer.recipe.value import read_value
+from composer.steps.edit_values import Unusable, Values
+from composer.steps.editing import Editing
+from composer.steps.whole import without_keys
+
+_PARAMETERS = ("gainprm", "biasprm", "dynprm")
+_ARRAYS = (
+    "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",
+    "actuator_gainprm", "actuator_biasprm", "actuator_dynprm",
+    "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange",
+)  # fmt: skip
+# What the control of an actuator is, in words.
+_CONTROL = {"position": "a position", "velocity": "a velocity", "force": "a force"}
+_PLAIN = {
+    "gaintype": "fixed", "biastype": "none", "dyntype": "none", "gainprm": "1", "biasprm": "0", "dynprm": "1",
+}  # fmt: skip
+_GAINS = {"position": "kp", "pid": "kp", "velocity": "kv"}
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """What an actuator does: force = gain · control + bias, by MuJoCo's own parameters."""
+
+    gain: str
+    bias: str
+    dynamics: str
+    gainprm: tuple[float, ...]
+    biasprm: tuple[float, ...]
+    dynprm: tuple[float, ...]
+    ctrl_limited: bool
+    ctrlrange: tuple[float, float]
+    act_limited: bool
+    actrange: tuple[float, float]
+
+    @property
+    def is_affine(self) -> bool:
+        """Whether it is a gain and springs and dampers to a constant: a servo, or nothing but a force."""
+        return self.gain == "fixed" and self.bias in ("none", "affine") and not any(self.gainprm[1:])
+
+    @property
+    def kp(self) -> float:
+        return 0.0 - self.biasprm[1] if self.bias == "affine" else 0.0
+
+    @property
+    def kv(self) -> float:
+        return 0.0 - self.biasprm[2] if self.bias == "affine" else 0.0
+
+    @property
+    def form(self) -> str:
+        """What its control means: `position`, `velocity`, `force`, or `other`."""
+        if self.gain == "pid":
+            return "position"
+        if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
+            return "other"
+        gain = self.gainprm[0]
+        if self.kp and gain == self.kp:
+            return "position"
+        if self.kv and not self.kp and gain == self.kv:
+            return "velocity"
+        return "force" if not self.kp and not self.kv else "other"
+
+
+def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
+    """Make each an actuator of the kind `to`, with the attributes that are given."""
+    to = str(written["to"])
+    laws = _laws(editing, found)
+    if laws is None:
+        raise Unusable
+    lost: dict[str, list[Node]] = {}
+    for index, node in enumerate(found):
+        law = laws.get(node)
+        if law is None:
+            editing.sink.error(
+                "not-supported",
+                f"{editing.called(node)} cannot be converted: MuJoCo does not tell what it does",
+                editing.span(at),
+                notes=(Note("it is written here", editing.span_of(node)),),
+            )
+            raise Unusable
+        given = _given(editing, node, index, to, written, at)
+        for loss in _converted(editing, node, to, law, given, at):
+            lost.setdefault(loss, []).append(node)
+    if lost:
+        _tell(editing, to, lost, at)
+
+
+def _given(
+    editing: Editing, node: Node, index: int, to: str, written: Mapping[str, Any], at: Path
+) -> dict[str, str]:
+    """The attributes that the entry gives, as text."""
+    kind = GRAMMAR.element(f"actuator/{to}")
+    values = Values(editing, node, index)
+    found: dict[str, str] = {}
+    for name, item in written.items():
+        path = (*at, name)
+        if name == "to":
+            continue
+        attribute = kind.attributes[name]
+        if isinstance(item, str) and item.startswith(FROM):
+            source = item.removeprefix(FROM)
+            text = editing.effective(node, source)
+            if not text or not any(numbers.read(text)):
+                _fault(editing, node, Fault("missing-key", f"{editing.called(node)} has no `{source}`", path,
+                                            help=f"write `{name}: …` with its values"))  # fmt: skip
+            found[name] = str(text)
+            continue
+        old = GRAMMAR.element(f"actuator/{node.tag}").attributes.get(name)
+        now = values.now(old) if old is not None else None
+        faults: list[Fault] = []
+        read = read_value(attribute, values.of(item, path, now), path, editing.called(node), faults)
+        for fault in faults[:1]:
+            _fault(editing, node, fault)
+        found[name] = _text(attribute, read)
+    return found
+
+
+def _text(attribute: Attribute, value: Any) -> str:
+    from composer.steps.elements import plain
+
+    if attribute.is_number:
+        return numbers.text(plain(each) for each in (value if isinstance(value, tuple) else (value,)))
+    return to_text(attribute, value)
+
+
+def _converted(
+    editing: Editing, node: Node, to: str, law: Law, given: Mapping[str, str], at: Path
+) -> list[str]:
+    """Change one actuator; gives what is lost, in words."""
+    old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
+    made, lost = _written_for(editing, node, to, law, given, at)
+    before, after = law.form, _form_of(to, law, made)
+    keeps = before == after or to == "general"
+    if not keeps:
+        is_now, was = _CONTROL.get(after, "another thing"), _CONTROL.get(before, "what it was")
+        lost.append(f"the control is {is_now} now, not {was}")
+    limits = _limits(editing, node, law, keeps, given)
+    if limits is None:
+        lost.append("`ctrlrange`, which limits another thing")
+        limits = {"ctrllimited": "false"}
+        node.attrib.pop("ctrlrange", "")
+    wrong = [name for name in map(str, node.keys()) if name not in kind.attributes]
+    transmission = [name for name in wrong if name in ("body", "orientation")]
+    if transmission:
+        message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
+        _fault(editing, node, Fault("wrong-type", message, at))
+    editing.forget(node)
+    for name in wrong:
+        del node.attrib[name]
+    node.tag = to
+    for name, text in {**limits, **made, **given}.items():
+        node.set(name, text)
+    editing.write(
+        node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given}
+    )
+    editing.note(node)
+    if not keeps:
+        editing.linking.emptied.add(node)
+    if old == to:
+        return []
+    return lost
+
+
+def _written_for(
+    editing: Editing, node: Node, to: str, law: Law, given: Mapping[str, str], at: Path
+) -> tuple[dict[str, str], list[str]]:
+    """The attributes by which the new kind does what the law says, and what of it cannot be said."""
+    lost: list[str] = []
+    if to == "general":
+        return _general(editing, law), lost
+    dynamics = law.dynamics if law.dynamics != "none" else ""
+    if to == "position" and law.dynamics == "filterexact":
+        dynamics = ""
+    if dynamics:
+        lost.append(f"its dynamics, `{dynamics}`")
+    if to == "motor":
+        if law.form != "force":
+            lost.append(_of_law(law))
+        elif law.gainprm[0] != 1:
+            lost.append(f"its gain of {law.gainprm[0]:g}")
+        return {}, lost
+    gain = _GAINS[to]
+    made: dict[str, str] = {}
+    if to in ("position", "pid"):
+        if "kp" not in given:
+            if law.form == "velocity" and to == "pid":
+                made["kp"] = "0"
+            elif law.is_affine and law.kp > 0:
+                made["kp"] = numbers.text([law.kp])
+            else:
+                _needs(editing, node, to, gain, at)
+        if "kv" not in given and "dampratio" not in given:
+            made["kv"] = numbers.text([max(law.kv, 0.0)])
+        if to == "position" and "timeconst" not in given:
+            made["timeconst"] = numbers.text(law.dynprm[:1]) if law.dynamics == "filterexact" else "0"
+        if to == "pid" and "input" not in given and law.form in ("position", "velocity"):
+            made["input"] = "pos" if law.form == "position" else "vel"
+        if made.get("timeconst") == "0" and not _in_classes(editing):
+            del made["timeconst"]
+        if law.form not in ("position", "velocity", "force"):
+            lost.append(_of_law(law))
+        return made, lost
+    if "kv" not in given:
+        if not law.is_affine or law.kv <= 0:
+            _needs(editing, node, to, gain, at)
+        made["kv"] = numbers.text([law.kv])
+    if law.kp:
+        lost.append(f"its position gain, {law.kp:g}")
+    elif law.form == "other":
+        lost.append(_of_law(law))
+    return made, lost
+
+
+def _in_classes(editing: Editing) -> bool:
+    """Whether a class may give something to an actuator: all of them share what classes set."""
+    tags = tuple(GRAMMAR.section("actuator").children)
+    return any(True for section in editing.root.iterchildren("default") for _ in section.iter(*tags))
+
+
+def _general(editing: Editing, law: Law) -> dict[str, str]:
+    """All of the law; every number where classes may give some, else without the zeros at the end."""
+    whole = _in_classes(editing)
+    made = {"gaintype": law.gain, "biastype": law.bias, "dyntype": law.dynamics}
+    for name in _PARAMETERS:
+        values = list(getattr(law, name))
+        while not whole and len(values) > 1 and values[-1] == 0:
+            values.pop()
+        made[name] = numbers.text(values)
+    if not whole:
+        made = {name: text for name, text in made.items() if _PLAIN[name] != text}
+    if law.act_limited:
+        made |= {"actlimited": "true", "actrange": numbers.text(law.actrange)}
+    return made
+
+
+def _limits(
+    editing: Editing, node: Node, law: Law, keeps: bool, given: Mapping[str, str]
+) -> dict[str, str] | None:
+    """What limits the control from now on; None where the old limits are for another thing and have to go."""
+    if "ctrlrange" in given:
+        limited = editing.effective(node, "ctrllimited")
+        return {} if limited in (None, "auto", "true") else {"ctrllimited": "true"}
+    if not law.ctrl_limited:
+        return {}
+    if not keeps:
+        return None
+    limits: dict[str, str] = {}
+    written = editing.effective(node, "ctrlrange")
+    if not written or numbers.read(written) != list(law.ctrlrange):
+        limits["ctrlrange"] = numbers.text(law.ctrlrange)  # it came from the range of its joint
+    if (
+        editing.effective(node, "ctrllimited") != "true"
+        and editing.linking.flat().settings.autolimits == "false"
+    ):
+        limits["ctrllimited"] = "true"
+    return limits
+
+
+def _form_of(to: str, law: Law, made: Mapping[str, str]) -> str:
+    if to == "general":
+        return law.form
+    if to == "pid":
+        return "velocity" if made.get("input") == "vel" else "position"
+    return "force" if to == "motor" else to
+
+
+def _of_law(law: Law) -> str:
+    """The gains in words."""
+    if law.form == "position":
+        return f"its gains, kp {law.kp:g} and kv {law.kv:g}"
+    if law.form == "velocity":
+        return f"its gain, kv {law.kv:g}"
+    return f"its own gain and bias (`{law.gain}`, `{law.bias}`)"
+
+
+def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
+    what = "a position gain" if gain == "kp" else "a velocity gain"
+    message = f"{editing.called(node)} has no {what} that a `{to}` could take over"
+    _fault(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
+
+
+def _tell(editing: Editing, to: str, lost: Mapping[str, list[Node]], at: Path) -> None:
+    count = len({node for nodes in lost.values() for node in nodes})
+    one = next(iter(lost.values()))[0]
+    what = editing.called(one) if count == 1 else f"{count} actuators"
+    shown = 8
+    notes = [
+        Note(f"lost: {loss}" + ("" if len(nodes) == count else f" ({', '.join(map(editing.called, nodes[:shown]))}"
+                                f"{' …' if len(nodes) > shown else ''})"))
+        for loss, nodes in lost.items()
+    ]  # fmt: skip
+    message = f"{what} cannot do all that {'it' if count == 1 else 'they'} did as `{to}`"
+    editing.sink.warning("convert-loss", message, editing.span(at), notes=notes)
+
+
+def _fault(editing: Editing, node: Node, fault: Fault) -> None:
+    note = Note(f"{editing.called(node)} is written here", editing.span_of(node))
+    editing.sink.error(fault.code, fault.message, editing.span(fault.at), notes=(note,), help=fault.help)
+    raise Unusable
+
+
+def _laws(editing: Editing, found: list[Node]) -> dict[Node, Law] | None:
+    """What each actuator does, from MuJoCo; None where the model as it is cannot be compiled, which is told."""
+    linking = editing.linking
+    if linking.measure is None:
+        editing.sink.error("mujoco-missing", "actuators cannot be converted without MuJoCo")
+        return None
+    unit = linking.flat()
+    marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}
+    everything = [
+        each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")
+    ]
+    users = {node: node.get("user") for node in everything}
+    sizes = [(size, size.attrib.pop("nuser_actuator", "")) for size in unit.root.iterchildren("size")]
+    try:
+        for node in everything:
+            node.set("user", marks[node][1] if node in marks else "0")
+        with without_keys(unit.root):
+            arrays = linking.measure(unit, _ARRAYS)
+    finally:
+        for node, user in users.items():
+            node.attrib.pop("user", "")
+            if user is not None:
+                node.set("user", user)
+        for size, room in sizes:
+            if room:
+                size.set("nuser_actuator", room)
+    if not arrays:
+        return None
+    laws: dict[Node, Law] = {}
+    count = len(arrays["actuator_gaintype"])
+    width = len(arrays["actuator_user"]) // count
+    general = GRAMMAR.element("actuator/general").attributes
+    for row in range(count):
+        number = int(arrays["actuator_user"][row * width])
+        if number:
+            laws[found[number - 1]] = _law(arrays, row, count, general)
+    return laws
+
+
+def _law(arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]) -> Law:
+    def numbers_of(name: str) -> tuple[float, ...]:
+        values = arrays[f"actuator_{name}"]
+        width = len(values) // count
+        return tuple(values[row * width : (row + 1) * width])
+
+    def word(name: str) -> str:
+        # The keywords stand in the order of MuJoCo's own enumerations.
+        return general[name].keywords[int(arrays[f"actuator_{name}"][row])]
+
+    ctrlrange, actrange = numbers_of("ctrlrange"), numbers_of("actrange")
+    return Law(
+        word("gaintype"), word("biastype"), word("dyntype"),
+        numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
+        bool(arrays["actuator_ctrllimited"][row]), (ctrlrange[0], ctrlrange[1]),
+        bool(arrays["actuator_actlimited"][row]), (actrange[0], actrange[1]),
+    )  # fmt: skip

@@ -1,0 +1,69 @@
+"""Step: `drop` and `edit` of a base or a part, carried out on it alone, in its own names, before it meets others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from composer.diagnostics.sink import Sink
+from composer.document.node import locate
+from composer.link.keyframes import keyframes, layouts
+from composer.link.linking import Linking, Measure
+from composer.link.subtree import Left
+from composer.plan.plan import DropElements, EditElements, Plan
+from composer.steps.drop import drop
+from composer.steps.edit import edit, is_of_keys
+from composer.steps.editing import Editing
+from composer.steps.elements import Making
+from composer.steps.subtree import Wanted
+from composer.tree.unit import Unit
+from composer.tree.watch import Watch
+
+
+@dataclass(slots=True)
+class OwnEdits:
+    """Edits a unit. Keys follow: what has been changed in them by hand comes after they are laid out anew."""
+
+    plan: Plan
+    wanted: Wanted
+    unit: Unit
+    sink: Sink
+    measure: Measure | None
+    watch: Watch
+
+    def carry_out(self) -> tuple[Left, ...] | None:
+        """Drop and edit; gives what was dropped, or None where something was wrong, which is told."""
+        before = self.sink.error_count
+        if self.wanted.keyframes == "none":
+            for section in list(self.unit.root.iterchildren("keyframe")):
+                self.unit.root.remove(section)
+        linking = Linking(self.unit, [], self.sink, self.plan.separator, measure=self.measure)
+        layouts(linking)
+        editing = self._editing(linking)
+        gone = self._dropped(editing) if self.wanted.drop else []
+        steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
+        self._edited([step for step in steps if not is_of_keys(step)], editing)
+        if self.sink.error_count == before:
+            keyframes(linking)
+            self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
+        self.unit.forget_classes()
+        return tuple(gone) if self.sink.error_count == before else None
+
+    def _editing(self, linking: Linking) -> Editing:
+        plan, unit = self.plan, self.unit
+        unit.origins.texts[plan.file] = plan.path
+        making = Making(
+            plan.document, plan.file, self.sink, plan.angle, plan.eulerseq,
+            unit.settings.angle, unit.settings.eulerseq, plan.path.parent, unit.file, unit.origins,
+        )  # fmt: skip
+        return Editing(linking, making, plan.scope, own=True)
+
+    def _dropped(self, editing: Editing) -> list[Left]:
+        at = (*self.wanted.at, "drop")
+        gone = drop(self.wanted.drop, editing, at)
+        self.watch([self.unit], DropElements(self.wanted.drop, locate(self.plan.document, at)))
+        return gone
+
+    def _edited(self, steps: list[EditElements], editing: Editing) -> None:
+        for step in steps:
+            edit(step, editing)
+            self.watch([self.unit], step)

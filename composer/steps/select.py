@@ -1,0 +1,176 @@
+"""What the selector of an edit finds, with what is told when that is nothing or too much."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import closest, exists_note
+from composer.link.numbers import RADIANS_PER_DEGREE
+from composer.recipe.element import Angle
+from composer.recipe.fault import Path
+from composer.recipe.subscript import attribute_and_index
+from composer.steps.edit_values import Unusable, Values, attributes_scope, equal
+from composer.steps.editing import Editing
+from composer.tree.glob import is_glob, matcher
+from composer.tree.kinds import kind_of
+from composer.tree.pattern import SECONDS, SlowPattern
+from composer.tree.select import BadXPath, Selection
+from composer.tree.selector import XPATH, Selector
+
+_SHOWN = 12
+
+
+def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | None:
+    """The elements, or None where the selector itself is at fault, which is told; nothing is told of none."""
+    selection = _selection(editing)
+    try:
+        return selection.of(selector)
+    except SlowPattern as slow:
+        editing.sink.error(
+            "selector",
+            f"the regular expression `/{slow}/` takes longer than {SECONDS:g} seconds",
+            editing.span(path),
+            help="write it without repetitions inside repetitions, or use a glob",
+        )
+    except BadXPath as error:
+        editing.sink.error(
+            "selector",
+            f"`{selector.pattern}` is no XPath for elements: {error}",
+            editing.span((*path, XPATH)),
+        )
+    except Unusable:
+        pass
+    return None
+
+
+def counted(
+    editing: Editing, selector: Selector, path: Path, expect: int | None, optional: bool, counted_at: Path
+) -> list[Node]:
+    """The elements, if there are as many as there must be; that there are not is told."""
+    found = select(editing, selector, path)
+    if found is None:
+        return []
+    if expect is not None and len(found) != expect:
+        notes = [Note(f"it selects {_names(editing, found)}")] if found else [*_existing(editing, selector)]
+        editing.sink.error(
+            "selector",
+            f"`{selector}` selects {_count(len(found))}, expected {expect}",
+            editing.span(counted_at),
+            notes=notes,
+            help=None if not found else f"write `expect: {len(found)}` if that is right",
+        )
+        return []
+    if not found and not optional and expect is None:
+        _nothing(editing, selector, path)
+    return found
+
+
+def _selection(editing: Editing) -> Selection:
+    def holds(node: Node, selector: Selector) -> bool:
+        return _holds(editing, node, selector)
+
+    return Selection(
+        editing.root,
+        editing.classes,
+        editing.linking.separator,
+        editing.parts,
+        editing.linking.base_class,
+        holds,
+    )
+
+
+def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
+    values = Values(editing, node, 0)
+    at = (*selector.at, "where")
+    if isinstance(selector.where, str):
+        scope = {**values.scope, **attributes_scope(values)}
+        scope["name"] = values.scope["name"]
+        found = values.evaluated(selector.where, at, scope)
+        if isinstance(found, bool):
+            return found
+        editing.sink.error("wrong-type", "`where` needs `true` or `false`", editing.span(at))
+        raise Unusable
+    kind = kind_of(node)
+    for key, wanted in (selector.where or {}).items():
+        name, index = attribute_and_index(key)
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            return False
+        if name == "name":
+            have = values.scope["name"]
+        else:
+            now = values.now(attribute, index)
+            if now is None:
+                return False
+            have = now
+        meant = values.of(wanted, (*at, key), have)
+        if isinstance(meant, str) and attribute.is_number and (angle := Angle.read(meant)) is not None:
+            unit = editing.making.angle or "radian"
+            meant = angle.radians if unit == "radian" else angle.radians / RADIANS_PER_DEGREE
+        if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_glob(meant):
+            if not matcher(meant, editing.linking.separator)(str(have)):
+                return False
+        elif not equal(attribute, have, meant):
+            return False
+    return True
+
+
+def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
+    """Tell that nothing is meant, and which part of the selector it is that nothing fits."""
+    help = None
+    if selector.tag != XPATH:
+        names = _selection(editing).names(selector)
+        near = [] if is_glob(selector.pattern) else closest(selector.pattern, names)
+        if near:
+            help = f"did you mean `{selector.tag}: {near[0]}`?"
+        elif is_glob(selector.pattern) and not selector.pattern.startswith("**"):
+            separator = editing.linking.separator
+            deeper = f"**{separator}{selector.pattern}"
+            if any(map(matcher(deeper, separator), names)):
+                help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
+    editing.sink.error(
+        "selector",
+        f"`{selector}` selects nothing",
+        editing.span(path),
+        notes=_existing(editing, selector),
+        help=help or "write `optional: true` if that is no fault",
+    )
+
+
+def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
+    """What there is of the tag; or if the names fit, that it is the rest of the selector that does not."""
+    if selector.tag == XPATH:
+        return ()
+    selection = _selection(editing)
+    narrowed = any((selector.parent, selector.inside, selector.part, selector.dclass, selector.where))
+    wide = Selector(selector.tag, selector.pattern)
+    if narrowed and (found := selection.of(wide)):
+        notes = [Note(f"`{wide}` alone selects {_names(editing, found)}")]
+        for word, outer in (("parent", selector.parent), ("in", selector.inside)):
+            if outer is not None and not selection.of(outer):
+                names = selection.names(outer)
+                notes.append(Note(f"`{word}: {outer}` selects nothing"))
+                notes.append(exists_note(outer.tag, names, outer.pattern))
+        if selector.part is not None:
+            parts = sorted({"base", *editing.parts.values()})
+            notes.append(exists_note("part", parts, selector.part))
+        return notes
+    names = selection.names(selector)
+    unnamed = sum(1 for _ in selection.of_kind(selector)) - len(names)
+    notes = [exists_note(selector.tag, names, selector.pattern)]
+    if unnamed and not names:
+        notes.append(Note(f"{unnamed} without a name, which only `**` selects"))
+    return notes
+
+
+def _names(editing: Editing, found: list[Node]) -> str:
+    words = [editing.called(node) for node in found[:_SHOWN]]
+    rest = len(found) - len(words)
+    return ", ".join(words) + (f" and {rest} more" if rest else "")
+
+
+def _count(number: int) -> str:
+    return "nothing" if number == 0 else f"{number} element{'s' * (number != 1)}"

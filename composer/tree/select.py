@@ -1,0 +1,170 @@
+"""The elements of a model that a selector means."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.tree.classes import MAIN, Classes
+from composer.tree.effective import chain
+from composer.tree.glob import matcher
+from composer.tree.kinds import kind_of, naming_attribute, section_of
+from composer.tree.name_index import own_name
+from composer.tree.names import WORLD
+from composer.tree.pattern import fitting, is_regular
+from composer.tree.selector import EVERYTHING, XPATH, Selector, paths_of
+
+# They do not count as parents: MuJoCo resolves them.
+_TRANSPARENT = ("frame", "replicate")
+BASE = "base"
+
+
+class BadXPath(Exception):
+    """An XPath that is none, or that gives no elements."""
+
+
+def name_of(node: Node) -> str | None:
+    """The name by which a selector means an element; the top class is `main`."""
+    naming = naming_attribute(kind_of(node))
+    if node.tag == "default":
+        parent = node.getparent()
+        if parent is not None and parent.tag != "default":
+            return str(node.get("class") or MAIN)
+    return None if naming is None else own_name(node, naming.name)
+
+
+def parent_of(node: Node) -> Node | None:
+    """The parent as MuJoCo has it: frames do not count."""
+    parent = node.getparent()
+    while parent is not None and parent.tag in _TRANSPARENT:
+        parent = parent.getparent()
+    return parent
+
+
+@dataclass
+class Selection:
+    """Finds elements in one model.
+
+    `parts` has the part that an element came from, nested ones with `/` between them; what is not in it is of the
+    base. `holds` decides on `where`. `base_class` is what the base's top class is called here, if not `main`.
+    """
+
+    root: Node
+    classes: Classes
+    separator: str = "/"
+    parts: Mapping[Node, str] = field(default_factory=dict)
+    base_class: str | None = None
+    holds: Callable[[Node, Selector], bool] = lambda node, selector: True
+    _fits: dict[str, Callable[[str], bool]] = field(default_factory=dict)
+
+    def of(self, selector: Selector) -> list[Node]:
+        """Every element that is meant, in the order of the tree. Raises `SlowPattern` and `BadXPath`."""
+        if selector.tag == XPATH:
+            return [node for node in self._by_path(selector) if self._narrowed(node, selector)]
+        found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
+        return [node for node in found if self._narrowed(node, selector)]
+
+    def of_kind(self, selector: Selector) -> Iterator[Node]:
+        """The elements of that tag, whatever their names."""
+        paths = paths_of(selector.tag)
+        tags = {path.rpartition("/")[2] for path in paths}
+        in_classes = any(path.startswith("default") for path in paths)
+        for section in self.root.iterchildren("*"):
+            if (section.tag == "default") != in_classes:
+                continue
+            if section.tag == "worldbody" and "body" in paths and selector.pattern == WORLD:
+                yield section
+            for node in section.iter(*tags):
+                if kind_of(node).path in paths:
+                    yield node
+
+    def names(self, selector: Selector) -> list[str]:
+        """The names that elements of that tag have."""
+        if selector.tag == XPATH:
+            return []
+        return [name for node in self.of_kind(selector) if (name := self.name(node))]
+
+    def name(self, node: Node) -> str | None:
+        """What a selector calls an element."""
+        if node.tag == "worldbody":
+            return WORLD
+        name = name_of(node)
+        return MAIN if node.tag == "default" and name == self.base_class else name
+
+    def _by_path(self, selector: Selector) -> list[Node]:
+        try:
+            found = self.root.xpath(selector.pattern)
+        except etree.XPathError as error:
+            raise BadXPath(str(error).lower()) from None
+        if not isinstance(found, list) or not all(
+            isinstance(each, etree._Element) and isinstance(each.tag, str) for each in found
+        ):
+            raise BadXPath("it gives no elements")
+        return [each for each in found if isinstance(each, etree._Element) and each is not self.root]
+
+    def _meant(self, node: Node, selector: Selector) -> bool:
+        """Whether a selector means this element."""
+        if selector.tag == XPATH:
+            return node in self.of(selector)
+        path = "body" if node.tag == "worldbody" else kind_of(node).path
+        if path not in paths_of(selector.tag) or (node.tag == "worldbody" and selector.pattern != WORLD):
+            return False
+        return self._named(node, selector.pattern) and self._narrowed(node, selector)
+
+    def _named(self, node: Node, pattern: str) -> bool:
+        if pattern == EVERYTHING:
+            return True
+        name = self.name(node)
+        return bool(name) and self._fit(pattern)(str(name))
+
+    def _fit(self, pattern: str) -> Callable[[str], bool]:
+        known = self._fits.get(pattern)
+        if known is None:
+            if is_regular(pattern):
+                nodes = (node for section in self.root.iterchildren("*") for node in section.iter("*"))
+                names = {name for node in nodes if (name := self.name(node))}
+                known = fitting(pattern[1:-1], names).__contains__
+            else:
+                known = matcher(pattern, self.separator)
+            self._fits[pattern] = known
+        return known
+
+    def _narrowed(self, node: Node, selector: Selector) -> bool:
+        if selector.parent is not None and not self._is_child(node, selector.parent):
+            return False
+        if selector.inside is not None and not any(
+            self._meant(each, selector.inside) for each in node.iterancestors() if each is not self.root
+        ):
+            return False
+        if selector.part is not None and not self._is_of(node, selector.part):
+            return False
+        if selector.dclass is not None and not self._has_class(node, selector.dclass):
+            return False
+        return selector.where is None or self.holds(node, selector)
+
+    def _is_child(self, node: Node, wanted: Selector) -> bool:
+        direct = wanted.tag in (*_TRANSPARENT, XPATH)
+        parent = node.getparent() if direct else parent_of(node)
+        return parent is not None and parent is not self.root and self._meant(parent, wanted)
+
+    def _is_of(self, node: Node, pattern: str) -> bool:
+        part = self.parts.get(node)
+        if part is None:
+            return pattern == BASE
+        levels = part.split("/")
+        fits = matcher(pattern, "/")
+        return any(fits("/".join(levels[:depth])) for depth in range(1, len(levels) + 1))
+
+    def _has_class(self, node: Node, pattern: str) -> bool:
+        kind = kind_of(node)
+        if node.tag == "default":
+            above = [name_of(each) or MAIN for each in node.iterancestors("default")]
+        elif kind.takes_class and section_of(node) != "default":
+            above = [each.name for each in chain(node, self.classes)]
+        else:
+            return False
+        fits = self._fit(pattern)
+        return any(fits(MAIN if name == self.base_class else name) for name in above)
