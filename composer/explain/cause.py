@@ -100,7 +100,8 @@ class Causes:
         if isinstance(done, AppendElement):
             return Reason("written in the recipe", span)
         if isinstance(done, EditElements | DropElements):
-            return Reason(in_words(done), span)
+            written_by_it = span is not None and span.file == done.span.file
+            return Reason(in_words(done), span if written_by_it else done.span)
         return Reason(_summary(done), span if isinstance(span, Span) else None)
 
     # -- what the linker's passes do ---------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.edit_values import Checker
+from composer.recipe.edit_values import VERBS, Checker
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
 from composer.recipe.raw import path_of
 from composer.recipe.select import read_selector
@@ -18,7 +18,6 @@ from composer.recipe.settings import settings
 from composer.recipe.shown import kind_of
 from composer.tree.selector import Selector
 
-VERBS = ("unset", "set", "scale", "offset", "convert", "move", "rename")
 REMOVE = "remove"
 _KEYS = ("select", *VERBS, REMOVE, "expect", "optional", "id", "when")
 
@@ -99,7 +98,7 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
         return None
     selector = read_selector(value["select"], (*at, "select"), "`select`", faults)
     verbs = [name for name in (*VERBS, REMOVE) if name in value]
-    if not verbs:
+    if not verbs and len(faults) == before:
         known = ", ".join(f"`{name}`" for name in (*VERBS, REMOVE))
         message = "an entry of `edit` says nothing to be done"
         faults.append(Fault("missing-key", message, at, help=f"write one of {known}"))

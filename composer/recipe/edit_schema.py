@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from composer.grammar import GRAMMAR
-from composer.recipe.edit_values import CONVERTIBLE
+from composer.recipe.edit_values import CONVERTIBLE, VERBS
 from composer.recipe.placing import ORIENTATIONS
 from composer.recipe.reference import Schema, reference
 from composer.tree.selector import known_tags
@@ -62,15 +62,18 @@ def edit() -> Schema:
         },
         "when": {"description": "the builds that it belongs to"},
     }
-    verbs = [name for name in properties if name not in ("select", "expect", "optional", "id", "when")]
+    others = [name for name in properties if name in VERBS]
     return {
         "type": "object",
         "properties": properties,
         "required": ["select"],
         "additionalProperties": False,
+        "minProperties": 2,
         "if": {"required": ["remove"]},
-        "then": {"not": {"anyOf": [{"required": [verb]} for verb in verbs if verb != "remove"]}},
-        "else": {"anyOf": [{"required": [verb]} for verb in verbs if verb != "remove"]},
+        "then": {
+            "properties": dict.fromkeys(others, False),
+            "errorMessage": "`remove` stands alone",
+        },
     }
 
 

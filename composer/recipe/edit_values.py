@@ -21,6 +21,7 @@ from composer.recipe.subscript import attribute_and_index
 from composer.recipe.value import read_value
 from composer.tree.selector import Selector
 
+VERBS = ("unset", "set", "scale", "offset", "convert", "move", "rename")
 MASS = "mass"
 CONVERTIBLE = ("general", "motor", "pid", "position", "velocity")
 FROM = "from-"

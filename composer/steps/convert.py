@@ -87,7 +87,7 @@ def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at:
     laws = _laws(editing, found)
     if laws is None:
         raise Unusable
-    lost: dict[str, list[Node]] = {}
+    lost: dict[str, list[str]] = {}
     for index, node in enumerate(found):
         law = laws.get(node)
         if law is None:
@@ -99,8 +99,9 @@ def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at:
             )
             raise Unusable
         given = _given(editing, node, index, to, written, at)
+        was = editing.called(node)
         for loss in _converted(editing, node, to, law, given, at):
-            lost.setdefault(loss, []).append(node)
+            lost.setdefault(loss, []).append(was)
     if lost:
         _tell(editing, to, lost, at)
 
@@ -299,18 +300,18 @@ def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
     _fault(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
 
 
-def _tell(editing: Editing, to: str, lost: Mapping[str, list[Node]], at: Path) -> None:
-    count = len({node for nodes in lost.values() for node in nodes})
-    one = next(iter(lost.values()))[0]
-    what = editing.called(one) if count == 1 else f"{count} actuators"
-    shown = 8
+def _tell(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:
+    count = len({each for names in lost.values() for each in names})
+    what = next(iter(lost.values()))[0] if count == 1 else f"{count} actuators"
     notes = [
-        Note(f"lost: {loss}" + ("" if len(nodes) == count else f" ({', '.join(map(editing.called, nodes[:shown]))}"
-                                f"{' …' if len(nodes) > shown else ''})"))
-        for loss, nodes in lost.items()
-    ]  # fmt: skip
+        Note(f"lost: {loss}{'' if len(names) == count else _few(names)}") for loss, names in lost.items()
+    ]
     message = f"{what} cannot do all that {'it' if count == 1 else 'they'} did as `{to}`"
     editing.sink.warning("convert-loss", message, editing.span(at), notes=notes)
+
+
+def _few(names: list[str], shown: int = 8) -> str:
+    return f" ({', '.join(names[:shown])}{', …' if len(names) > shown else ''})"
 
 
 def _fault(editing: Editing, node: Node, fault: Fault) -> None:

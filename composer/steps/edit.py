@@ -34,7 +34,7 @@ from composer.steps.remove import remove
 from composer.steps.rename import rename
 from composer.steps.select import counted
 from composer.tree.classes import MAIN, ORIENTATIONS
-from composer.tree.effective import chain
+from composer.tree.effective import chain, levels
 from composer.tree.kinds import kind_of, section_of
 from composer.tree.names import WORLD, references
 from composer.tree.selector import paths_of
@@ -234,6 +234,7 @@ class _Change:
                 have[place] += number
             else:
                 have[place] = number
+        have = self._without_defaults(node, attribute, have)
         result: list[Any] = [
             int(each) if attribute.type == "int" and each == int(each) else each for each in have
         ]
@@ -251,6 +252,16 @@ class _Change:
                 node.attrib.pop(other, "")
         node.set(attribute.name, to_text(attribute, result))
         editing.note(node)
+
+    def _without_defaults(self, node: Node, attribute: Attribute, have: list[float]) -> list[float]:
+        """The numbers up to the last that is not MuJoCo's own default anyway: an older MuJoCo may know fewer."""
+        steps = levels(node, kind_of(node), attribute, self.editing.classes)
+        said = max((step.taken.stop for step in steps if step.kind != "mujoco"), default=0)
+        default = attribute.default if isinstance(attribute.default, tuple) else ()
+        least = max(said, attribute.min_length or 0, 1)
+        while len(have) > least and len(have) <= len(default) and have[-1] == default[len(have) - 1]:
+            have = have[:-1]
+        return have
 
     def _number(self, item: Any, attribute: Attribute, is_angle: bool, at: Path, node: Node) -> float:
         """The number that is written, an angle in the model's unit unless it is a factor."""

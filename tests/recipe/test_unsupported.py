@@ -16,8 +16,8 @@ from composer.recipe.unsupported import UNSUPPORTED, is_unsupported
     [
         (("params",), True),
         (("sensor",), False),
-        (("attach", "arm", "edit"), True),
-        (("attach", "edit"), False),
+        (("attach", "arm", "with"), True),
+        (("attach", "arm", "edit"), False),
         (("base", "with"), True),
         (("add", 0, "when"), True),
         (("add", 0, "body", "when"), False),
