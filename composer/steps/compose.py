@@ -152,7 +152,8 @@ class Composer:
         if not link(linking):
             return None
         _carry_out(plan, linking, making)
-        _edit(plan.edits, False, Editing(linking, making, plan.scope, self.parts))
+        if not self.context.sink.has_errors:  # without what is at fault a selector means other things
+            _edit(plan.edits, False, Editing(linking, making, plan.scope, self.parts))
         if self.context.sink.error_count > before:
             return None
         finish(linking)

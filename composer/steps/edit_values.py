@@ -23,6 +23,8 @@ from composer.tree.kinds import kind_of
 from composer.tree.select import name_of, parent_of
 
 VALUE = "value"
+# Newer MuJoCo takes higher coefficients as well; without them it is a number like any other.
+_POLYNOMIALS = ("damping", "stiffness")
 RESERVED = ("name", "parent", "index")
 
 
@@ -108,7 +110,9 @@ class Values:
         values = [int(each) for each in found] if attribute.type == "int" else found
         if index is not None:
             return values[index] if index < len(values) else None
-        return values[0] if attribute.max_length == 1 else tuple(values)
+        if attribute.max_length == 1 or (attribute.name in _POLYNOMIALS and not any(values[1:])):
+            return values[0]
+        return tuple(values)
 
     def turned_out(self, attribute: Attribute, values: list[float]) -> list[float]:
         """Numbers of the model with its angles in the recipe's unit."""
