@@ -10,6 +10,7 @@ CODES: dict[str, str] = {
     "bare-angle": "an angle is written without its unit",
     "class-clash": "two default classes would have the same name",
     "compiler-setting": "a compiler setting cannot be kept or may not be set",
+    "expression": "an expression cannot be read or has no value",
     "file-not-found": "a file or folder is not there",
     "file-unreadable": "a file is there but cannot be read",
     "freejoint-on-body": "a free joint would stand below another body",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest, exists_note
+from composer.document.merge import without_ids
 from composer.document.node import Mapping, Node
 from composer.expand.parameter import Parameter
 from composer.expand.params import read_params, settle
@@ -47,7 +48,7 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink) -> Concrete:
         {name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span
     )
     substitution = Substitution(scope, parameters, sink)
-    substituted = substitution.of(Condition(scope, axes, sink).kept(rest))
+    substituted = substitution.of(without_ids(Condition(scope, axes, sink).kept(rest)))
     assert isinstance(substituted, Mapping)
     return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost))
 

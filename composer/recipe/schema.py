@@ -103,7 +103,8 @@ def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
             and isinstance(text, ast.Expr)
             and isinstance(text.value, ast.Constant)
         ):
-            properties[field.target.id]["description"] = inspect.cleandoc(str(text.value.value))
+            name = model.model_fields[field.target.id].alias or field.target.id
+            properties[name]["description"] = inspect.cleandoc(str(text.value.value))
 
 
 def _layout(value: Any, indent: str, in_order: bool) -> str:

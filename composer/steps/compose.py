@@ -128,7 +128,7 @@ class Composer:
         self.watch([base, *units], plan)
         making = Making(
             plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
-            "radian", base.settings.eulerseq, plan.path.parent, base.file, base.origins,
+            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
         )  # fmt: skip
         base.origins.texts[plan.file] = plan.path
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
@@ -223,6 +223,6 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
     for part in plan.parts:
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
-        add_file(linking, making.directory, node, attribute, name)
+        add_file(linking, making.folder_of(node, attribute), node, attribute, name)
     if making.files:
         linking.watch(linking.units, add_file)
