@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer import engine
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
@@ -13,10 +14,12 @@ from composer.plan.make import make_plan
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
 from composer.steps.measure import measure_with
+from composer.verify.checks import run_checks
 from composer.verify.judged import judge
+from composer.verify.parts import WHOLE
 
 if TYPE_CHECKING:
-    from composer.engine import Compiled, Limits
+    from composer.engine import Compiled, Limits, Session
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,16 +33,29 @@ class Built:
 
 
 def build(
-    recipe: Path, context: Context, *, verified: bool = True, limits: Limits | None = None
+    recipe: Path,
+    context: Context,
+    *,
+    verified: bool = True,
+    limits: Limits | None = None,
+    session: Session | None = None,
 ) -> Built | None:
-    """The bundle of a recipe, nothing written yet; None where `context.sink` has errors."""
+    """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
+
+    All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends with the build.
+    """
+    if session is None:
+        with engine.Session(limits) as own:
+            return build(recipe, context, verified=verified, session=own)
     if (plan := make_plan(recipe, context)) is None:
         return None
-    if (composed := Composer(context, measure_with(context, limits)).compose(plan)) is None:
+    if (composed := Composer(context, measure_with(context, session=session)).compose(plan)) is None:
         return None
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
-    compiled = judge(bundle, composed.model, context, limits) if verified else None
+    compiled = judge(bundle, composed.model, context, session, keep=WHOLE) if verified else None
+    if compiled is not None:
+        run_checks(plan, composed.members, session, context)
     if context.sink.has_errors:
         return None
-    return Built(plan, composed, described(bundle, plan, compiled, context), compiled)
+    return Built(plan, composed, described(bundle, plan, composed.members, compiled, context), compiled)

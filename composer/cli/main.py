@@ -16,6 +16,7 @@ from composer.version import __version__
 _VERBS = {
     "build": "Build the model of a recipe: one MJCF file and its assets.",
     "check": "Say whether a recipe is right, without writing anything.",
+    "verify": "Hold a bundle against its manifest, MuJoCo and the sources of its parts.",
     "plan": "Print in words what a build will do.",
     "new": "Write a commented starter recipe that builds.",
     "schema": "Print the JSON Schema of recipes, for editors.",

@@ -9,10 +9,11 @@ from pathlib import Path
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.suggest import closest, exists_note
 from composer.document import load
 from composer.document.decode import MAX_SIZE
 from composer.document.node import Mapping, locate
+from composer.plan.member import parts_of
 from composer.plan.plan import (
     AddElement,
     AppendElement,
@@ -69,7 +70,7 @@ class _Planner:
         if base is None:
             return None
         steps = tuple(_steps(recipe, document))
-        return Plan(
+        plan = Plan(
             name=recipe.name or path.stem,
             description=recipe.description,
             path=path,
@@ -83,7 +84,25 @@ class _Planner:
             parts=parts,
             steps=steps,
             settled=frozenset(_settled(steps)),
+            checks=recipe.check,
         )
+        self._checks(plan)
+        return plan
+
+    def _checks(self, plan: Plan) -> None:
+        """What a check is about must be a part."""
+        parts = list(parts_of(plan))
+        for check in plan.checks:
+            if check.part is None or check.part in parts:
+                continue
+            near = closest(check.part, parts)
+            self.sink.error(
+                "unknown-name",
+                f"check `{check.name}` is about `{check.part}`, which is no part of this recipe",
+                locate(plan.document, (*check.at, "unchanged", "part")),
+                notes=[exists_note("part", parts, check.part)],
+                help=f"write `part: {near[0]}`" if near else None,
+            )
 
     def _read(self, path: Path) -> tuple[Recipe, Mapping] | None:
         shown = self.context.shown(path)

@@ -9,6 +9,7 @@ from typing import Literal
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.recipe.attach import Attachment
+from composer.recipe.check import Unchanged
 from composer.recipe.element import Element
 from composer.sources.source import Source
 
@@ -94,3 +95,4 @@ class Plan:
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
+    checks: tuple[Unchanged, ...] = ()

@@ -12,13 +12,17 @@ TEMPLATE = "${"
 
 
 class Placed(dict[str, Any]):
-    """A mapping that knows its path from the top of the recipe."""
+    """A mapping that knows its path from the top of the recipe.
 
-    __slots__ = ("at",)
+    `cut` is whether keys that this version does not carry out were left out of it.
+    """
+
+    __slots__ = ("at", "cut")
 
     def __init__(self, at: Path) -> None:
         super().__init__()
         self.at = at
+        self.cut = False
 
 
 def path_of(value: object) -> Path:
@@ -49,6 +53,7 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
         path = (*at, name)
         if is_unsupported(path):
             faults.append(_unsupported(path))
+            mapping.cut = True
             continue
         if not EXPRESSIONS and TEMPLATE in name:
             faults.append(_expression(path, key=True))

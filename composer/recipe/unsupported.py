@@ -6,11 +6,12 @@ from composer.recipe.fault import Path
 
 # The keys by the kind of mapping that they stand in. One that works is taken out here.
 UNSUPPORTED: dict[str, frozenset[str]] = {
-    "recipe": frozenset("params extends edit variants matrix randomize check keyframe".split()),
+    "recipe": frozenset("params extends edit variants matrix randomize keyframe".split()),
     "base": frozenset("with subtree drop edit packages".split()),
     "attach": frozenset("with subtree drop edit packages replicate before after when".split()),
     "add": frozenset({"id", "when"}),
     "element": frozenset({"when"}),
+    "check": frozenset("size mass exists stable no_penetration reachable equal when".split()),
 }
 EXPRESSIONS = False
 """Whether `${…}` may stand for a value."""
@@ -30,7 +31,7 @@ def _kind(path: Path) -> str:
     section, depth = path[0], len(path)
     if depth == 1:
         return "recipe"
-    if (section, depth) in (("base", 2), ("attach", 3), ("add", 3)):
+    if (section, depth) in (("base", 2), ("attach", 3), ("add", 3), ("check", 3)):
         return str(section)
     return "element" if depth == _ITEM_DEPTH.get(section) else ""
 

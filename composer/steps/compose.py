@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from lxml import etree
@@ -20,12 +20,14 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
+from composer.plan.member import Member
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
 from composer.sources.source import Source
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
 from composer.steps.loose_ends import check_names
+from composer.steps.members import Hung, hung, placed
 from composer.steps.section import append, set_default, set_singleton
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
@@ -34,10 +36,11 @@ from composer.tree.unit import Unit
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """One flat model and the files it names."""
+    """One flat model, the files it names, and the sources that are in it."""
 
     model: Unit
     files: tuple[FileUse, ...]
+    members: tuple[Member, ...] = ()
 
 
 @dataclass(slots=True)
@@ -48,11 +51,14 @@ class Composer:
     measure: Measure | None
     parsed: dict[Path, Unit | None] = field(default_factory=dict)
     uses: Counter[Path] = field(default_factory=Counter)
+    hung: dict[Node, list[Hung]] = field(default_factory=dict)
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors."""
         self._count(plan)
-        return self._compose(plan)
+        if (composed := self._compose(plan)) is None:
+            return None
+        return replace(composed, members=placed(self.hung[composed.model.root], composed.model.root))
 
     def _count(self, plan: Plan) -> None:
         for model in (plan.base.model, *(part.model for part in plan.parts)):
@@ -106,6 +112,9 @@ class Composer:
         if len(self.context.sink.errors) > before:
             return None
         finish(linking)
+        roots = [base.root, *(unit.root for unit in units)]
+        inner = {number: self.hung[root] for number, root in enumerate(roots) if root in self.hung}
+        self.hung[base.root] = hung(plan, parts, inner)
         if len(self.context.sink.errors) > before:
             return None
         flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
