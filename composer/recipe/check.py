@@ -129,8 +129,8 @@ def _unchanged(name: str, value: Any, at: Path, owner: str, faults: list[Fault])
     excepted = value.get(EXCEPT, [])
     if not isinstance(excepted, list):
         message = f"`{EXCEPT}` of {owner} expects a list of attributes, got {kind_of(excepted)}"
-        help = f"write `{EXCEPT}: [{excepted}]`" if isinstance(excepted, str) else None
-        faults.append(Fault("wrong-type", message, (*start, EXCEPT), help=help))
+        listed = f"write `{EXCEPT}: [{excepted}]`" if isinstance(excepted, str) else None
+        faults.append(Fault("wrong-type", message, (*start, EXCEPT), help=listed))
         return
     before = len(faults)
     known = attributes() if excepted else []

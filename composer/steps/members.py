@@ -9,7 +9,7 @@ from lxml.etree import _Element as Node
 
 from composer.link.linking import Part
 from composer.link.placing import read_pose
-from composer.plan.member import BASE, IN_PLACE, Member, called
+from composer.plan.member import BASE, IN_PLACE, Member, called, of_part
 from composer.plan.plan import Plan, SetDefault, SetSingleton
 from composer.pose import Pose
 from composer.tree.classes import MAIN
@@ -100,6 +100,10 @@ def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
             for name in sorted(_RESHAPING & written.keys()):
                 reason = f"the recipe sets `compiler.{name}`, which takes elements away"
                 found = [Hung(replace(each.member, obscure=reason), each.content) for each in found]
+    for check in plan.checks:
+        meant = of_part([each.member for each in found], check.part, plan.separator)
+        arrays = [array for name in check.excepted for array in arrays_of(name)]
+        found = [_with(each, arrays) if each.member in meant else each for each in found]
     return found
 
 

@@ -13,7 +13,7 @@ from composer.recipe.check import Unchanged, attributes
 from composer.verify.difference import EXTRA, MISSING, Difference
 from composer.verify.excuses import arrays_of
 from composer.verify.parts import Compared, Judge
-from composer.verify.report import changed, notes
+from composer.verify.report import causes, changed, notes
 
 
 def run_checks(plan: Plan, members: Sequence[Member], session: engine.Session, context: Context) -> None:
@@ -56,7 +56,7 @@ def _tell(compared: Compared, plan: Plan, check: Unchanged, context: Context) ->
 def _excepting(compared: Compared, check: Unchanged) -> str | None:
     """The line to write if all of that is meant; None where no attribute can be named for it."""
     names = list(check.excepted)
-    for each in compared.differences:
+    for each in causes(compared.differences):
         if each.field in (MISSING, EXTRA):
             return None
         if (name := _attribute(each)) is None:

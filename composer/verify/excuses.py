@@ -2,53 +2,52 @@
 
 from __future__ import annotations
 
+from collections.abc import Set as AbstractSet
+
 from composer.verify.fields import RULES, Treatment
 from composer.verify.roster import KINDS
 
-_DERIVED = frozenset(
-    array for array, rule in RULES.items() if rule.treatment in (Treatment.DERIVED, Treatment.GAIN)
-)
-_INERTIA = "mass inertia ipos iquat subtreemass sameframe invweight0 pos quat rbound aabb"
-_GAINS = "gainprm gaintype biasprm biastype dynprm dyntype actnum"
-_POSE = "pos quat sameframe"
-# What attributes become that are not called as their arrays are.
+DERIVED = {
+    *(array for array, rule in RULES.items() if rule.treatment in (Treatment.DERIVED, Treatment.GAIN)),
+    *"actuator_acc0 actuator_length0 tendon_length0 tendon_lengthspring".split(),
+}
+"""Arrays that follow from nearly everything: they differ where anything else does."""
+
+_INERTIA = "mass inertia ipos iquat subtreemass sameframe pos quat rbound aabb"
+_GAINS = "gainprm gaintype biasprm biastype dynprm dyntype actnum ctrlrange ctrllimited"
+_SHAPE = f"size type dataid {_INERTIA}"
+_MESH = f"{_SHAPE} scale vert normal face facenormal extrema graph polynormal polyvert polyvertnum polymap polymapnum"
+# What attributes become that are not called as their arrays are: the ends of the arrays' names.
 _BECOMES = {
-    **dict.fromkeys(("mass", "density", "inertia", "diaginertia", "fullinertia", "shellinertia"), _INERTIA),
+    **dict.fromkeys("mass density diaginertia fullinertia shellinertia".split(), _INERTIA),
+    **dict.fromkeys("pos quat euler axisangle xyaxes zaxis".split(), _INERTIA),
+    **dict.fromkeys("size fromto type mesh".split(), _SHAPE),
+    **dict.fromkeys("inertia vertex refpos refquat maxhullvert".split(), _MESH),
+    "scale": f"{_MESH} {_GAINS}",
     **dict.fromkeys(
-        ("kp", "kv", "ki", "dampratio", "timeconst", "diameter", "area", "bias", "force", "scale", "lmin",
-         "lmax", "vmax", "fpmax", "fvmax", "inheritrange", "gainprm", "biasprm", "dynprm", "gaintype",
-         "biastype", "dyntype"),
-        f"{_GAINS} ctrlrange ctrllimited",
+        "kp kv ki dampratio timeconst diameter area bias force lmin lmax vmax fpmax fvmax inheritrange gainprm"
+        " biasprm dynprm gaintype biastype dyntype ctrlrange".split(),
+        _GAINS,
     ),
-    **dict.fromkeys(("pos", "quat", "euler", "axisangle", "xyaxes", "zaxis"), _POSE),
-    **dict.fromkeys(("size", "fromto", "type", "mesh"), f"size type rbound aabb dataid {_POSE} {_INERTIA}"),
-    **dict.fromkeys(("range", "limited"), "range limited lengthrange"),
-    **dict.fromkeys(("ref", "springref"), "qpos0 qpos_spring"),
-    **dict.fromkeys(("stiffness", "springdamper"), "stiffness stiffnesspoly damping lengthspring"),
-    "springlength": "lengthspring",
+    **dict.fromkeys("limited range".split(), "range limited lengthrange"),
+    **dict.fromkeys("ref springref".split(), "qpos0 qpos_spring spring"),
+    **dict.fromkeys("stiffness springdamper".split(), "stiffness stiffnesspoly"),
+    **dict.fromkeys("anchor relpose torquescale polycoef".split(), "data"),
+    **dict.fromkeys("actuatorfrcrange actuatorfrclimited".split(), "actfrcrange actfrclimited"),
+    **dict.fromkeys("solreflimit solreffriction".split(), "solref"),
+    **dict.fromkeys("solimplimit solimpfriction".split(), "solimp"),
+    **dict.fromkeys("fluidshape fluidcoef".split(), "fluid"),
+    **dict.fromkeys("focal principal sensorsize".split(), "intrinsic fovy sensorsize"),
     "damping": "damping dampingpoly",
-    "actuatorfrcrange": "actfrcrange actfrclimited",
-    "actuatorfrclimited": "actfrcrange actfrclimited",
+    "active": "active0",
+    "condim": "condim dim",
     "actuatorgravcomp": "actgravcomp",
-    "ctrlrange": "ctrlrange ctrllimited biasprm gainprm",
     "forcerange": "forcerange forcelimited",
     "actrange": "actrange actlimited",
     "material": "matid rgba",
-    "solreflimit": "solref",
-    "solimplimit": "solimp",
-    "solreffriction": "solref",
-    "solimpfriction": "solimp",
-    "fluidshape": "fluid",
-    "fluidcoef": "fluid",
-    "dir": "dir quat",
     "target": "targetbodyid mode",
-    "mode": "mode",
-    "focal": "intrinsic fovy sensorsize",
-    "principal": "intrinsic",
-    "sensorsize": "sensorsize intrinsic fovy",
     "texture": "texid",
-    "gravcomp": "gravcomp",
-}  # fmt: skip
+}
 # The kind of the elements of a tag, where it is another word.
 _KINDS = {
     "freejoint": "joint",
@@ -62,10 +61,11 @@ _KINDS = {
         "actuator",
     ),
 }  # fmt: skip
-_BEYOND = {"joint": ("dof",), "geom": ("body",), "inertial": ("body",)}
+# Whose arrays follow as well: a mesh shapes geoms, geoms give a body its inertia.
+_BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inertial": ["body"]}
 
 
-def arrays_of(attribute: str, tag: str | None = None) -> frozenset[str]:
+def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
     """The arrays, or ends of their names without `tag`, that follow from an attribute of its elements.
 
     What is computed from the inertia of everything, or from a gain, is among them: it follows from all.
@@ -75,10 +75,9 @@ def arrays_of(attribute: str, tag: str | None = None) -> frozenset[str]:
     """
     ends = _BECOMES.get(attribute, attribute).split()
     if tag is None:
-        return frozenset(ends) | _DERIVED
+        return {*ends, *DERIVED}
     kind = _KINDS.get(tag, tag)
-    starts = [KINDS[kind].arrays if kind in KINDS else kind, *_BEYOND.get(kind, ())]
-    return (
-        frozenset(end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends)
-        | _DERIVED
+    starts = [KINDS[kind].arrays if kind in KINDS else kind, *_BEYOND.get(kind, [])]
+    return DERIVED.union(
+        end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends
     )

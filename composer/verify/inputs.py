@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from composer.bundle.assemble import sources
@@ -63,10 +64,8 @@ class Inputs:
         if len(self.planned) == len(self.manifest.inputs):
             yield self.planned[number]
         if wanted.kind in _LOCAL:
-            try:
+            with suppress(SourceError):
                 yield resolve(wanted.reference, relative_to=self.folder, environment=self.context.environment)
-            except SourceError:
-                pass
         yield Source(self.folder / wanted.path, wanted.kind, wanted.reference)
 
 

@@ -47,7 +47,7 @@ class Judge:
         fault = self.alone[path]
         if fault is not None:
             return Compared(member, obscure=fault)
-        question = _question(member, (*member.changed, *excused))
+        question = _question(member, tuple(excused))
         answer = engine.call(self.session, ask, [_kept(path), WHOLE], question.to_json())
         if not answer.ok:
             return Compared(member, obscure=answer.error or answer.crash or "it cannot be compared")

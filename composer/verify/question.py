@@ -62,12 +62,8 @@ def ask(_mujoco: object, alone: Model, composed: Model, question: Mapping[str, A
         ignore=given.ignore,
         tolerance=given.tolerance,
     )
-    loose = _free_at_root(alone, given.prefix) if given.welded else set()
-    return [
-        asdict(each)
-        for each in found
-        if not (each.kind == "joint" and each.field == MISSING and each.name in loose)
-    ]
+    free = _free(alone, given.prefix) if given.welded else frozenset()
+    return [asdict(each) for each in found if not _of_welding(each, free)]
 
 
 def _renamed(alone: Model, given: Question) -> Mapping[str, Mapping[str, str]]:
@@ -77,14 +73,22 @@ def _renamed(alone: Model, given: Question) -> Mapping[str, Mapping[str, str]]:
     return {**given.renamed, "key": {name: given.key_prefix + name for name in names}}
 
 
-def _free_at_root(alone: Model, prefix: str) -> set[str]:
-    """What the free joints of bodies in the world are called in a composition."""
+def _free(alone: Model, prefix: str) -> frozenset[str]:
+    """What free joints and their bodies are called in a composition; `#` stands for those without a name."""
     roster = Roster(alone)
-    return {
-        prefix + name if name else roster.describe("joint", index)
-        for index, name in enumerate(roster.names["joint"])
-        if alone.jnt_type[index] == FREE_JOINT
-    }
+    free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE_JOINT]
+    names = [roster.names["joint"][index] for index in free]
+    names += [roster.names["body"][int(alone.jnt_bodyid[index])] for index in free]
+    return frozenset(prefix + name if name else "#" for name in names)
+
+
+def _of_welding(difference: Difference, free: frozenset[str]) -> bool:
+    """Whether it is only that a free joint was taken away."""
+    if (difference.kind, difference.field) != ("joint", MISSING) and (
+        difference.field not in ("body_dofnum", "body_jntnum")
+    ):
+        return False
+    return difference.name in free or ("#" in free and difference.name.startswith("#"))
 
 
 def told(value: list[dict[str, Any]]) -> list[Difference]:

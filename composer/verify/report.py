@@ -6,15 +6,21 @@ from collections.abc import Sequence
 
 from composer.diagnostics.diagnostic import Note
 from composer.verify.difference import EXTRA, MISSING, Difference
+from composer.verify.excuses import DERIVED
 from composer.verify.parts import Compared
 
 _SHOWN = 8
 """How many differences of a part are told one by one."""
 
 
+def causes(differences: Sequence[Difference]) -> list[Difference]:
+    """The differences without those that follow from others, as long as there are any."""
+    return [each for each in differences if each.array not in DERIVED] or list(differences)
+
+
 def changed(compared: Compared) -> str:
     """One sentence about a part that is not what it is alone."""
-    found = compared.differences
+    found = causes(compared.differences)
     places = len(found)
     arrays = list(dict.fromkeys(_what(each) for each in found))
     shown = ", ".join(arrays[:4]) + (", …" if len(arrays) > 4 else "")
@@ -26,9 +32,10 @@ def changed(compared: Compared) -> str:
 
 def notes(differences: Sequence[Difference]) -> list[Note]:
     """The first differences, expected and actual."""
-    told = [Note(str(each)) for each in differences[:_SHOWN]]
-    if len(differences) > _SHOWN:
-        told.append(Note(f"and {len(differences) - _SHOWN} more"))
+    found = causes(differences)
+    told = [Note(str(each)) for each in found[:_SHOWN]]
+    if len(found) > _SHOWN:
+        told.append(Note(f"and {len(found) - _SHOWN} more"))
     return told
 
 

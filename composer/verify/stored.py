@@ -174,7 +174,7 @@ def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compare
             nowhere = Source(Path(), "path", "")
             yield Compared(_member(part, nowhere), obscure=part.obscure or found)
         else:
-            yield judge.compare(_member(part, found))
+            yield judge.compare(_member(part, found), part.changed)
 
 
 def _member(part: Part, source: Source) -> Member:
