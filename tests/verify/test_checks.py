@@ -176,14 +176,14 @@ def test_expected_and_actual_are_told(tmp_path: Path, run: Run) -> None:
     build(tmp_path / "recipe.yaml", context)
     (error,) = context.sink.errors
     assert error.message == (
-        "check `a`: `part/` is not what `cube.xml` is alone: 3 differences (`dof_armature`, `geom_rgba`)"
+        "check `a`: `part/` is not what `cube.xml` is alone: 3 differences (`geom_rgba`, `dof_armature`)"
     )
     assert [note.message for note in error.notes] == [
-        "joint `part/j`: `dof_armature` is 0.1, alone it is 0.0",
         "geom `part/g`: `geom_rgba` is [1.0, 0.0, 0.0, 1.0], alone it is [0.5, 0.5, 0.5, 1.0]",
         "geom #0 of body `part/arm`: `geom_rgba` is [1.0, 0.0, 0.0, 1.0], alone it is [0.5, 0.5, 0.5, 1.0]",
+        "joint `part/j`: `dof_armature` is 0.1, alone it is 0.0",
     ]
-    assert error.help == "if that is meant, write `except: [armature, rgba]`"
+    assert error.help == "if that is meant, write `except: [rgba, armature]`"
 
 
 def test_a_check_in_a_nested_recipe_is_told_there(tmp_path: Path, run: Run) -> None:
