@@ -14,7 +14,6 @@ from composer.grammar import GRAMMAR
 from composer.recipe.fault import Fault, Path, Remark, refusal
 from composer.recipe.raw import Placed, path_of
 from composer.recipe.shown import kind_of
-from composer.recipe.unsupported import UNSUPPORTED
 
 UNCHANGED = "unchanged"
 PART, EXCEPT = "part", "except"
@@ -96,14 +95,14 @@ def _check(name: str, value: Any, faults: list[Fault]) -> Iterator[Unchanged]:
 
 
 def _unknown_kind(key: str, owner: str, at: Path) -> Fault:
-    kinds = [UNCHANGED, *sorted(UNSUPPORTED["check"] - {"when"})]
+    kinds = [UNCHANGED]
     near = closest(key, kinds)
     return Fault(
         "unknown-key",
         f"`{key}` in {owner} is no kind of check",
         at,
         key=True,
-        remarks=(Remark(exists_note("kind of check", kinds, key).message),),
+        remarks=(Remark(exists_note("check kind", kinds, key).message),),
         help=f"write `{near[0]}`" if near else None,
     )
 
