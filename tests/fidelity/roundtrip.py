@@ -82,7 +82,10 @@ def _is_fragment(path: Path) -> bool:
 
     mjcompose refuses that.
     """
-    return next(etree.parse(path, etree.XMLParser(recover=True)).getroot().iterchildren("body", "frame"), None) is not None
+    return (
+        next(etree.parse(path, etree.XMLParser(recover=True)).getroot().iterchildren("body", "frame"), None)
+        is not None
+    )
 
 
 def _respecified(path: Path, root: Path) -> mujoco.MjModel:
