@@ -10,7 +10,7 @@ from composer import engine
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
-from composer.plan.make import make_plan
+from composer.plan.make import plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
 from composer.steps.measure import measure_with
@@ -47,9 +47,9 @@ def build(
     if session is None:
         with engine.Session(limits) as own:
             return build(recipe, context, verified=verified, session=own)
-    if (plan := make_plan(recipe, context)) is None:
+    if (plan := plan_what_remains(recipe, context)) is None:
         return None
-    if (composed := Composer(context, measure_with(context, session=session)).compose(plan)) is None:
+    if (composed := Composer(context, measure_with(context, session=session), session).compose(plan)) is None:
         return None
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None

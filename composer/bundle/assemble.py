@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
     """The bundle, still without its manifest; None where a file is missing."""
-    before = len(context.sink.errors)
+    before = context.sink.error_count
     uses = tuple(uses)
     files = collect(model, uses, context.sink, context.shown)
     licences = {label: source.licences for label, source in sources(plan)}
     try:
         files.update(licence_files(licences))
-        if len(context.sink.errors) > before:
+        if context.sink.error_count > before:
             return None
         return Bundle({**files, MODEL: write(model.root)})
     except (OSError, BundleError) as error:
@@ -94,6 +94,7 @@ def _part(member: Member, number: int) -> Part:
         quat=None if pose is None else pose.quat,
         keys=member.keys,
         welded=member.welded,
+        stands=member.stands,
         changed=member.changed,
         obscure=member.obscure,
     )

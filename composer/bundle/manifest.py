@@ -62,6 +62,7 @@ class Part(_Part):
         description="What stands before the names of its keyframes; null where they were left out.",
     )
     welded: bool = Field(default=False, description="Whether free joints at its root were taken away.")
+    stands: bool = Field(default=True, description="Whether it is fixed in the world.")
     changed: tuple[str, ...] = Field(
         default=(), description="The arrays of mjModel that the recipe changes in it."
     )

@@ -26,6 +26,7 @@ CODES: dict[str, str] = {
     "name-clash": "two elements of one kind would have the same name",
     "not-mjcf": "an XML file is no MJCF model",
     "not-supported": "something MJCF has and mjcompose cannot carry over yet",
+    "not-urdf": "a file that is named as URDF is none",
     "option-conflict": "two parts ask for different values of one global setting",
     "out-of-range": "a number is outside of what is allowed",
     "output-kind": "the kind of output cannot be told from its name",

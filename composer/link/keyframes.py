@@ -238,14 +238,17 @@ def _take(
         taken[holder] = text[at : at + width]
         at += width
     if part is not None:
-        _check_flexes(linking, part, element, vector, taken)
+        if vector in ("qpos", "qvel"):
+            _check_flexes(linking, part, layout, element, vector, taken)
         _carry(part, layout, vector, taken)
 
 
-def _check_flexes(linking: Linking, part: Part, key: Node, vector: str, taken: Mapping[Node, object]) -> None:
+def _check_flexes(
+    linking: Linking, part: Part, layout: Layout, key: Node, vector: str, taken: Mapping[Node, object]
+) -> None:
     """The bodies of a flex do not turn with the frames above it, so that its numbers mean other directions there."""
-    for block in taken if vector in ("qpos", "qvel") else ():
-        if block.tag == "flexcomp" and _is_turned(part, block):
+    for block, slot in layout.joints.items():
+        if slot.kind == BLOCK and block in taken and block.tag == "flexcomp" and _is_turned(part, block):
             linking.sink.error(
                 "not-supported",
                 f"`{vector}` of {_called(key)} has the vertices of a flex, which `{part.called}` turns",

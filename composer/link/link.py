@@ -53,10 +53,10 @@ def link(linking: Linking) -> bool:
 
     False where a pass found errors that later passes cannot live with; then the names of the model are not known.
     """
-    before = len(linking.sink.errors)
+    before = linking.sink.error_count
     for link_pass in PASSES:
         link_pass(linking)
-        after = len(linking.sink.errors)
+        after = linking.sink.error_count
         if after > before and link_pass not in _HINDERS_NOTHING:
             return False
         before = after

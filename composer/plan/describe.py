@@ -36,7 +36,8 @@ def _model(model: Source | Plan) -> str:
     if isinstance(model, Plan):
         return f"the recipe {model.file}"
     release = f" ({model.package} {model.version})" if model.package and model.version else ""
-    return f"{model.reference}{release}"
+    converted = ", URDF that MuJoCo converts" if model.format == "urdf" else ""
+    return f"{model.reference}{release}{converted}"
 
 
 def _place(part: AttachPart) -> str:
@@ -101,6 +102,7 @@ def _model_data(model: Source | Plan | None) -> Any:
     return {
         "reference": model.reference,
         "kind": model.kind,
+        "format": model.format,
         "package": model.package,
         "version": model.version,
         "licences": [path.name for path in model.licences],

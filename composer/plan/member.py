@@ -20,7 +20,8 @@ class Member:
     `part` is what a recipe calls it: the prefix without its last separator, `base` for the base, and both for
     a part of a part. `body` is the body that the part's world is fixed to, None for the world, with `pose` in
     the body's frame, None where it is not known. `keys` stands before the names of its keys; None where they
-    were left out. `welded` is whether free joints at its root were taken away. `changed` are the arrays of
+    were left out. `welded` is whether free joints at its root were taken away, `stands` whether it is fixed in
+    the world, where the root link of URDF becomes one with it. `changed` are the arrays of
     `mjModel` that the recipe changes in it on purpose. `obscure` says why it cannot be compared, if so.
     """
 
@@ -31,6 +32,7 @@ class Member:
     pose: Pose | None = IN_PLACE
     keys: str | None = ""
     welded: bool = False
+    stands: bool = True
     changed: tuple[str, ...] = ()
     obscure: str | None = None
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import (
     ConfigDict,
+    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
@@ -109,6 +110,8 @@ class Attachment(Model):
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
+    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
 
     @model_validator(mode="wrap")
     @classmethod

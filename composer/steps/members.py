@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 from composer.link.linking import Part
 from composer.link.placing import read_pose
 from composer.plan.member import BASE, IN_PLACE, Member, called, of_part
-from composer.plan.plan import Plan, SetDefault, SetSingleton
+from composer.plan.plan import AttachPart, Plan, SetDefault, SetSingleton
 from composer.pose import Pose
 from composer.tree.classes import MAIN
 from composer.tree.settings import read_settings
@@ -28,13 +28,13 @@ class Hung:
     content: Node | None
 
 
-def hung(plan: Plan, parts: Iterable[Part], inner: dict[int, list[Hung]]) -> list[Hung]:
+def hung(plan: Plan, parts: Iterable[Part], inner: dict[int, list[Hung]], stands: bool) -> list[Hung]:
     """The members of a plan: its own sources and those of the recipes in it.
 
     `inner` has the members of the base, if that is a recipe, at 0 and those of the parts from 1 on. The order
-    is that of the sources in a manifest.
+    is that of the sources in a manifest. `stands` says that the plan is fixed in the world in the end.
     """
-    found = list(_of_base(plan, inner.get(0, [])))
+    found = list(_of_base(plan, inner.get(0, []), stands))
     for number, (step, part) in enumerate(zip(plan.parts, parts, strict=True), 1):
         name = called(step, plan.separator)
         if isinstance(step.model, Plan):
@@ -42,9 +42,18 @@ def hung(plan: Plan, parts: Iterable[Part], inner: dict[int, list[Hung]]) -> lis
                 found.append(_moved(each, name, part, plan.separator))
         else:
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
-            member = Member(name, part.prefix, step.model, keys=keys, welded=part.weld)
+            member = Member(
+                name, part.prefix, step.model, keys=keys, welded=part.weld, stands=stands and is_fixed(step)
+            )
             found.append(Hung(member, part.content))
     return _changed(plan, found)
+
+
+def is_fixed(part: AttachPart) -> bool:
+    """Whether a part is fixed in the world of the recipe that it is part of."""
+    asked = part.attachment
+    in_world = asked.site is None and asked.frame is None and asked.body in (None, "world")
+    return in_world and asked.joint in (None, "weld")
 
 
 def placed(found: Iterable[Hung], root: Node) -> tuple[Member, ...]:
@@ -54,7 +63,7 @@ def placed(found: Iterable[Hung], root: Node) -> tuple[Member, ...]:
     return tuple(_place(each, degrees, sequence) for each in found)
 
 
-def _of_base(plan: Plan, inner: list[Hung]) -> Iterator[Hung]:
+def _of_base(plan: Plan, inner: list[Hung], stands: bool) -> Iterator[Hung]:
     model = plan.base.model
     without_keys = plan.base.keyframes == "none"
     if isinstance(model, Plan):
@@ -62,7 +71,7 @@ def _of_base(plan: Plan, inner: list[Hung]) -> Iterator[Hung]:
             member = replace(each.member, part=f"{BASE}{plan.separator}{each.member.part}")
             yield Hung(replace(member, keys=None) if without_keys else member, each.content)
     elif model is not None:
-        yield Hung(Member(BASE, "", model, keys=None if without_keys else ""), None)
+        yield Hung(Member(BASE, "", model, keys=None if without_keys else "", stands=stands), None)
 
 
 def _moved(each: Hung, name: str, part: Part, separator: str) -> Hung:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -30,6 +30,11 @@ class Origins:
 
     def own(self, element: Node, owner: str | Span | Place) -> None:
         self.owners[element] = owner
+
+    def own_all(self, elements: Iterable[Node], owner: str | Span | Place) -> None:
+        """The same owner for all that have none of their own yet."""
+        for element in elements:
+            self.owners.setdefault(element, owner)
 
     def owner(self, element: Node, default_file: str) -> str | Span | Place:
         """The place in a recipe that wrote the element, or the file that it is written in."""

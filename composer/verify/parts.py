@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from composer import engine
 from composer.plan.member import Member
 from composer.pose import IDENTITY_QUAT, ORIGIN
+from composer.sources import ros_package
 from composer.verify.difference import Difference
 from composer.verify.keyframes import Keys
 from composer.verify.question import Question, ask, told
@@ -35,35 +35,49 @@ class Judge:
     """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once."""
 
     session: engine.Session
-    alone: dict[Path, str | None] = field(default_factory=dict)
+    alone: dict[str, str | None] = field(default_factory=dict)
 
     def compare(self, member: Member, excused: Iterable[str] = ()) -> Compared:
         """The part as it is in the composition. `excused` are arrays, or ends of their names."""
         if member.obscure is not None:
             return Compared(member, obscure=member.obscure)
-        path = member.source.path
-        if path not in self.alone:
-            self.alone[path] = self._compile(path)
-        fault = self.alone[path]
+        name = _kept(member)
+        if name not in self.alone:
+            self.alone[name] = self._compile(member, name)
+        fault = self.alone[name]
         if fault is not None:
             return Compared(member, obscure=fault)
         question = _question(member, tuple(excused))
-        answer = engine.call(self.session, ask, [_kept(path), WHOLE], question.to_json())
+        answer = engine.call(self.session, ask, [name, WHOLE], question.to_json())
         if not answer.ok:
             return Compared(member, obscure=answer.error or answer.crash or "it cannot be compared")
         return Compared(member, tuple(told(answer.value)))
 
-    def _compile(self, path: Path) -> str | None:
+    def _compile(self, member: Member, name: str) -> str | None:
         """Keep the source compiled alone; a sentence where MuJoCo refuses it."""
-        compiled = engine.compile(path.parent, path.name, keep=_kept(path), session=self.session)
-        if compiled.ok:
-            return None
-        said = " ".join((compiled.error or compiled.crash or "").split())
-        return f"MuJoCo does not accept its source alone: {said}"
+        path, text = member.source.path, None
+        if member.source.format == "urdf":
+            try:
+                names = ros_package.packages_in(path.read_text(encoding="utf-8", errors="replace"))
+            except OSError as error:
+                return f"its source cannot be read: {(error.strerror or str(error)).lower()}"
+            packages = ros_package.folders(names, path, dict(member.source.packages))
+            converted = engine.convert_urdf(path, packages, stands=member.stands, session=self.session)
+            if (text := converted.text) is None:
+                return _refused(converted.error or converted.crash)
+        file = path.name if text is None else f"{path.stem}.xml"
+        compiled = engine.compile(path.parent, file, text=text, keep=name, session=self.session)
+        return None if compiled.ok else _refused(compiled.error or compiled.crash)
 
 
-def _kept(path: Path) -> str:
-    return f"alone {path}"
+def _refused(said: str | None) -> str:
+    return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
+
+
+def _kept(member: Member) -> str:
+    """A name for what sources that are the same alone have in common."""
+    stands = member.stands or member.source.format != "urdf"
+    return f"alone {'' if stands else 'and loose '}{member.source.path}"
 
 
 def _question(member: Member, excused: tuple[str, ...]) -> Question:

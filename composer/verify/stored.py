@@ -180,8 +180,9 @@ def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compare
 def _member(part: Part, source: Source) -> Member:
     pose = None if part.pos is None or part.quat is None else Pose(part.pos, part.quat)
     return Member(
-        part.part, part.prefix, source, part.body, pose, part.keys, part.welded, part.changed, part.obscure
-    )
+        part.part, part.prefix, source, part.body, pose, part.keys, part.welded, part.stands, part.changed,
+        part.obscure,
+    )  # fmt: skip
 
 
 def _tell(compared: Compared, manifest: Manifest, inputs: Inputs, context: Context) -> None:
