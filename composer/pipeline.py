@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ from composer import engine
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
+from composer.link.dedup import Merged, dedup
 from composer.plan.make import plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
@@ -24,12 +25,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """What a build gives; `compiled` is None where nothing was verified."""
+    """What a build gives; `compiled` is None where nothing was verified, `merged` empty where nothing was merged."""
 
     plan: Plan
     composed: Composed
     bundle: Bundle
     compiled: Compiled | None
+    merged: Merged
 
 
 def build(
@@ -37,6 +39,7 @@ def build(
     context: Context,
     *,
     verified: bool = True,
+    deduplicated: bool = False,
     limits: Limits | None = None,
     session: Session | None = None,
 ) -> Built | None:
@@ -46,16 +49,21 @@ def build(
     """
     if session is None:
         with engine.Session(limits) as own:
-            return build(recipe, context, verified=verified, session=own)
+            return build(recipe, context, verified=verified, deduplicated=deduplicated, session=own)
     if (plan := plan_what_remains(recipe, context)) is None:
         return None
     if (composed := Composer(context, measure_with(context, session=session), session).compose(plan)) is None:
         return None
+    merged: Merged = {}
+    if deduplicated:
+        merged, files = dedup(composed.model, composed.files, plan.prefixes)
+        composed = replace(composed, files=files)
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
     compiled = judge(bundle, composed.model, context, session, keep=WHOLE) if verified else None
     if compiled is not None:
-        run_checks(plan, composed.members, session, context)
+        run_checks(plan, composed.members, session, context, merged)
     if context.sink.has_errors:
         return None
-    return Built(plan, composed, described(bundle, plan, composed.members, compiled, context), compiled)
+    bundle = described(bundle, plan, composed.members, compiled, context, merged)
+    return Built(plan, composed, bundle, compiled, merged)

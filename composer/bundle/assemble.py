@@ -13,6 +13,7 @@ from composer.bundle.licences import licence_files, licence_folder
 from composer.bundle.manifest import Input, Manifest, Part, Recipe, files_of, index_of, with_manifest
 from composer.context import Context
 from composer.grammar import GRAMMAR
+from composer.link.dedup import Merged
 from composer.link.linking import FileUse
 from composer.plan.member import Member
 from composer.plan.plan import Plan
@@ -41,7 +42,12 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 
 
 def described(
-    bundle: Bundle, plan: Plan, members: Iterable[Member], compiled: Compiled | None, context: Context
+    bundle: Bundle,
+    plan: Plan,
+    members: Iterable[Member],
+    compiled: Compiled | None,
+    context: Context,
+    merged: Merged,
 ) -> Bundle:
     """The bundle with its manifest; `compiled` is what MuJoCo made of it, None where nobody asked."""
     folder = plan.path.parent
@@ -54,6 +60,7 @@ def described(
         inputs=tuple(_input(label, source, bundle, folder) for label, source in sources(plan)),
         parts=tuple(_part(member, number) for number, member in enumerate(members)),
         files=files_of(bundle),
+        merged=merged,
         index=index_of(compiled.index) if compiled and compiled.index else None,
         warnings=tuple(f"{each.code}: {each.message}" for each in context.sink.diagnostics),
     )

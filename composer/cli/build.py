@@ -26,10 +26,14 @@ if TYPE_CHECKING:
     " default: build/NAME.zip.",
 )  # fmt: skip
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
+@click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
+              " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
 @reporting_options
-def command(recipe: Path, out: str | None, no_verify: bool, timeout: float, form: str, as_json: bool) -> None:
+def command(
+    recipe: Path, out: str | None, no_verify: bool, dedup: bool, timeout: float, form: str, as_json: bool
+) -> None:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.write import Form, form_of
@@ -47,7 +51,7 @@ def command(recipe: Path, out: str | None, no_verify: bool, timeout: float, form
         sys.exit(USAGE)
     progress(f"building {recipe}")
     with Session(Limits(seconds=timeout)) as session:
-        built = build(recipe, context, verified=not no_verify, session=session)
+        built = build(recipe, context, verified=not no_verify, deduplicated=dedup, session=session)
         if built is None:
             report(context, form)
             sys.exit(FINDINGS)
@@ -61,6 +65,8 @@ def command(recipe: Path, out: str | None, no_verify: bool, timeout: float, form
         sys.exit(FINDINGS)
     if out != "-":
         _say(built, target, form)
+    elif built.merged:
+        click.echo(_merging(built), err=True)
 
 
 def _file_name(name: str) -> str:
@@ -86,7 +92,14 @@ def _say(built: Built, out: str, form: str) -> None:
 
     sizes = built.compiled.sizes if built.compiled else {}
     if form == "json":
-        told = {"output": out, "name": built.plan.name, "sha256": built.bundle.sha256, "sizes": dict(sizes)}
+        told: dict[str, object] = {
+            "output": out,
+            "name": built.plan.name,
+            "sha256": built.bundle.sha256,
+            "sizes": dict(sizes),
+        }
+        if built.merged:
+            told["merged"] = {kind: dict(names) for kind, names in built.merged.items()}
         click.echo(json.dumps(told))
         return
     click.echo(f"wrote {out}")
@@ -97,4 +110,14 @@ def _say(built: Built, out: str, form: str) -> None:
         )
     else:
         click.echo("  not verified: MuJoCo has not compiled it")
+    if built.merged:
+        click.echo(_merging(built))
     click.echo(f"  sha256 {built.bundle.sha256}")
+
+
+def _merging(built: Built) -> str:
+    plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
+    counts = ", ".join(
+        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in built.merged.items()
+    )
+    return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"

@@ -40,6 +40,7 @@ CODES: dict[str, str] = {
     "source-cycle": "a recipe uses itself, directly or through others",
     "source-kind": "a model reference has a form or file type that is not known",
     "source-not-found": "a model reference leads to nothing",
+    "subtree-cut": "something reaches out of a subtree and is left behind",
     "unknown-attribute": "an element has no attribute of that name",
     "unknown-element": "MJCF has no element of that name in that place",
     "unknown-key": "a key that has no meaning here",

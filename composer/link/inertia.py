@@ -29,7 +29,7 @@ def inertia(linking: Linking) -> None:
     for unit in linking.units:
         settings = unit.settings
         if any(getattr(settings, name) != getattr(_DEFAULT, name) for name in MEASURED):
-            _measure(linking, unit)
+            write_inertias(linking, unit)
             continue
         if settings.inertiagrouprange.split() != ["0", "5"]:
             _leave_out_groups(unit, *(int(bound) for bound in settings.inertiagrouprange.split()))
@@ -119,7 +119,7 @@ def _pose(body: Node) -> dict[str, str]:
     return {"pos": "0 0 0", **written}
 
 
-def _measure(linking: Linking, unit: Unit) -> None:
+def write_inertias(linking: Linking, unit: Unit) -> None:
     """Compile the unit alone and write the inertia of every body as MuJoCo has it."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
     arrays = measure_alone(linking, unit, " and ".join(f"`{name}`" for name in wanting), ARRAYS)

@@ -56,6 +56,7 @@ def link(linking: Linking) -> bool:
     before = linking.sink.error_count
     for link_pass in PASSES:
         link_pass(linking)
+        linking.watch(linking.units, link_pass)
         after = linking.sink.error_count
         if after > before and link_pass not in _HINDERS_NOTHING:
             return False
@@ -66,5 +67,6 @@ def link(linking: Linking) -> bool:
 def finish(linking: Linking) -> None:
     """What must wait until nothing more is added to the model: the keyframes."""
     keyframes(linking)
+    linking.watch(linking.units, keyframes)
     for part in linking.parts:
         linking.base.origins.adopt(part.unit.origins)

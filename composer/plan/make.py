@@ -160,7 +160,7 @@ class _Planner:
         span = locate(document, ("base", "model"))
         model = self._model(recipe.base.model, span, path, inside)
         model = self._with_packages(model, recipe.base, ("base",), document, path)
-        return None if model is None else LoadBase(model, recipe.base.keyframes, span)
+        return None if model is None else LoadBase(model, recipe.base.keyframes, span, recipe.base.subtree)
 
     def _parts(
         self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]

@@ -18,6 +18,8 @@ class Base(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    subtree: Annotated[str | None, Text("subtree")] = None
+    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of its keyframes: merged by name with those of the parts, kept apart, or left out."""
     packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)

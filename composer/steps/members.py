@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from lxml.etree import _Element as Node
@@ -10,8 +10,9 @@ from lxml.etree import _Element as Node
 from composer.link.linking import Part
 from composer.link.placing import read_pose
 from composer.plan.member import BASE, IN_PLACE, Member, called, of_part
-from composer.plan.plan import AttachPart, Plan, SetDefault, SetSingleton
+from composer.plan.plan import Plan, SetDefault, SetSingleton
 from composer.pose import Pose
+from composer.steps.subtree import Wanted
 from composer.tree.classes import MAIN
 from composer.tree.settings import read_settings
 from composer.verify.excuses import arrays_of
@@ -28,32 +29,31 @@ class Hung:
     content: Node | None
 
 
-def hung(plan: Plan, parts: Iterable[Part], inner: dict[int, list[Hung]], stands: bool) -> list[Hung]:
-    """The members of a plan: its own sources and those of the recipes in it.
+def hung(
+    plan: Plan, wanted: Iterable[Wanted], parts: Iterable[Part], inner: Sequence[list[Hung]]
+) -> list[Hung]:
+    """The members of a plan: its own sources and those of the recipes in it, in the order of a manifest.
 
-    `inner` has the members of the base, if that is a recipe, at 0 and those of the parts from 1 on. The order
-    is that of the sources in a manifest. `stands` says that the plan is fixed in the world in the end.
+    `wanted` and `inner`, the members of each that is a recipe itself, have the base first and then the parts.
     """
-    found = list(_of_base(plan, inner.get(0, []), stands))
-    for number, (step, part) in enumerate(zip(plan.parts, parts, strict=True), 1):
+    base, *others = wanted
+    found = list(_of_base(plan, base, inner[0]))
+    for step, each, part, below in zip(plan.parts, others, parts, inner[1:], strict=True):
         name = called(step, plan.separator)
-        if isinstance(step.model, Plan):
-            for each in inner.get(number, []):
-                found.append(_moved(each, name, part, plan.separator))
-        else:
+        if isinstance(each.model, Plan):
+            found += [_moved(member, name, part, plan.separator, _cut(each)) for member in below]
+        elif each.model is not None:
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = Member(
-                name, part.prefix, step.model, keys=keys, welded=part.weld, stands=stands and is_fixed(step)
-            )
+                name, part.prefix, each.model,
+                keys=keys, welded=part.weld, stands=each.stands, obscure=_cut(each),
+            )  # fmt: skip
             found.append(Hung(member, part.content))
     return _changed(plan, found)
 
 
-def is_fixed(part: AttachPart) -> bool:
-    """Whether a part is fixed in the world of the recipe that it is part of."""
-    asked = part.attachment
-    in_world = asked.site is None and asked.frame is None and asked.body in (None, "world")
-    return in_world and asked.joint in (None, "weld")
+def _cut(wanted: Wanted) -> str | None:
+    return None if wanted.body is None else f"only its body `{wanted.body}` was taken"
 
 
 def placed(found: Iterable[Hung], root: Node) -> tuple[Member, ...]:
@@ -63,18 +63,23 @@ def placed(found: Iterable[Hung], root: Node) -> tuple[Member, ...]:
     return tuple(_place(each, degrees, sequence) for each in found)
 
 
-def _of_base(plan: Plan, inner: list[Hung], stands: bool) -> Iterator[Hung]:
-    model = plan.base.model
-    without_keys = plan.base.keyframes == "none"
-    if isinstance(model, Plan):
+def _of_base(plan: Plan, base: Wanted, inner: list[Hung]) -> Iterator[Hung]:
+    without_keys = base.keyframes == "none"
+    if isinstance(base.model, Plan):
         for each in inner:
-            member = replace(each.member, part=f"{BASE}{plan.separator}{each.member.part}")
-            yield Hung(replace(member, keys=None) if without_keys else member, each.content)
-    elif model is not None:
-        yield Hung(Member(BASE, "", model, keys=None if without_keys else "", stands=stands), None)
+            member = replace(
+                each.member,
+                part=f"{BASE}{plan.separator}{each.member.part}",
+                keys=None if without_keys else each.member.keys,
+                obscure=each.member.obscure or _cut(base),
+            )
+            yield Hung(member, each.content)
+    elif base.model is not None:
+        keys = None if without_keys else ""
+        yield Hung(Member(BASE, "", base.model, keys=keys, stands=base.stands, obscure=_cut(base)), None)
 
 
-def _moved(each: Hung, name: str, part: Part, separator: str) -> Hung:
+def _moved(each: Hung, name: str, part: Part, separator: str, cut: str | None) -> Hung:
     """A member of a nested recipe, as it is in the recipe around that."""
     member = each.member
     keys = member.keys
@@ -88,6 +93,7 @@ def _moved(each: Hung, name: str, part: Part, separator: str) -> Hung:
         prefix=part.prefix + member.prefix,
         keys=keys,
         welded=member.welded or part.weld,
+        obscure=member.obscure or cut,
     )
     return Hung(member, part.content if each.content is None else each.content)
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from composer import engine
 from composer.context import Context
 from composer.document.node import locate
+from composer.link.dedup import Merged
 from composer.plan.member import BASE, Member, called, of_part
 from composer.plan.plan import Plan
 from composer.recipe.check import Unchanged, attributes
@@ -16,9 +17,11 @@ from composer.verify.parts import Compared, Judge
 from composer.verify.report import causes, changed, notes
 
 
-def run_checks(plan: Plan, members: Sequence[Member], session: engine.Session, context: Context) -> None:
+def run_checks(
+    plan: Plan, members: Sequence[Member], session: engine.Session, context: Context, merged: Merged
+) -> None:
     """Run every check on the model that the session keeps; what does not hold goes to the sink."""
-    judge = Judge(session)
+    judge = Judge(session, merged)
     for inner, check, part in _checks(plan, ""):
         excused = [array for name in check.excepted for array in arrays_of(name)]
         for member in of_part(members, part, plan.separator):

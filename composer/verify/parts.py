@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from composer import engine
@@ -32,9 +32,13 @@ class Compared:
 
 @dataclass(slots=True)
 class Judge:
-    """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once."""
+    """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once.
+
+    `merged` has by kind the names of the composition for which another one stands.
+    """
 
     session: engine.Session
+    merged: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     alone: dict[str, str | None] = field(default_factory=dict)
 
     def compare(self, member: Member, excused: Iterable[str] = ()) -> Compared:
@@ -47,7 +51,7 @@ class Judge:
         fault = self.alone[name]
         if fault is not None:
             return Compared(member, obscure=fault)
-        question = _question(member, tuple(excused))
+        question = _question(member, tuple(excused), self.merged)
         answer = engine.call(self.session, ask, [name, WHOLE], question.to_json())
         if not answer.ok:
             return Compared(member, obscure=answer.error or answer.crash or "it cannot be compared")
@@ -80,8 +84,16 @@ def _kept(member: Member) -> str:
     return f"alone {'' if stands else 'and loose '}{member.source.path}"
 
 
-def _question(member: Member, excused: tuple[str, ...]) -> Question:
+def _question(member: Member, excused: tuple[str, ...], merged: Mapping[str, Mapping[str, str]]) -> Question:
     pose = member.pose
+    renamed = {
+        kind: {
+            gone.removeprefix(member.prefix): kept
+            for gone, kept in names.items()
+            if gone.startswith(member.prefix)
+        }
+        for kind, names in merged.items()
+    }
     keys, key_prefix = Keys.MERGE, None
     if member.keys is None:
         keys = Keys.NONE
@@ -98,5 +110,6 @@ def _question(member: Member, excused: tuple[str, ...]) -> Question:
         keys=keys,
         key_prefix=key_prefix,
         welded=member.welded,
+        renamed=renamed,
         ignore=excused,
     )

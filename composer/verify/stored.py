@@ -60,7 +60,7 @@ def verify_stored(
         return Stored(bundle, manifest, compiled, ())
     _index(manifest, compiled, shown, context)
     inputs = Inputs(manifest, recipe, context)
-    parts = tuple(_parts(manifest, inputs, Judge(session)))
+    parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged)))
     for compared in parts:
         _tell(compared, manifest, inputs, context)
     if manifest.inputs and not parts:

@@ -215,3 +215,40 @@ def test_a_build_starts_mujoco_once(run: Run, monkeypatch: pytest.MonkeyPatch) -
     built, told = run(recipe)
     assert built is not None, told
     assert len(started) == 1
+
+
+def test_of_a_subtree_it_is_said_that_it_cannot_be_compared(run: Run) -> None:
+    recipe = "recipe: 1\nattach:\n  a: {model: ./cube.xml, subtree: arm}\ncheck: {a: {unchanged: {}}}\n"
+    _, told = run(recipe)
+    assert "recipe.yaml:4:13 part-not-compared" in told
+
+
+def test_assets_that_were_merged_are_the_ones_that_stand_for_them(tmp_path: Path, run: Run) -> None:
+    run("recipe: 1\nbase: ./base.xml\n")
+    mesh = '<mujoco model="m"><asset><mesh name="t" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>'
+    (tmp_path / "m.xml").write_text(
+        mesh + '<worldbody><body name="b"><geom type="mesh" mesh="t"/></body></worldbody></mujoco>'
+    )
+    (tmp_path / "recipe.yaml").write_text(
+        "recipe: 1\nattach:\n  a: {model: ./m.xml}\n  b: {model: ./m.xml}\ncheck: {a: {unchanged: {}}}\n"
+    )
+    context = Context(folder=tmp_path, environment={})
+    built = build(tmp_path / "recipe.yaml", context, deduplicated=True)
+    assert built is not None, context.sink.diagnostics
+    assert built.merged == {"mesh": {"b/t": "a/t"}}
+
+
+def test_urdf_is_compared_with_what_mujoco_makes_of_it_in_that_place(tmp_path: Path, run: Run) -> None:
+    inertial = (
+        '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    shape = '<collision><geometry><box size=".1 .1 .1"/></geometry></collision>'
+    (tmp_path / "arm.urdf").write_text(
+        f'<robot name="arm"><link name="base">{inertial}{shape}</link><link name="tip">{inertial}{shape}</link>'
+        '<joint name="j" type="continuous"><parent link="base"/><child link="tip"/><axis xyz="0 1 0"/></joint></robot>'
+    )
+    parts = "  a: {model: ./arm.urdf, body: tip}\n  b: {model: ./arm.urdf, joint: free, pos: [0, 0, 3]}\n"
+    built, told = run(f"recipe: 1\nbase: ./arm.urdf\nattach:\n{parts}check: {{a: {{unchanged: {{}}}}}}\n")
+    assert told == []
+    assert built is not None
+    assert [member.stands for member in built.composed.members] == [True, False, False]
