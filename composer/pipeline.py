@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer import engine
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
@@ -14,10 +15,12 @@ from composer.plan.make import plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
 from composer.steps.measure import measure_with
+from composer.verify.checks import run_checks
 from composer.verify.judged import judge
+from composer.verify.parts import WHOLE
 
 if TYPE_CHECKING:
-    from composer.engine import Compiled, Limits
+    from composer.engine import Compiled, Limits, Session
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +41,18 @@ def build(
     verified: bool = True,
     deduplicated: bool = False,
     limits: Limits | None = None,
+    session: Session | None = None,
 ) -> Built | None:
-    """The bundle of a recipe, nothing written yet; None where `context.sink` has errors."""
+    """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
+
+    All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends with the build.
+    """
+    if session is None:
+        with engine.Session(limits) as own:
+            return build(recipe, context, verified=verified, deduplicated=deduplicated, session=own)
     if (plan := plan_what_remains(recipe, context)) is None:
         return None
-    if (composed := Composer(context, measure_with(context, limits), limits).compose(plan)) is None:
+    if (composed := Composer(context, measure_with(context, session=session), session).compose(plan)) is None:
         return None
     merged: Merged = {}
     if deduplicated:
@@ -50,7 +60,10 @@ def build(
         composed = replace(composed, files=files)
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
-    compiled = judge(bundle, composed.model, context, limits) if verified else None
+    compiled = judge(bundle, composed.model, context, session, keep=WHOLE) if verified else None
+    if compiled is not None:
+        run_checks(plan, composed.members, session, context, merged)
     if context.sink.has_errors:
         return None
-    return Built(plan, composed, described(bundle, plan, compiled, context, merged), compiled, merged)
+    bundle = described(bundle, plan, composed.members, compiled, context, merged)
+    return Built(plan, composed, bundle, compiled, merged)

@@ -14,7 +14,7 @@ from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_
 if TYPE_CHECKING:
     from composer.bundle.write import Form
     from composer.context import Context
-    from composer.engine import Limits
+    from composer.engine import Session
     from composer.pipeline import Built
 
 
@@ -38,7 +38,7 @@ def command(
     from composer.bundle.output_error import OutputError
     from composer.bundle.write import Form, form_of
     from composer.context import Context
-    from composer.engine import Limits
+    from composer.engine import Limits, Session
     from composer.pipeline import build
 
     form = "json" if as_json else form
@@ -50,15 +50,16 @@ def command(
         report(context, form)
         sys.exit(USAGE)
     progress(f"building {recipe}")
-    built = build(recipe, context, verified=not no_verify, deduplicated=dedup, limits=Limits(seconds=timeout))
-    if built is None:
-        report(context, form)
-        sys.exit(FINDINGS)
-    target = out or f"build/{_file_name(built.plan.name)}.zip"
-    try:
-        _write(built, target, kind if out else Form.ARCHIVE, context, Limits(seconds=timeout))
-    except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+    with Session(Limits(seconds=timeout)) as session:
+        built = build(recipe, context, verified=not no_verify, deduplicated=dedup, session=session)
+        if built is None:
+            report(context, form)
+            sys.exit(FINDINGS)
+        target = out or f"build/{_file_name(built.plan.name)}.zip"
+        try:
+            _write(built, target, kind if out else Form.ARCHIVE, context, session)
+        except OutputError as error:
+            context.sink.error(error.code, error.message, help=error.help)
     report(context, form, err=out == "-")
     if context.sink.has_errors:
         sys.exit(FINDINGS)
@@ -73,7 +74,7 @@ def _file_name(name: str) -> str:
     return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"
 
 
-def _write(built: Built, out: str, kind: Form, context: Context, limits: Limits) -> None:
+def _write(built: Built, out: str, kind: Form, context: Context, session: Session) -> None:
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
 
@@ -83,7 +84,7 @@ def _write(built: Built, out: str, kind: Form, context: Context, limits: Limits)
             sys.stdout.buffer.write(text)
             sys.stdout.buffer.flush()
         return
-    write(built.bundle, out, environment=context.environment, limits=limits)
+    write(built.bundle, out, environment=context.environment, session=session)
 
 
 def _say(built: Built, out: str, form: str) -> None:

@@ -16,6 +16,7 @@ from composer.version import __version__
 _VERBS = {
     "build": "Build the model of a recipe: one MJCF file and its assets.",
     "check": "Say whether a recipe is right, without writing anything.",
+    "verify": "Hold a bundle against its manifest, MuJoCo and the sources of its parts.",
     "plan": "Print in words what a build will do.",
     "explain": "Say where an element or attribute came from, and what changed it.",
     "new": "Write a commented starter recipe that builds.",

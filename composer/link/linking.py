@@ -44,7 +44,10 @@ class Joint:
 
 @dataclass(eq=False)
 class Part:
-    """A unit, the prefix that its names get (separator included), and how it hangs on the model."""
+    """A unit, the prefix that its names get (separator included), and how it hangs on the model.
+
+    `content` is the element of the model in which the part's world is, once it hangs there.
+    """
 
     unit: Unit
     prefix: str
@@ -58,6 +61,7 @@ class Part:
     top_class: str = ""
     layout: Layout | None = None
     pose_in_world: Pose | None = None
+    content: Node | None = None
 
     @property
     def called(self) -> str:

@@ -11,8 +11,10 @@ from pathlib import Path
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import Mapping, Node, find, locate
 from composer.expand.expand import Concrete, expand
+from composer.plan.member import parts_of
 from composer.plan.plan import (
     AddElement,
     AppendElement,
@@ -89,7 +91,7 @@ class _Planner:
         if base is None:
             return None
         steps = tuple(_steps(recipe, document))
-        return Plan(
+        plan = Plan(
             name=name or recipe.name or path.stem,
             description=recipe.description,
             path=path,
@@ -104,7 +106,25 @@ class _Planner:
             steps=steps,
             settled=frozenset(_settled(steps)),
             scope=concrete.scope if concrete else {},
+            checks=recipe.check,
         )
+        self._checks(plan)
+        return plan
+
+    def _checks(self, plan: Plan) -> None:
+        """What a check is about must be a part."""
+        parts = list(parts_of(plan))
+        for check in plan.checks:
+            if check.part is None or check.part in parts:
+                continue
+            near = closest(check.part, parts)
+            self.sink.error(
+                "unknown-name",
+                f"check `{check.name}` is about `{check.part}`, which is no part of this recipe",
+                locate(plan.document, (*check.at, "unchanged", "part")),
+                notes=[exists_note("part", parts, check.part)],
+                help=f"write `part: {near[0]}`" if near else None,
+            )
 
     def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
         node = read_recipe(path, self.context)

@@ -11,13 +11,17 @@ from composer.recipe.unsupported import is_unsupported
 
 
 class Placed(dict[str, Any]):
-    """A mapping that knows its path from the top of the recipe."""
+    """A mapping that knows its path from the top of the recipe.
 
-    __slots__ = ("at",)
+    `cut` is whether keys that this version does not carry out were left out of it.
+    """
+
+    __slots__ = ("at", "cut")
 
     def __init__(self, at: Path) -> None:
         super().__init__()
         self.at = at
+        self.cut = False
 
 
 def path_of(value: object) -> Path:
@@ -48,6 +52,7 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
         path = (*at, name)
         if is_unsupported(path):
             faults.append(_unsupported(path))
+            mapping.cut = True
             continue
         if is_template(name):
             help = "write the name itself; parameters can choose between pieces of recipe, by `when` and `variants`"

@@ -6,9 +6,10 @@ from composer.recipe.fault import Path
 
 # The keys by the kind of mapping that they stand in. One that works is taken out here.
 UNSUPPORTED: dict[str, frozenset[str]] = {
-    "recipe": frozenset("edit randomize check keyframe".split()),
+    "recipe": frozenset("edit randomize keyframe".split()),
     "base": frozenset("drop edit".split()),
     "attach": frozenset("drop edit replicate before after".split()),
+    "check": frozenset("size mass exists stable no_penetration reachable equal".split()),
 }
 
 
@@ -26,4 +27,4 @@ def _kind(path: Path) -> str:
     section, depth = path[0], len(path)
     if depth == 1:
         return "recipe"
-    return str(section) if (section, depth) in (("base", 2), ("attach", 3)) else ""
+    return str(section) if (section, depth) in (("base", 2), ("attach", 3), ("check", 3)) else ""

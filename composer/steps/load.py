@@ -16,7 +16,7 @@ from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
-    from composer.engine import Limits
+    from composer.engine import Session
 
 _Key = tuple[Path, tuple[tuple[str, Path], ...], bool]
 
@@ -26,7 +26,7 @@ class Loader:
     """The units of source files. `expect` says before how often one is needed: the last use needs no copy."""
 
     context: Context
-    limits: Limits | None = None
+    session: Session | None = None
     watch: Watch = nobody
     parsed: dict[_Key, Unit | None] = field(default_factory=dict)
     uses: Counter[_Key] = field(default_factory=Counter)
@@ -50,7 +50,7 @@ class Loader:
 
     def _read(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
         if model.format == "urdf":
-            return urdf_unit(model, self.context, self.limits, span, stands=stands)
+            return urdf_unit(model, self.context, self.session, span, stands=stands)
         return parse_file(model.path, self.context.sink, file=self.context.shown(model.path), span=span)
 
 

@@ -23,15 +23,20 @@ from composer.verify.told import told
 _SIZES = ("nq", "nv")
 
 
-def measure_with(context: Context, limits: engine.Limits | None = None) -> Measure:
-    """A function that compiles a unit alone; a fault of the unit goes to the sink and gives nothing."""
+def measure_with(
+    context: Context, limits: engine.Limits | None = None, session: engine.Session | None = None
+) -> Measure:
+    """A function that compiles a unit alone; a fault of the unit goes to the sink and gives nothing.
+
+    With a `session` its process does that, under its own limits.
+    """
 
     def measure(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
         wanted = tuple(name for name in arrays if name not in _SIZES)
         text = write(unit.root)
         with _folder(unit) as folder:
             measured = engine.measure(
-                folder, arrays=wanted, text=text.decode(), limits=limits or engine.Limits()
+                folder, arrays=wanted, text=text.decode(), limits=limits, session=session
             )
         compiled = measured.compiled
         if not compiled.ok:
