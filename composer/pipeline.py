@@ -11,9 +11,10 @@ from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
 from composer.link.dedup import Merged, dedup
-from composer.plan.make import plan_what_remains
+from composer.plan.make import Given, plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
+from composer.steps.load import Library
 from composer.steps.measure import measure_with
 from composer.verify.checks import run_checks
 from composer.verify.judged import judge
@@ -42,17 +43,26 @@ def build(
     deduplicated: bool = False,
     limits: Limits | None = None,
     session: Session | None = None,
+    given: Given | None = None,
+    name: str | None = None,
+    library: Library | None = None,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
-    All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends with the build.
+    `given` are values of parameters and variants, `name` that of a cell of the matrix; `library` has source files that
+    were read before. All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends
+    with the build.
     """
     if session is None:
         with engine.Session(limits) as own:
-            return build(recipe, context, verified=verified, deduplicated=deduplicated, session=own)
-    if (plan := plan_what_remains(recipe, context)) is None:
+            return build(
+                recipe, context, verified=verified, deduplicated=deduplicated, session=own,
+                given=given, name=name, library=library,
+            )  # fmt: skip
+    if (plan := plan_what_remains(recipe, context, given, name)) is None:
         return None
-    if (composed := Composer(context, measure_with(context, session=session), session).compose(plan)) is None:
+    composer = Composer(context, measure_with(context, session=session), session, library=library)
+    if (composed := composer.compose(plan)) is None:
         return None
     merged: Merged = {}
     if deduplicated:

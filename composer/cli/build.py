@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import re
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from composer.cli.choices import choice_options, chosen_values
 from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
 
 if TYPE_CHECKING:
     from composer.bundle.write import Form
     from composer.context import Context
+    from composer.document import Node
     from composer.engine import Session
     from composer.pipeline import Built
 
@@ -22,9 +25,12 @@ if TYPE_CHECKING:
 @click.argument("recipe", type=click.Path(path_type=Path))
 @click.option(
     "-o", "--output", "out", metavar="OUT",
-    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output) or FILE.mjb;"
-    " default: build/NAME.zip.",
+    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output) or FILE.mjb, in which {name} is"
+    " the name of the model; default: build/{name}.zip.",
 )  # fmt: skip
+@choice_options
+@click.option("--all", "every", is_flag=True, help="Build every cell of the recipe's matrix.")
+@click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
@@ -32,41 +38,104 @@ if TYPE_CHECKING:
               help="Seconds that MuJoCo may take.")  # fmt: skip
 @reporting_options
 def command(
-    recipe: Path, out: str | None, no_verify: bool, dedup: bool, timeout: float, form: str, as_json: bool
+    recipe: Path,
+    out: str | None,
+    sets: tuple[str, ...],
+    set_files: tuple[Path, ...],
+    variants: tuple[str, ...],
+    every: bool,
+    picks: tuple[str, ...],
+    no_verify: bool,
+    dedup: bool,
+    timeout: float,
+    form: str,
+    as_json: bool,
 ) -> None:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     from composer.bundle.output_error import OutputError
-    from composer.bundle.write import Form, form_of
     from composer.context import Context
     from composer.engine import Limits, Session
-    from composer.pipeline import build
 
     form = "json" if as_json else form
     context = Context()
+    given = chosen_values(sets, set_files, variants, context)
     try:
-        kind = Form.TEXT if out in (None, "-") else form_of(str(out))
+        kind = kind_of_output(out, many=every or len(picks) > 1)
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
+    if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    progress(f"building {recipe}")
+    wanted = Wanted(out or "build/{name}.zip", kind, not no_verify, dedup, form)
     with Session(Limits(seconds=timeout)) as session:
-        built = build(recipe, context, verified=not no_verify, deduplicated=dedup, session=session)
-        if built is None:
-            report(context, form)
-            sys.exit(FINDINGS)
-        target = out or f"build/{_file_name(built.plan.name)}.zip"
-        try:
-            _write(built, target, kind if out else Form.ARCHIVE, context, session)
-        except OutputError as error:
-            context.sink.error(error.code, error.message, help=error.help)
-    report(context, form, err=out == "-")
-    if context.sink.has_errors:
-        sys.exit(FINDINGS)
-    if out != "-":
-        _say(built, target, form)
+        if every or picks:
+            from composer.cli.build_cells import build_cells
+
+            sys.exit(build_cells(recipe, wanted, given, picks, context, session))
+        progress(f"building {recipe}")
+        sys.exit(_build_one(recipe, wanted, given, context, session))
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is built of a recipe, where it goes, and how it is told."""
+
+    out: str
+    kind: Form
+    verified: bool
+    deduplicated: bool
+    form: str
+
+
+def kind_of_output(out: str | None, many: bool) -> Form:
+    """What OUT asks for; raises OutputError where that cannot be told, or `many` models would go to one place."""
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.write import Form, form_of
+
+    if out is None:
+        return Form.ARCHIVE
+    if many and "{name}" not in out:
+        folder = out if out.endswith("/") else f"{out}/"
+        help = f"write for instance `-o '{folder}{{name}}/'` or `-o '{folder}{{name}}.zip'`"
+        raise OutputError("output-kind", f"several models cannot all be `{out}`", help)
+    return Form.TEXT if out == "-" else form_of(out)
+
+
+def _build_one(
+    recipe: Path, wanted: Wanted, given: dict[str, Node], context: Context, session: Session
+) -> int:
+    from composer.pipeline import build
+
+    built = build(
+        recipe,
+        context,
+        given=given,
+        verified=wanted.verified,
+        deduplicated=wanted.deduplicated,
+        session=session,
+    )
+    target = None if built is None else put(built, wanted, context, session)
+    report(context, wanted.form, err=wanted.out == "-")
+    if built is None or target is None or context.sink.has_errors:
+        return FINDINGS
+    if wanted.out != "-":
+        say(built, target, wanted.form)
     elif built.merged:
         click.echo(_merging(built), err=True)
+    return 0
+
+
+def put(built: Built, wanted: Wanted, context: Context, session: Session) -> str | None:
+    """Write a model where it is wanted; gives the place, or None where that cannot be, which is told."""
+    from composer.bundle.output_error import OutputError
+
+    target = wanted.out.replace("{name}", _file_name(built.plan.name))
+    try:
+        _write(built, target, wanted.kind, context, session)
+    except OutputError as error:
+        context.sink.error(error.code, error.message, help=error.help)
+        return None
+    return target
 
 
 def _file_name(name: str) -> str:
@@ -87,7 +156,7 @@ def _write(built: Built, out: str, kind: Form, context: Context, session: Sessio
     write(built.bundle, out, environment=context.environment, session=session)
 
 
-def _say(built: Built, out: str, form: str) -> None:
+def say(built: Built, out: str, form: str) -> None:
     import json
 
     sizes = built.compiled.sizes if built.compiled else {}

@@ -25,7 +25,7 @@ def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-def given(
+def chosen_values(
     sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], context: Context
 ) -> dict[str, Node]:
     """The values by name, those of options over those of files; faults go to the context's sink."""

@@ -24,8 +24,10 @@ Path = tuple[str | int, ...]
 class Substitution:
     """`lost` has the keys and texts of what had to be left out because an expression in it is wrong."""
 
-    def __init__(self, scope: Map[str, Value], parameters: Map[str, Parameter], sink: Sink) -> None:
-        self.scope, self.parameters, self.sink = scope, parameters, sink
+    def __init__(
+        self, scope: Map[str, Value], parameters: Map[str, Parameter], broken: frozenset[str], sink: Sink
+    ) -> None:
+        self.scope, self.parameters, self.broken, self.sink = scope, parameters, broken, sink
         self.lost: set[str] = set()
 
     def of(self, node: Node, path: Path = ()) -> Node | None:
@@ -54,7 +56,7 @@ class Substitution:
             value = template.value(self.scope)
         except ExpressionError as error:
             self.lost.add(node.text)
-            tell(error, node, [*self.scope], self.sink)
+            tell(error, node, [*self.scope], self.broken, self.sink)
             return None
         alone = self.parameters.get(template.is_one_name or "")
         if alone is not None and alone.is_angle and isinstance(value, (int, float)):
@@ -62,8 +64,10 @@ class Substitution:
         return node_of(value, node.span)
 
 
-def tell(error: ExpressionError, node: Scalar, known: list[str], sink: Sink) -> None:
-    """An expression's fault, at its place in the scalar."""
+def tell(error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink) -> None:
+    """An expression's fault, at its place in the scalar; that a `broken` name has no value is told where it broke."""
+    if isinstance(error, UnknownName) and error.name in broken:
+        return
     span = within(node, error.start, error.end)
     if not isinstance(error, UnknownName):
         sink.error("expression", error.message, span, help=error.help)

@@ -28,7 +28,7 @@ from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
-from composer.steps.load import Loader
+from composer.steps.load import Library, Loader
 from composer.steps.loose_ends import check_names
 from composer.steps.members import Hung, hung, placed
 from composer.steps.section import append, set_default, set_singleton
@@ -57,10 +57,15 @@ class Composer:
     """Composes plans. `subtrees` has what became of the models of which only one body is taken, by recipe and path."""
 
     def __init__(
-        self, context: Context, measure: Measure | None, session: Session | None = None, watch: Watch = nobody
+        self,
+        context: Context,
+        measure: Measure | None,
+        session: Session | None = None,
+        watch: Watch = nobody,
+        library: Library | None = None,
     ) -> None:
         self.context, self.measure, self.watch = context, measure, watch
-        self.loader = Loader(context, session, watch)
+        self.loader = Loader(context, session, watch, library)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
         self.hung: dict[Node, list[Hung]] = {}
 

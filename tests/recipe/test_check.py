@@ -29,7 +29,6 @@ def test_a_check_knows_its_name_and_place(recipe: Callable[[str], Recipe]) -> No
         ("{a: unchanged}", "wrong-type", "is a mapping"),
         ("{a: {unchange: {}}}", "unknown-key", "no kind of check"),
         ("{a: {size: {nu: 7}}}", "not-supported", "`size` is not supported"),
-        ("{a: {unchanged: {}, when: {b: c}}}", "not-supported", "`when` is not supported"),
         ("{a: {unchanged: gripper}}", "wrong-type", "is a mapping"),
         ("{a: {unchanged: {parts: gripper}}}", "unknown-key", "has no `parts`"),
         ("{a: {unchanged: {part: [gripper]}}}", "wrong-type", "the prefix of a part"),
