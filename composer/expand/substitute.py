@@ -38,6 +38,8 @@ class Substitution:
             return self._scalar(node)
         if isinstance(node, Sequence):
             items = [self.of(item, (*path, index)) for index, item in enumerate(node.items)]
+            if any(item is None for item in items):  # a list without one of its values is another list
+                return None
             return Sequence(tuple(item for item in items if item is not None), node.span)
         entries: dict[str, tuple[Key, Node]] = {}
         for name, (key, value) in node.entries.items():

@@ -168,7 +168,7 @@ def test_one_fault_is_told_once(text: str, given: str, fault: str) -> None:
 def test_what_is_wrong_is_left_out_and_the_rest_stays() -> None:
     found, faults = expanded("params: {x: 1}\na: '${y}'\nb: '${x}'\nc: [1, '${1 / 0}']")
     assert len(faults) == 2
-    assert to_python(found.document) == {"b": 1, "c": [1]}
+    assert to_python(found.document) == {"b": 1}
     assert {"a", "${y}"} <= found.lost
 
 
@@ -178,6 +178,6 @@ def test_a_fault_stands_below_the_part_of_the_expression() -> None:
     (fault,) = sink.errors
     assert fault.span is not None and (fault.span.line, fault.span.column, fault.span.end_column) == (
         2,
+        16,
         17,
-        18,
     )
