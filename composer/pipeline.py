@@ -10,18 +10,15 @@ from composer import engine
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
-from composer.link.dedup import Merged, dedup
 from composer.plan.make import Given, plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
 from composer.steps.load import Library
 from composer.steps.measure import measure_with
-from composer.verify.checks import run_checks
-from composer.verify.judged import judge
-from composer.verify.parts import WHOLE
 
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session
+    from composer.link.dedup import Merged
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,14 +63,28 @@ def build(
         return None
     merged: Merged = {}
     if deduplicated:
+        from composer.link.dedup import dedup
+
         merged, files = dedup(composed.model, composed.files, plan.prefixes)
         composed = replace(composed, files=files)
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
-    compiled = judge(bundle, composed.model, context, session, keep=WHOLE) if verified else None
-    if compiled is not None:
-        run_checks(plan, composed.members, session, context, merged)
+    compiled = _verified(plan, composed, bundle, context, session, merged) if verified else None
     if context.sink.has_errors:
         return None
     bundle = described(bundle, plan, composed.members, compiled, context, merged)
     return Built(plan, composed, bundle, compiled, merged)
+
+
+def _verified(
+    plan: Plan, composed: Composed, bundle: Bundle, context: Context, session: Session, merged: Merged
+) -> Compiled | None:
+    """MuJoCo's verdict, and the recipe's checks."""
+    from composer.verify.checks import run_checks  # a build without verification has no use for that room
+    from composer.verify.judged import judge
+    from composer.verify.parts import WHOLE
+
+    compiled = judge(bundle, composed.model, context, session, keep=WHOLE)
+    if compiled is not None:
+        run_checks(plan, composed.members, session, context, merged)
+    return compiled

@@ -24,6 +24,9 @@ _VERBS = {
 }
 
 
+# Pydantic would look for plugins in every package that is installed, which takes longer than a small build.
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+
 _FAILED, _INTERRUPTED, _TERMINATED, _BUG = 1, 130, 143, 70
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from composer.document.node import Node, Scalar, Sequence
-from composer.expr.template import is_template
+from composer.expr.opening import is_template
 from composer.recipe.fault import Fault, Path
 from composer.recipe.unsupported import is_unsupported
 

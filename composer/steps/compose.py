@@ -21,7 +21,6 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
-from composer.link.subtree import Subtree
 from composer.plan.member import Member
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
 from composer.recipe.fault import Path as KeyPath
@@ -40,6 +39,7 @@ from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
     from composer.engine import Session
+    from composer.link.subtree import Subtree
 
 Result = TypeVar("Result")
 
