@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from composer.sources import descriptions, menagerie, package, path
-from composer.sources.error import SourceError
-from composer.sources.reference import Kind, Reference, parse
+from composer.sources import archive, descriptions, git, menagerie, package, path
+from composer.sources.fetching import Fetching
+from composer.sources.reference import Kind, parse
 from composer.sources.source import Source
 
 
-def resolve(reference: str, *, relative_to: Path, environment: Mapping[str, str]) -> Source:
-    """Find the file that a model reference stands for, and the licences that go with it.
+def resolve(
+    reference: str, *, relative_to: Path, environment: Mapping[str, str], fetching: Fetching | None = None
+) -> Source:
+    """Find the file that a model reference stands for, and the licences that go with it; fetch it where it has to be.
 
     `relative_to` is the folder of the file that holds the reference; `environment` stands for the environment
-    of the process. Nothing of the file itself is read. Raises SourceError.
+    of the process; `fetching` has the rules and the memory of the run. Raises SourceError.
     """
     parsed = parse(reference)
     match parsed.kind:
@@ -27,14 +29,7 @@ def resolve(reference: str, *, relative_to: Path, environment: Mapping[str, str]
             return menagerie.resolve(parsed, environment)
         case Kind.DESCRIPTIONS:
             return descriptions.resolve(parsed)
-        case Kind.GIT | Kind.ARCHIVE:
-            raise _not_yet(parsed)
-
-
-def _not_yet(reference: Reference) -> SourceError:
-    place = "git repositories" if reference.kind is Kind.GIT else "archives on the web"
-    return SourceError(
-        "not-supported",
-        f"models in {place} cannot be fetched yet: `{reference.text}`",
-        help="fetch it yourself and write the path of the model file",
-    )
+        case Kind.GIT:
+            return git.resolve(parsed, environment, fetching or Fetching())
+        case Kind.ARCHIVE:
+            return archive.resolve(parsed, environment, fetching or Fetching())
