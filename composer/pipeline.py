@@ -10,6 +10,7 @@ from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
 from composer.link.dedup import Merged, dedup
+from composer.plan.locked import check_lock
 from composer.plan.make import plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
@@ -42,6 +43,7 @@ def build(
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors."""
     if (plan := plan_what_remains(recipe, context)) is None:
         return None
+    check_lock(plan, context)
     if (composed := Composer(context, measure_with(context, limits), limits).compose(plan)) is None:
         return None
     merged: Merged = {}

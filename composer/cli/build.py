@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
+@fetching_options
 @reporting_options
 def command(
     recipe: Path, out: str | None, no_verify: bool, dedup: bool, timeout: float, form: str, as_json: bool
@@ -42,7 +44,7 @@ def command(
     from composer.pipeline import build
 
     form = "json" if as_json else form
-    context = Context()
+    context = Context(fetching=fetching())
     try:
         kind = Form.TEXT if out in (None, "-") else form_of(str(out))
     except OutputError as error:

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import click
 
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, progress, report, reporting_options
 
 
 @click.command()
 @click.argument("recipes", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo.")
+@fetching_options
 @reporting_options
 def command(recipes: tuple[Path, ...], no_verify: bool, form: str, as_json: bool) -> None:
     """Say whether each of RECIPES is right: read, planned, composed and compiled in MuJoCo, nothing written."""
@@ -22,7 +24,7 @@ def command(recipes: tuple[Path, ...], no_verify: bool, form: str, as_json: bool
     form = "json" if as_json else form
     wrong = False
     for recipe in recipes:
-        context = Context()
+        context = Context(fetching=fetching())
         progress(f"checking {recipe}")
         built = build(recipe, context, verified=not no_verify)
         report(context, form)

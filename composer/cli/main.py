@@ -18,6 +18,9 @@ _VERBS = {
     "check": "Say whether a recipe is right, without writing anything.",
     "plan": "Print in words what a build will do.",
     "explain": "Say where an element or attribute came from, and what changed it.",
+    "lock": "Write down what every source of a recipe is.",
+    "update": "Lock sources as they are now.",
+    "cache": "Look after the store of what was fetched.",
     "new": "Write a commented starter recipe that builds.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import click
 
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, report, reporting_options
 
 
 @click.command()
 @click.argument("recipe", type=click.Path(path_type=Path))
+@fetching_options
 @reporting_options
 def command(recipe: Path, form: str, as_json: bool) -> None:
     """Print what a build of RECIPE will do, step by step."""
@@ -21,7 +23,7 @@ def command(recipe: Path, form: str, as_json: bool) -> None:
     from composer.plan.make import make_plan
 
     form = "json" if as_json else form
-    context = Context()
+    context = Context(fetching=fetching())
     plan = make_plan(recipe, context)
     subtrees: Subtrees = {}
     if plan is not None and plan.takes_subtrees:

@@ -14,6 +14,7 @@ from composer.diagnostics.suggest import exists_note
 from composer.document import load
 from composer.document.decode import MAX_SIZE
 from composer.document.node import Mapping, locate
+from composer.plan.locked import use_lock
 from composer.plan.plan import (
     AddElement,
     AppendElement,
@@ -44,6 +45,7 @@ def make_plan(recipe: Path, context: Context) -> Plan | None:
 
 def plan_what_remains(recipe: Path, context: Context) -> Plan | None:
     """The plan without what is at fault, in which later stages can look for more; None without a base."""
+    use_lock(recipe, context)
     return _Planner(context).plan(context.folder / recipe, ())
 
 
@@ -178,7 +180,12 @@ class _Planner:
         outer: Recipe | None = None,
     ) -> Source | Plan | None:
         try:
-            source = resolve(reference, relative_to=path.parent, environment=self.context.environment)
+            source = resolve(
+                reference,
+                relative_to=path.parent,
+                environment=self.context.environment,
+                fetching=self.context.fetching,
+            )
         except SourceError as error:
             notes = tuple(Note(note) for note in error.notes)
             self.sink.error(error.code, error.message, span, notes=notes, help=error.help)

@@ -26,7 +26,7 @@ def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetc
     if id not in fetching.origins:
         archive = _Archive(reference, id, Store.of(environment), environment, fetching)
         entry = archive.entry()
-        fetching.origins[id] = Origin(id, entry.content, sha256=entry.key)
+        fetching.origins[id] = Origin(id, reference.kind, entry.content, sha256=entry.key)
     return source_in(fetching.origins[id], reference)
 
 
@@ -80,7 +80,9 @@ class _Archive:
             entry = self.store.get("archive", sha256)
             if entry is None:
                 with self.store.lock(sha256, self.fetching.progress):
-                    entry = self.store.add("archive", sha256, self.id, lambda target: unpack(partial, target), {})
+                    entry = self.store.add(
+                        "archive", sha256, self.id, lambda target: unpack(partial, target), {}
+                    )
         except Unsafe as fault:
             forget(partial)
             if wanted and sha256 != wanted:
@@ -91,9 +93,7 @@ class _Archive:
             before = self.fetching.known_files(self.id)
             there = {name: digest for name, digest in entry.files.items() if name in before}
             raise self._changed(wanted, sha256, differences(before, there))
-        self.store.remember(
-            self.id, {"sha256": sha256, "etag": version.etag, "modified": version.modified}
-        )
+        self.store.remember(self.id, {"sha256": sha256, "etag": version.etag, "modified": version.modified})
         return entry
 
     def _changed(self, wanted: str, sha256: str, changes: tuple[str, ...]) -> SourceError:

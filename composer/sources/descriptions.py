@@ -47,7 +47,7 @@ def resolve(reference: Reference) -> Source:
         package=_PACKAGE,
         version=owner.version if owner is not None else None,
         licences=licence.find(path, Path(repository) if repository else None),
-        origin=Origin(reference.id, Path(repository) if repository else path.parent),
+        origin=Origin(reference.id, reference.kind, Path(repository) if repository else path.parent),
     )
 
 

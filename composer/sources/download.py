@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from composer.sources.error import SourceError
@@ -40,7 +40,12 @@ class _Broken(Exception):
 
 
 def download(
-    url: str, partial: Path, *, environment: Mapping[str, str], progress: Callable[[str], None], known: Version
+    url: str,
+    partial: Path,
+    *,
+    environment: Mapping[str, str],
+    progress: Callable[[str], None],
+    known: Version,
 ) -> Version | None:
     """Have the file at `partial`, going on from what an earlier process left there.
 
@@ -85,8 +90,6 @@ class _Download:
             pool.clear()
 
     def _pool(self) -> PoolManager:
-        from urllib.request import proxy_bypass_environment
-
         import urllib3
 
         parts = urlsplit(self.url)
@@ -95,7 +98,7 @@ class _Download:
         named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
         proxy = next((value for name in named if (value := self.environment.get(name))), None)
         spared = self.environment.get("no_proxy") or self.environment.get("NO_PROXY") or ""
-        if proxy and not proxy_bypass_environment(parts.netloc, {"no": spared}):
+        if proxy and not _is_spared(parts.netloc, spared):
             try:
                 return urllib3.ProxyManager(proxy if "://" in proxy else f"http://{proxy}", timeout=timeout)
             except (ValueError, urllib3.exceptions.HTTPError) as error:
@@ -139,7 +142,9 @@ class _Download:
             raise SourceError("source-not-found", f"`{self.url}` is not there: the server answered {status}")
         if status not in (200, 206):
             why = " (it wants a login, which is not supported)" if status in (401, 403, 407) else ""
-            raise SourceError("source-fetch", f"`{self.url}` cannot be fetched: the server answered {status}{why}")
+            raise SourceError(
+                "source-fetch", f"`{self.url}` cannot be fetched: the server answered {status}{why}"
+            )
         version = Version(response.headers.get("ETag", ""), response.headers.get("Last-Modified", ""))
         resumed = status == 206
         if resumed and not response.headers.get("Content-Range", "").startswith(f"bytes {have}-"):
@@ -153,14 +158,18 @@ class _Download:
 
         length = response.headers.get("Content-Length", "")
         total = size + int(length) if length.isdigit() else 0
-        self._note.write_text(json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8")
+        self._note.write_text(
+            json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8"
+        )
         told = time.monotonic()
         with self.partial.open("ab" if size else "wb") as file:
             try:
                 for chunk in response.stream(_CHUNK, decode_content=False):
                     size += len(chunk)
                     if max(size, total) > _LIMIT:
-                        raise SourceError("archive-refused", f"`{self.url}` is larger than {_LIMIT >> 30} GiB")
+                        raise SourceError(
+                            "archive-refused", f"`{self.url}` is larger than {_LIMIT >> 30} GiB"
+                        )
                     file.write(chunk)
                     if time.monotonic() - told > 1:
                         told = time.monotonic()
@@ -191,6 +200,14 @@ def forget(partial: Path) -> None:
     """Take a download away that is finished or of no use."""
     partial.unlink(missing_ok=True)
     partial.with_suffix(".version").unlink(missing_ok=True)
+
+
+def _is_spared(host: str, spared: str) -> bool:
+    """Whether `no_proxy` names the host."""
+    import urllib.request
+
+    bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs
+    return bool(bypass(host, {"no": spared}))
 
 
 def _seconds(environment: Mapping[str, str]) -> float:

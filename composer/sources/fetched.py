@@ -16,7 +16,9 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     """The file that a reference names inside of `origin`. Raises SourceError."""
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts or "\\" in reference.path:
-        raise SourceError("source-kind", f"the model reference `{reference.text}` leaves what it was fetched with")
+        raise SourceError(
+            "source-kind", f"the model reference `{reference.text}` leaves what it was fetched with"
+        )
     existing = [f"{origin.id}#{each}" for each in nearby.model_files(origin.root, depth=6)]
     if not has_format(inside):
         raise nearby.without_suffix(reference.text, existing)
@@ -36,7 +38,9 @@ def source_in(origin: Origin, reference: Reference) -> Source:
 def unlocked(reference: Reference) -> SourceError:
     """The error for a source that would have to be looked up although only what is locked may be used."""
     return SourceError(
-        "lock-stale", f"`{reference.text}` is not in the lock", help="run `mjcompose lock` and commit the lock"
+        "lock-stale",
+        f"`{reference.text}` is not in the lock",
+        help="run `mjcompose lock` and commit the lock",
     )
 
 

@@ -27,7 +27,9 @@ def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetc
     """The file at a revision. The commit comes from the lock, or else the repository is asked. Raises SourceError."""
     id = reference.id
     if id not in fetching.origins:
-        fetching.origins[id] = _Repository(reference, id, Store.of(environment), environment, fetching).origin()
+        fetching.origins[id] = _Repository(
+            reference, id, Store.of(environment), environment, fetching
+        ).origin()
     return source_in(fetching.origins[id], reference)
 
 
@@ -53,7 +55,7 @@ class _Repository:
             else:
                 commit = self._asked()
         entry = self.store.get("git", commit) or self._fetched(commit, pinned is not None)
-        return Origin(self.id, entry.content, commit=commit, tree=entry.about["tree"])
+        return Origin(self.id, self.reference.kind, entry.content, commit=commit, tree=entry.about["tree"])
 
     @property
     def _git(self) -> Git:
@@ -81,7 +83,9 @@ class _Repository:
         with tempfile.TemporaryDirectory() as folder:
             try:
                 self._history(Path(folder))
-                found = self._git.run("rev-parse", "--verify", "-q", f"{short}^{{commit}}", folder=Path(folder))
+                found = self._git.run(
+                    "rev-parse", "--verify", "-q", f"{short}^{{commit}}", folder=Path(folder)
+                )
             except GitFailure:
                 raise self._no_revision(refs) from None
         commit = found.decode().strip()
@@ -99,7 +103,11 @@ class _Repository:
                 self._get(commit, repository, pinned)
                 tree = self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
                 return self.store.add(
-                    "git", commit, self.id, lambda target: self._write(repository, commit, target), {"tree": tree}
+                    "git",
+                    commit,
+                    self.id,
+                    lambda target: self._write(repository, commit, target),
+                    {"tree": tree},
                 )
 
     def _get(self, commit: str, repository: Path, pinned: bool) -> None:
@@ -146,7 +154,9 @@ class _Repository:
             "source-revision",
             f"`{url}` has no branch, tag or commit `{wanted}`",
             notes=(exists_note("tag", tags, wanted).message, exists_note("branch", heads, wanted).message),
-            help=f"write `{self.reference.text.replace('@' + wanted + '#', '@' + near[0] + '#')}`" if near else None,
+            help=f"write `{self.reference.text.replace('@' + wanted + '#', '@' + near[0] + '#')}`"
+            if near
+            else None,
         )
 
     def _no_commit(self, commit: str, pinned: bool) -> SourceError:

@@ -40,7 +40,9 @@ class Git:
     progress: Callable[[str], None]
     patience: float = 1800.0
 
-    def run(self, *arguments: str, folder: Path | None = None, tries: int = 1, stdin: bytes | None = None) -> bytes:
+    def run(
+        self, *arguments: str, folder: Path | None = None, tries: int = 1, stdin: bytes | None = None
+    ) -> bytes:
         """Standard output. Raises GitFailure, and SourceError where there is no git."""
         for attempt in range(tries):
             try:

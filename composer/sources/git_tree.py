@@ -62,7 +62,9 @@ def _listed(out: bytes) -> list[_Blob]:
         if line:
             facts, name = line.split(b"\t", 1)
             mode, _, hash, size = facts.decode().split()
-            found.append(_Blob(mode, name.decode("utf-8", "surrogateescape"), hash, 0 if size == "-" else int(size)))
+            found.append(
+                _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, 0 if size == "-" else int(size))
+            )
     return found
 
 

@@ -50,7 +50,7 @@ def resolve(reference: Reference, environment: Mapping[str, str]) -> Source:
         # The files of a folder that somebody else filled need not be those of the installed version.
         version=None if environment.get("MENAGERIE_ROOT") else library.__version__,
         licences=licence.find(path, folder),
-        origin=Origin(reference.id, folder),
+        origin=Origin(reference.id, reference.kind, folder),
     )
 
 

@@ -8,13 +8,14 @@ from pathlib import Path
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """A repository at a commit, an archive, a robot of Menagerie, an installed package.
+    """A repository at a commit, an archive, a robot of Menagerie, an installed package: `kind` is as in `Kind`.
 
     `id` is the model reference without the file in it (`git+https://host/repo@v1`); `root` the folder against
     which its files are named. `commit` and `tree` are git's hashes, `sha256` that of an archive.
     """
 
     id: str
+    kind: str
     root: Path
     commit: str | None = None
     tree: str | None = None

@@ -87,7 +87,7 @@ def _found(reference: Reference, path: Path, root: Path) -> Source:
         package=owner.metadata["Name"] if owner is not None else reference.name,
         version=owner.version if owner is not None else None,
         licences=licences,
-        origin=Origin(reference.id, root),
+        origin=Origin(reference.id, reference.kind, root),
     )
 
 

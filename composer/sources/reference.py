@@ -180,9 +180,8 @@ def _bare(text: str, kind: str, rest: str) -> str:
 
 
 def _malformed(text: str, kind: str, problem: str) -> SourceError:
-    return SourceError(
-        "source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{_FORMS.get(kind, _FORMS['https'])}`"
-    )
+    form = _FORMS.get(kind, _FORMS["https"])
+    return SourceError("source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form}`")
 
 
 def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:

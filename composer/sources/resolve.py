@@ -7,7 +7,7 @@ from pathlib import Path
 
 from composer.sources import archive, descriptions, git, menagerie, package, path
 from composer.sources.fetching import Fetching
-from composer.sources.reference import Kind, parse
+from composer.sources.reference import Kind, Reference, parse
 from composer.sources.source import Source
 
 
@@ -19,17 +19,26 @@ def resolve(
     `relative_to` is the folder of the file that holds the reference; `environment` stands for the environment
     of the process; `fetching` has the rules and the memory of the run. Raises SourceError.
     """
-    parsed = parse(reference)
-    match parsed.kind:
+    fetching = Fetching() if fetching is None else fetching
+    source = _resolve(parse(reference), relative_to, environment, fetching)
+    if source.origin is not None:
+        fetching.origins[source.origin.id] = source.origin
+    return source
+
+
+def _resolve(
+    reference: Reference, relative_to: Path, environment: Mapping[str, str], fetching: Fetching
+) -> Source:
+    match reference.kind:
         case Kind.PATH:
-            return path.resolve(parsed, relative_to)
+            return path.resolve(reference, relative_to)
         case Kind.PACKAGE:
-            return package.resolve(parsed)
+            return package.resolve(reference)
         case Kind.MENAGERIE:
-            return menagerie.resolve(parsed, environment)
+            return menagerie.resolve(reference, environment)
         case Kind.DESCRIPTIONS:
-            return descriptions.resolve(parsed)
+            return descriptions.resolve(reference)
         case Kind.GIT:
-            return git.resolve(parsed, environment, fetching or Fetching())
+            return git.resolve(reference, environment, fetching)
         case Kind.ARCHIVE:
-            return archive.resolve(parsed, environment, fetching or Fetching())
+            return archive.resolve(reference, environment, fetching)

@@ -98,7 +98,12 @@ class Store:
                     files[name] = sha256_of(path)
                     size += path.stat().st_size
                     path.chmod(stat.S_IREAD | stat.S_IRGRP | stat.S_IROTH)
-                told = {"origin": origin, "size": size, "about": dict(about), "files": dict(sorted(files.items()))}
+                told = {
+                    "origin": origin,
+                    "size": size,
+                    "about": dict(about),
+                    "files": dict(sorted(files.items())),
+                }
                 with (stage / "entry.json").open("w", encoding="utf-8") as stream:
                     json.dump(told, stream, indent=1)
                     stream.flush()
@@ -165,7 +170,9 @@ class Store:
                         found.append(entry)
         return sorted(found, key=lambda entry: (entry.used, entry.key))
 
-    def prune(self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()) -> list[Entry]:
+    def prune(
+        self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()
+    ) -> list[Entry]:
         """Remove what was used longest ago until at most `limit` bytes are left, and what killed processes left.
 
         Spares `keep`, and what was used in the last `grace` seconds. What was removed.
@@ -235,7 +242,9 @@ class Store:
             text = (folder / "entry.json").read_text(encoding="utf-8")
             used = (folder / "entry.json").stat().st_mtime
             told: Any = json.loads(text)
-            return Entry(kind, folder.name, folder, told["origin"], told["size"], told["files"], told["about"], used)
+            return Entry(
+                kind, folder.name, folder, told["origin"], told["size"], told["files"], told["about"], used
+            )
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
@@ -254,8 +263,9 @@ class Store:
     def _sweep_unless_busy(self, left: Path) -> None:
         from filelock import FileLock, Timeout
 
-        with contextlib.suppress(Timeout, OSError), FileLock(
-            self.folder / "locks" / f"{left.name.partition('.')[0]}.lock", timeout=0
+        with (
+            contextlib.suppress(Timeout, OSError),
+            FileLock(self.folder / "locks" / f"{left.name.partition('.')[0]}.lock", timeout=0),
         ):
             if left.parent.name == "staging" or time.time() - left.stat().st_mtime > 7 * 24 * 3600:
                 _erase(left)
@@ -302,6 +312,8 @@ def _size(text: str) -> int:
     size = parse_size(text)
     if size is None:
         raise SourceError(
-            "store-unusable", f"`MJCOMPOSE_CACHE_SIZE` is no size: `{text}`", help="write it as `500M` or `10G`"
+            "store-unusable",
+            f"`MJCOMPOSE_CACHE_SIZE` is no size: `{text}`",
+            help="write it as `500M` or `10G`",
         )
     return size

@@ -68,9 +68,8 @@ def unpack(archive: Path, target: Path) -> None:
         if opener is None and start[257:262] != b"ustar":
             looks = ": it looks like a web page" if start.lstrip()[:1] == b"<" else ""
             raise Unsafe(f"it is neither a zip nor a tar{looks}")
-        with archive.open("rb") as raw, (raw if opener is None else opener(raw)) as plain:
-            with tarfile.open(fileobj=_Bounded(plain), mode="r:") as tar:  # type: ignore[arg-type]
-                _write(_tar_members(tar), target, packed)
+        with archive.open("rb") as raw, raw if opener is None else opener(raw) as plain, _tar(plain) as tar:
+            _write(_tar_members(tar), target, packed)
     except (zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError, NotImplementedError,
             gzip.BadGzipFile, ValueError, RuntimeError) as fault:  # fmt: skip
         raise Unsafe(f"it is broken: {str(fault) or type(fault).__name__}") from fault
@@ -109,6 +108,11 @@ _KINDS = {
     stat.S_IFIFO: "a pipe",
     stat.S_IFSOCK: "a socket",
 }
+
+
+def _tar(stream: IO[bytes]) -> tarfile.TarFile:
+    bounded: Any = _Bounded(stream)
+    return tarfile.open(fileobj=bounded, mode="r:")
 
 
 def _tar_members(archive: tarfile.TarFile) -> Iterator[tuple[str, IO[bytes] | None]]:
