@@ -43,11 +43,16 @@ def _made(recipe: Path, names: tuple[str, ...] | None, context: Context) -> tupl
     from composer.plan.make import make_plan
     from composer.sources.lock import to_text
 
+    if not (context.folder / recipe).is_file():
+        make_plan(recipe, context)  # which says what is there instead
+        return None
     how = use_lock(recipe, context)
+    if how is None or how.lock_file is None:
+        return None
     before = how.lock
     if names is not None:
         how.fresh = _wanted(names, before, context)
-    if context.sink.error_count or how.lock_file is None:
+    if context.sink.error_count:
         return None
     plan = make_plan(recipe, context)
     if plan is None:

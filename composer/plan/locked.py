@@ -24,21 +24,22 @@ from composer.version import __version__
 _SHOWN = 8
 
 
-def use_lock(recipe: Path, context: Context) -> Fetching:
-    """How to fetch for a recipe: as its lock says where there is one. Read once a run."""
+def use_lock(recipe: Path, context: Context) -> Fetching | None:
+    """How to fetch for a recipe: as its lock says where there is one. Read once a run; None where it has faults."""
     fetching = context.fetching = context.fetching or Fetching()
     if fetching.lock_file is not None:
         return fetching
-    fetching.lock_file = lock_path(context.folder / recipe)
-    shown = context.shown(fetching.lock_file)
     before = context.sink.error_count
-    fetching.lock = read_lock(fetching.lock_file, shown, context.sink)
-    if fetching.lock is None and fetching.locked and context.sink.error_count == before:
-        context.sink.error(
-            "lock-stale",
-            f"there is no lock `{shown}`",
-            help=f"run `mjcompose lock {recipe}` and commit the lock",
-        )
+    path = lock_path(context.folder / recipe)
+    fetching.recipe = context.shown(context.folder / recipe)
+    fetching.lock = read_lock(path, context.shown(path), context.sink)
+    if context.sink.error_count > before:
+        return None
+    if fetching.lock is None and fetching.locked:
+        help = f"run `mjcompose lock {fetching.recipe}` and commit the lock"
+        context.sink.error("lock-stale", f"there is no lock `{context.shown(path)}`", help=help)
+        return None
+    fetching.lock_file = path
     return fetching
 
 

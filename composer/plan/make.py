@@ -45,7 +45,8 @@ def make_plan(recipe: Path, context: Context) -> Plan | None:
 
 def plan_what_remains(recipe: Path, context: Context) -> Plan | None:
     """The plan without what is at fault, in which later stages can look for more; None without a base."""
-    use_lock(recipe, context)
+    if use_lock(recipe, context) is None:
+        return None
     return _Planner(context).plan(context.folder / recipe, ())
 
 

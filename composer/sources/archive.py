@@ -45,10 +45,10 @@ class _Archive:
             raise SourceError(
                 "lock-stale",
                 f"`{self.reference.text}` says another sha256 than the lock, which has {locked[:12]}…",
-                help=f"run `mjcompose update {self.id}`",
+                help=f"run `mjcompose update {self.fetching.recipe} {self.id}`",
             )
         if locked is None and self.fetching.locked:
-            raise unlocked(self.reference)
+            raise unlocked(self.reference, self.fetching)
         wanted = written or locked
         seen = self.store.recall(self.id)
         at_hand = wanted or seen.get("sha256") or ""
@@ -105,6 +105,6 @@ class _Archive:
             help=(
                 "write the new sha256 if that is the archive that is wanted"
                 if self.reference.revision
-                else f"see what it holds now, then run `mjcompose update {self.id}`"
+                else f"see what it holds now, then run `mjcompose update {self.fetching.recipe} {self.id}`"
             ),
         )

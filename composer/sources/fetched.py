@@ -7,6 +7,7 @@ from pathlib import PurePosixPath
 
 from composer.sources import licence, nearby
 from composer.sources.error import SourceError
+from composer.sources.fetching import Fetching
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
@@ -35,7 +36,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     )
 
 
-def unlocked(reference: Reference) -> SourceError:
+def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
     """The error for a source that would have to be looked up although only what is locked may be used."""
     return SourceError(
         "lock-stale",
@@ -49,5 +50,5 @@ def not_at_hand(reference: Reference) -> SourceError:
     return SourceError(
         "source-offline",
         f"`{reference.text}` is not in the store, and nothing is fetched offline",
-        help="run `mjcompose lock` once with a network",
+        help="run it once without `--offline`",
     )

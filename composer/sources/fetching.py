@@ -22,15 +22,16 @@ class Fetching:
     """The rules of one run, and its memory.
 
     `offline`: nothing is fetched, what is not in the store is an error. `locked`: what the lock does not pin is
-    an error. `lock` is the lock of the recipe, `lock_file` where it is (also when it is still to be made).
-    `fresh` are the origins whose pin is not to be used, None for all of them. `origins` has what was resolved
-    in this run, by id: a branch that moves meanwhile is the same commit for all parts.
+    an error. `lock` is the lock of the recipe, `lock_file` where it is or is to be, `recipe` the recipe as
+    messages name it. `fresh` are the origins whose pin is not to be used, None for all of them. `origins` has
+    what was resolved in this run, by id: a branch that moves meanwhile is the same commit for all parts.
     """
 
     offline: bool = False
     locked: bool = False
     lock: Lock | None = None
     lock_file: Path | None = None
+    recipe: str = "RECIPE"
     fresh: frozenset[str] | None = frozenset()
     progress: Callable[[str], None] = quiet
     origins: dict[str, Origin] = field(default_factory=dict)

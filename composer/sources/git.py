@@ -44,7 +44,7 @@ class _Repository:
     def origin(self) -> Origin:
         pinned = self.fetching.pin(self.id)
         if pinned is None and self.fetching.locked:
-            raise unlocked(self.reference)
+            raise unlocked(self.reference, self.fetching)
         revision = self.reference.revision
         commit = pinned or (revision if _COMMIT.fullmatch(revision) else None)
         if commit is None:
@@ -167,7 +167,7 @@ class _Repository:
             "source-revision",
             f"`{url}` no longer has the commit `{commit}` that the lock pins for `{text}`",
             notes=("the branch or tag was moved and the old commit is gone",),
-            help=f"see what it has now, then run `mjcompose update {self.id}`",
+            help=f"see what it has now, then run `mjcompose update {self.fetching.recipe} {self.id}`",
         )
 
 
