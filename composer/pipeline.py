@@ -10,6 +10,7 @@ from composer import engine
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
+from composer.plan.locked import check_lock
 from composer.plan.make import Given, plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
@@ -58,6 +59,7 @@ def build(
             )  # fmt: skip
     if (plan := plan_what_remains(recipe, context, given, name)) is None:
         return None
+    check_lock(plan, context)
     composer = Composer(context, measure_with(context, session=session), session, library=library)
     if (composed := composer.compose(plan)) is None:
         return None

@@ -109,6 +109,8 @@ def _part(member: Member, number: int) -> Part:
 
 def _portable(source: Source, folder: Path) -> str:
     """The path of a source as any machine may say it."""
+    if source.origin is not None:
+        folder = source.origin.root
     try:
         return source.path.resolve().relative_to(folder.resolve()).as_posix()
     except ValueError:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from composer.cli.choices import choice_options, chosen_values
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
+@fetching_options
 @reporting_options
 def command(
     recipe: Path,
@@ -57,7 +59,7 @@ def command(
     from composer.engine import Limits, Session
 
     form = "json" if as_json else form
-    context = Context()
+    context = Context(fetching=fetching())
     given = chosen_values(sets, set_files, variants, context)
     try:
         kind = kind_of_output(out, many=every or len(picks) > 1)

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from composer.cli.choices import choice_options, chosen_values
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, progress, report, reporting_options
 
 
@@ -15,6 +16,7 @@ from composer.cli.reporting import FINDINGS, progress, report, reporting_options
 @click.argument("recipes", type=click.Path(path_type=Path), nargs=-1, required=True)
 @choice_options
 @click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo.")
+@fetching_options
 @reporting_options
 def command(
     recipes: tuple[Path, ...],
@@ -32,7 +34,7 @@ def command(
     form = "json" if as_json else form
     wrong = False
     for recipe in recipes:
-        context = Context()
+        context = Context(fetching=fetching())
         given = chosen_values(sets, set_files, variants, context)
         progress(f"checking {recipe}")
         built = build(recipe, context, given=given, verified=not no_verify)

@@ -19,6 +19,9 @@ _VERBS = {
     "verify": "Hold a bundle against its manifest, MuJoCo and the sources of its parts.",
     "plan": "Print in words what a build will do.",
     "explain": "Say where an element or attribute came from, and what changed it.",
+    "lock": "Write down what every source of a recipe is.",
+    "update": "Lock sources as they are now.",
+    "cache": "Look after the store of what was fetched.",
     "new": "Write a commented starter recipe that builds.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 CODES: dict[str, str] = {
+    "archive-refused": "an archive or repository is broken, too large, or holds what may do harm",
     "asset-missing": "a mesh, texture or other file that a model names is not there",
     "attach-cycle": "parts hang on each other in a circle",
     "attach-place": "the place a part shall hang on is not usable",
@@ -17,6 +18,8 @@ CODES: dict[str, str] = {
     "file-unreadable": "a file is there but cannot be read",
     "freejoint-on-body": "a free joint would stand below another body",
     "keyframe-conflict": "two keyframes disagree about the same entry",
+    "lock-invalid": "a lock cannot be read",
+    "lock-stale": "the lock does not have what the recipe uses",
     "missing-key": "a required key is not there",
     "mocap-on-body": "a mocap body would stand below another body",
     "mujoco-crash": "MuJoCo itself broke down while it read or compiled the model",
@@ -38,9 +41,14 @@ CODES: dict[str, str] = {
     "recipe-version": "the recipe is written in a version of the language that is not known",
     "reserved-prefix": "a prefix has a meaning of its own and cannot be used",
     "separator-mismatch": "nested recipes use different prefix separators",
+    "source-changed": "a source has other bytes than the lock pins",
     "source-cycle": "a recipe uses itself, directly or through others",
+    "source-fetch": "a repository or archive cannot be fetched",
     "source-kind": "a model reference has a form or file type that is not known",
     "source-not-found": "a model reference leads to nothing",
+    "source-offline": "a source is not in the store and nothing may be fetched",
+    "source-revision": "a repository has no such branch, tag or commit",
+    "store-unusable": "the folder with what was fetched cannot be used",
     "subtree-cut": "something reaches out of a subtree and is left behind",
     "unknown-attribute": "an element has no attribute of that name",
     "unknown-element": "MJCF has no element of that name in that place",

@@ -14,6 +14,7 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import Mapping, Node, find, locate
 from composer.expand.expand import Concrete, expand
+from composer.plan.locked import use_lock
 from composer.plan.member import parts_of
 from composer.plan.plan import (
     AddElement,
@@ -53,6 +54,8 @@ def plan_what_remains(
 
     `name` is that of a cell of the matrix; without it, the recipe's own.
     """
+    if use_lock(recipe, context) is None:
+        return None
     return _Planner(context).plan(context.folder / recipe, (), given=given or {}, name=name)
 
 
@@ -183,7 +186,12 @@ class _Planner:
         span = locate(document, (*at, "model"))
         folder = folder_of(span, self.context)
         try:
-            source = resolve(asked.model, relative_to=folder, environment=self.context.environment)
+            source = resolve(
+                asked.model,
+                relative_to=folder,
+                environment=self.context.environment,
+                fetching=self.context.fetching,
+            )
         except SourceError as error:
             notes = tuple(Note(note) for note in error.notes)
             self.sink.error(error.code, error.message, span, notes=notes, help=error.help)

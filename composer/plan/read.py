@@ -62,7 +62,9 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         )
         return None
     try:
-        source = resolve(named.value, relative_to=path.parent, environment=context.environment)
+        source = resolve(
+            named.value, relative_to=path.parent, environment=context.environment, fetching=context.fetching
+        )
     except SourceError as error:
         notes = tuple(Note(note) for note in error.notes)
         sink.error(error.code, error.message, named.span, notes=notes, help=error.help)
