@@ -14,6 +14,7 @@ from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag
 from composer.tree.names import word
+from composer.tree.scaled import scaled_above
 
 _PLACES = ("site", "body", "frame")
 _GIVEN = ("pos", *ORIENTATIONS, "fromto")
@@ -98,6 +99,8 @@ def _hang(linking: Linking, part: Part) -> None:
         holder = mount.getparent()
         assert holder is not None
         parent, pose = holder, effective_pose(mount, linking.base.classes)
+    if (scaled := scaled_above(parent)) is not None:
+        _scaled(linking, part, scaled)
     offset = dict(part.place.offset)
     if part.floats and part.place.kind != "world":
         pose = _in_world(linking, parent, pose, offset)
@@ -128,6 +131,17 @@ def _hang(linking: Linking, part: Part) -> None:
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)
+
+
+def _scaled(linking: Linking, part: Part, frame: Node) -> None:
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` cannot hang on the {part.place.kind} `{part.place.name}`: "
+        "it is inside a frame that scales, and the part would be scaled with it",
+        part.place.span or part.span,
+        notes=(Note("the frame", linking.span(linking.base, frame, "scale")),),
+        help="attach the part outside the frame, or apply the scale to the source",
+    )
 
 
 def _reading(linking: Linking) -> tuple[bool, str]:

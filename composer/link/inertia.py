@@ -12,6 +12,7 @@ from lxml.etree import _Element as Node
 from composer.link import numbers
 from composer.link.linking import Linking
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
+from composer.tree.scaled import first_scaled
 from composer.tree.settings import Settings
 from composer.tree.unit import Unit
 
@@ -49,9 +50,14 @@ def measure_alone(
     """Arrays of the unit compiled alone, in the order of its own elements; tells where that cannot be had."""
     compiler = next(unit.root.iterchildren("compiler"), unit.root)
     expanded = next(unit.root.iter(*_EXPANDED), None)
-    if expanded is None and linking.measure is not None:
+    scaled = first_scaled(unit.root)
+    if expanded is None and scaled is None and linking.measure is not None:
         return linking.measure(unit, arrays) or None
-    why = f"`<{expanded.tag}>` is expanded by MuJoCo" if expanded is not None else "MuJoCo is not at hand"
+    why = "MuJoCo is not at hand"
+    if expanded is not None:
+        why = f"`<{expanded.tag}>` is expanded by MuJoCo"
+    elif scaled is not None:
+        why = "MuJoCo scales what is in a `<frame>`"
     linking.sink.error(
         "compiler-setting",
         f"{setting} of `{unit.label}` cannot be kept in a composition: {why}",

@@ -142,7 +142,7 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
                         element.set(key, value)
                     if note[slot](value, element) is not element and slot <= last_declared:
                         found.repeat(_namespaces()[slot - 1], value, element)
-        if section.tag == "asset":
+        if section.tag in ("asset", "deformable"):
             _name_assets(section, prefix, found)
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:

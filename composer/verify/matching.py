@@ -185,7 +185,9 @@ class Matching:
                 self._assign(kind, children, [i for b in bodies for i in there.get(b, ())])
 
     def _match_global(self, kind: str) -> None:
-        children = [i for i, name in enumerate(self.alone.names[kind]) if not name]
+        children = [
+            i for i, name in enumerate(self.alone.names[kind]) if not name and self.ids[kind][i] == ABSENT
+        ]
         if not children:
             return
         images = self.taken | {"body": {*self.taken["body"], 0}}
