@@ -10,6 +10,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
 from composer.link.angles import model_angle
+from composer.link.flex_joints import taken_back
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag
@@ -113,8 +114,11 @@ def _hang(linking: Linking, part: Part) -> None:
         body = _child(linking, part, parent, "body", {"name": part.prefix, **pose})
         if part.mocap:
             body.set("mocap", "true")
+        if any(flex.part is part for flex in linking.flexes):
+            body.set("childclass", part.top_class)
         for joint in part.joints:
-            _child(linking, part, body, joint.tag, dict(joint.attributes))
+            undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
+            _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
         linking.names.declared.setdefault("body", {})[part.prefix] = body
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})

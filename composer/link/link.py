@@ -11,6 +11,7 @@ from composer.link.compiler import check_settings, compiler
 from composer.link.defaults import choose_classes, defaults
 from composer.link.files import files
 from composer.link.fitting import fitting
+from composer.link.flex_joints import check_flexes, note_flexes
 from composer.link.inertia import inertia
 from composer.link.keyframes import keyframes, layouts
 from composer.link.lengthranges import lengthranges
@@ -24,6 +25,7 @@ Pass = Callable[[Linking], None]
 
 # In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
 PASSES: tuple[Pass, ...] = (
+    note_flexes,
     choose_classes,
     check_settings,
     inertia,
@@ -39,13 +41,14 @@ PASSES: tuple[Pass, ...] = (
     defaults,
     bodies,
     check_planes,
+    check_flexes,
     sections,
     compiler,
 )
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, check_planes)
+_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, check_planes, check_flexes)
 
 
 def link(linking: Linking) -> bool:
