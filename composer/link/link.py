@@ -17,7 +17,7 @@ from composer.link.keyframes import keyframes, layouts
 from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
-from composer.link.roots import check_planes, roots
+from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
 from composer.link.submodels import submodels
 
@@ -40,7 +40,7 @@ PASSES: tuple[Pass, ...] = (
     names,
     defaults,
     bodies,
-    check_planes,
+    check_roots,
     check_flexes,
     sections,
     compiler,
@@ -48,7 +48,7 @@ PASSES: tuple[Pass, ...] = (
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, check_planes, check_flexes)
+_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, check_roots, check_flexes)
 
 
 def link(linking: Linking) -> bool:

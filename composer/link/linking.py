@@ -120,6 +120,7 @@ class Linking:
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
+    floating: list[tuple[Part, Node, Node | None, str]] = field(default_factory=list)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
     flexes: list[Flex] = field(default_factory=list)
     main_joint: dict[str, str] = field(default_factory=dict)

@@ -109,4 +109,4 @@ def test_all_that_is_wrong_with_the_places_is_told_at_once(workshop: Workshop) -
         Piece(part(MOCAP), "b/", placed("site", "flange")),
         Piece(BASE, "c/", placed("site", "nowhere")),
     )
-    assert linked.codes == ["freejoint-on-body", "mocap-on-body", "attach-place"]
+    assert linked.codes == ["attach-place", "freejoint-on-body", "mocap-on-body"]
