@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 
 from composer.link.flex_joints import in_world, keep_in_main
 from composer.link.linking import Linking
-from composer.tree.classes import NESTED
+from composer.tree.classes import NESTED, says_something
 from composer.tree.order import place_of
 from composer.tree.unit import Unit
 
@@ -97,7 +97,7 @@ def _top_kinds(root: Node) -> set[str]:
         str(element.tag)
         for section in root.iterchildren("default")
         for element in section.iterchildren(etree.Element)
-        if element.tag != "default" and (element.attrib or len(element))
+        if element.tag != "default" and says_something(element)
     }
 
 

@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
-from composer.link import numbers
+from composer.grammar.format import to_text
 from composer.link.linking import Flex, Linking, Part
 from composer.tree.classes import MAIN, childclass_of, through_frames
 from composer.tree.unit import Unit
@@ -101,12 +101,8 @@ def _taken(written: Mapping[str, str]) -> dict[str, str]:
 
 def _neutral(name: str) -> str:
     """MuJoCo's own value; nothing where it has none that can be written."""
-    default = GRAMMAR.element("default/joint").attributes[name].default
-    if default is None:
-        return ""
-    if isinstance(default, bool):
-        return "true" if default else "false"
-    return numbers.text(default) if isinstance(default, (tuple, list)) else str(default)
+    attribute = GRAMMAR.element("default/joint").attributes[name]
+    return "" if attribute.default is None else to_text(attribute, attribute.default)
 
 
 def _same(one: Mapping[str, str], other: Mapping[str, str]) -> bool:

@@ -14,9 +14,10 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
 from composer.link.angles import model_angle
-from composer.link.layout import BLOCK, Layout, Slot, Unknown, lay_out
+from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking, Part
 from composer.link.measured import is_measured, widths
+from composer.link.multiplied import Copy
 from composer.link.placing import pose_in_world, read_pose
 from composer.pose import Pose, normalise, rotate
 from composer.tree.classes import ORIENTATIONS, childclass_of
@@ -36,7 +37,7 @@ class _Key:
     time: str | None
     element: Node
     unit: Unit
-    values: dict[str, dict[Node, list[str]]] = field(default_factory=dict)
+    values: dict[str, dict[Holder, list[str]]] = field(default_factory=dict)
 
 
 def layouts(linking: Linking) -> None:
@@ -163,7 +164,11 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
     known: dict[Node, Slot] = {}
     for layout in found:
         if layout is not None:
-            known |= layout.joints | layout.actuators
+            known |= layout.joints
+            known |= {
+                holder.element if isinstance(holder, Copy) else holder: slot
+                for holder, slot in layout.actuators.items()
+            }
     return known
 
 
@@ -242,10 +247,10 @@ def _take(
         _carry(part, layout, vector, taken)
 
 
-def _check_flexes(linking: Linking, part: Part, key: Node, vector: str, taken: Mapping[Node, object]) -> None:
+def _check_flexes(linking: Linking, part: Part, key: Node, vector: str, taken: Iterable[Holder]) -> None:
     """The bodies of a flex do not turn with the frames above it, so that its numbers mean other directions there."""
     for block in taken if vector in ("qpos", "qvel") else ():
-        if block.tag == "flexcomp" and _is_turned(part, block):
+        if not isinstance(block, Copy) and block.tag == "flexcomp" and _is_turned(part, block):
             linking.sink.error(
                 "not-supported",
                 f"`{vector}` of {_called(key)} has the vertices of a flex, which `{part.called}` turns",
@@ -270,7 +275,7 @@ def _called(key: Node) -> str:
     return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
 
 
-def _holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
+def _holders(layout: Layout, vector: str) -> list[tuple[Holder, int]]:
     if vector in ("qpos", "qvel"):
         return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
     if vector in ("ctrl", "act"):
@@ -278,7 +283,7 @@ def _holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
     return [(body, 3 if vector == "mpos" else 4) for body in layout.mocaps]
 
 
-def _carry(part: Part, layout: Layout, vector: str, taken: dict[Node, list[str]]) -> None:
+def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[str]]) -> None:
     """Free joints and mocap bodies say where they are in the world: they move with the part."""
     moved = part.pose_in_world
     if moved is None or moved.is_identity:
@@ -347,7 +352,7 @@ class _Reference:
     def class_refs(self) -> bool:
         return self.linking.base.classes.give("joint", "ref")
 
-    def row(self, vector: str, layout: Layout, values: dict[Node, list[str]]) -> list[str]:
+    def row(self, vector: str, layout: Layout, values: dict[Holder, list[str]]) -> list[str]:
         row: list[str] = []
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
@@ -357,12 +362,15 @@ class _Reference:
                     given = numbers.text(pose.pos if vector == "mpos" else pose.quat).split()
                 row += given
             return row
-        second = vector in ("qvel", "act")
-        for element, slot in (layout.joints if vector in ("qpos", "qvel") else layout.actuators).items():
-            given = values.get(element)
-            if given is None:
-                given = self._qpos(element, slot) if vector == "qpos" else ["0"] * slot.widths[second]
-            row += given
+        if vector in ("qpos", "qvel"):
+            for joint, slot in layout.joints.items():
+                given = values.get(joint)
+                if given is None:
+                    given = self._qpos(joint, slot) if vector == "qpos" else ["0"] * slot.widths[1]
+                row += given
+            return row
+        for actuator, slot in layout.actuators.items():
+            row += values.get(actuator) or ["0"] * slot.widths[vector == "act"]
         return row
 
     def _qpos(self, joint: Node, slot: Slot) -> list[str]:

@@ -19,6 +19,7 @@ from composer.link.linking import Linking
 from composer.link.names import names
 from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
+from composer.link.spurious import spurious
 from composer.link.submodels import submodels
 
 Pass = Callable[[Linking], None]
@@ -38,6 +39,7 @@ PASSES: tuple[Pass, ...] = (
     files,
     submodels,
     names,
+    spurious,
     defaults,
     bodies,
     check_roots,
@@ -48,7 +50,7 @@ PASSES: tuple[Pass, ...] = (
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, check_roots, check_flexes)
+_HINDERS_NOTHING = (check_settings, agreement, roots, names, spurious, bodies, check_roots, check_flexes)
 
 
 def link(linking: Linking) -> bool:

@@ -9,6 +9,7 @@ from lxml.etree import _Element as Node
 from composer.link import numbers
 from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, lay_out
 from composer.link.linking import Linking
+from composer.link.multiplied import Copy, actuators_in_order
 from composer.tree.unit import Unit
 
 _ARRAYS = (
@@ -30,12 +31,8 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     if not arrays:
         return None
     found: dict[Node, Slot] = {}
-    actuators = [
-        element
-        for section in unit.root.iterchildren("actuator")
-        for element in section
-        if isinstance(element.tag, str)
-    ]
+    holders = actuators_in_order(unit.root)
+    actuators = [each.element if isinstance(each, Copy) else each for each in holders]
     acts = [int(n) for n in arrays["actuator_actnum"]]
     controls = [int(n) for n in arrays.get("actuator_ctrlnum") or [1.0] * len(acts)]
     if len(acts) == len(actuators):

@@ -92,7 +92,7 @@ class Matching:
     def targets(self, link: Link) -> set[int]:
         """The ids a reference of the part may have in the composition; none if its target is missing."""
         if link.index < 0:
-            return {ABSENT}
+            return {link.index}  # there is none; -2 says that there are several
         if link.kind == "body" and link.index == 0:
             if link.world is World.WORLD:
                 return {0}

@@ -99,7 +99,7 @@ class Values:
         ]
 
     def _bound(self, treatment: Treatment) -> float:
-        if treatment is Treatment.ROUNDED and not self.coupling.in_place:
+        if treatment in (Treatment.ROUNDED, Treatment.GAIN) and not self.coupling.in_place:
             return max(ROUNDING, self.tolerance)
         if treatment is Treatment.DERIVED:
             return max(DERIVED_ROUNDING, self.tolerance)
