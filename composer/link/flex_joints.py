@@ -118,7 +118,9 @@ def _refuse(linking: Linking, flex: Flex, given: Mapping[str, str]) -> None:
         "not-supported",
         f"the flex of `{called}` takes the joint defaults {_shown(flex.joint)} alone, and here {_shown(given)}",
         linking.span(flex.unit, flex.element),
-        notes=(Note("a flex takes the joint defaults of the body it stands in, in the world those of `main`"),),
+        notes=(
+            Note("a flex takes the joint defaults of the body it stands in, in the world those of `main`"),
+        ),
         help="put the `<flexcomp>` into a `<body>` of its own",
     )
 

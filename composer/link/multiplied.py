@@ -1,7 +1,8 @@
 """The order of actuators where `<replicate>` multiplies them: what refers to something replicated multiplies with it.
 
 MuJoCo carries out the replicates one after another, inner ones first. Each takes the tendons and actuators that
-refer to something in it out of their lists and appends a copy of each for its first copy, for its second, and so on.
+refer to something in it out of their lists and appends a copy of each for its first copy, for its second, and so on;
+but none of what refers to something else, too, which is lost.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ class _Thing:
 
     def copied(self, number: int, suffix: str, lost: frozenset[Name]) -> _Thing:
         """The copy that refers to the copies of what is `lost`."""
-        refers = frozenset((kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers)
+        refers = frozenset(
+            (kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers
+        )
         name = self.name + suffix if self.name else ""
         return replace(self, numbers=(*self.numbers, number), name=name, refers=refers)
 
@@ -68,7 +71,8 @@ def _multiply(
     """The things after a replicate has multiplied those that refer to what is `lost`, and the names these had."""
     kept = [thing for thing in things if thing.refers.isdisjoint(lost)]
     taken = [thing for thing in things if not thing.refers.isdisjoint(lost)]
-    copies = [thing.copied(number, end, lost) for number, end in enumerate(ends) for thing in taken]
+    whole = [thing for thing in taken if thing.refers <= lost]
+    copies = [thing.copied(number, end, lost) for number, end in enumerate(ends) for thing in whole]
     return kept + copies, frozenset(("tendon", thing.name) for thing in taken if thing.name)
 
 

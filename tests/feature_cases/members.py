@@ -13,7 +13,7 @@ import yaml
 from lxml import etree
 
 from composer.pose import Pose, normalise
-from composer.verify.mount import Mount
+from composer.verify.mount import AT_ORIGIN, Mount
 
 PLACES = ("site", "body", "frame")
 
@@ -27,7 +27,7 @@ class Place:
 
     kind: str = "world"
     name: str = ""
-    offset: Pose | None = Pose()
+    offset: Pose | None = AT_ORIGIN
 
     def mount(self, composed: mujoco.MjModel) -> Mount:
         """The place in the composed model."""

@@ -10,7 +10,9 @@ from composer.link.multiplied import Copy, actuators_in_order
 
 
 def body(name: str, inside: str = "") -> str:
-    return f'<body name="{name}"><joint name="{name}j"/><site name="{name}s"/><geom size=".1"/>{inside}</body>'
+    return (
+        f'<body name="{name}"><joint name="{name}j"/><site name="{name}s"/><geom size=".1"/>{inside}</body>'
+    )
 
 
 def replicate(count: int, inside: str, sep: str = "") -> str:
@@ -36,6 +38,10 @@ def test_order(world: str, tendons: bool) -> None:
     if tendons:
         sites = '<fixed name="t"><joint joint="rj" coef="1"/></fixed><fixed name="u"><joint joint="sj" coef="1"/></fixed>'
         actuators += '<motor name="mt" tendon="t"/><motor name="mu" tendon="u"/><motor name="ms" site="rs"/>'
+    if (
+        world == WORLDS["deep"]
+    ):  # elsewhere MuJoCo refuses what refers to something replicated and to something else
+        actuators += '<general name="x" site="as" refsite="rs" gear="1 0 0 0 0 0"/>'
     text = f"<mujoco><worldbody>{world}</worldbody><tendon>{sites}</tendon><actuator>{actuators}</actuator></mujoco>"
     model = mujoco.MjModel.from_xml_string(text)
     count = model.nactuator if hasattr(model, "nactuator") else model.nu

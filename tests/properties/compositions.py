@@ -73,7 +73,9 @@ def _recipe(draw: Any, random: Random, files: dict[str, str], stem: str, *, nest
             hosts.append((f"{key}/", own))
         _offset(make, part, recipe)
         if not floating and make.chance(15):
-            part["joint"] = make.pick(("ball", {"type": "slide", "axis": [0, 1, 0]}, [{"name": "added", "type": "hinge"}]))
+            part["joint"] = make.pick(
+                ("ball", {"type": "slide", "axis": [0, 1, 0]}, [{"name": "added", "type": "hinge"}])
+            )
         if make.chance(30):
             part["keyframes"] = make.pick(("prefix", "none", "merge"))
         recipe["attach"][key] = part

@@ -17,7 +17,21 @@ from composer.grammar.element import ElementType
 T = TypeVar("T")
 
 # Drawn by those who know what fits, or of no use in a model without files.
-NEVER = frozenset({"sleep", "file", "name", "class", "childclass", "plugin", "instance", "content_type", "prefix", "mocap"})
+NEVER = frozenset(
+    {
+        "sleep",
+        "dampratio",
+        "file",
+        "name",
+        "class",
+        "childclass",
+        "plugin",
+        "instance",
+        "content_type",
+        "prefix",
+        "mocap",
+    }
+)
 
 
 @dataclass
@@ -73,7 +87,9 @@ class Maker:
             if value is not None:
                 node.set(name, value)
         self._obey(node, kind)
-        self.optional.setdefault(node, []).extend(name for name in drawn if name in node.attrib and name not in required)
+        self.optional.setdefault(node, []).extend(
+            name for name in drawn if name in node.attrib and name not in required
+        )
         return self._complete(node, kind)
 
     def value(self, attribute: Attribute, node: Node) -> str | None:
@@ -115,9 +131,17 @@ class Maker:
         if attribute.angle == "orientation-euler":
             return self.numbers(3, -170, 170) if self.degrees else self.numbers(3, -3, 3)
         if attribute.angle == "orientation-axisangle":
-            return self.numbers(3, 0.1, 1) + " " + (self.numbers(1, -170, 170) if self.degrees else self.numbers(1, -3, 3))
+            return (
+                self.numbers(3, 0.1, 1)
+                + " "
+                + (self.numbers(1, -170, 170) if self.degrees else self.numbers(1, -3, 3))
+            )
         if name in ("quat", "zaxis", "xyaxes"):
-            return self.numbers(count, 0.1, 1) if name != "xyaxes" else self.numbers(3, 0.5, 1) + " " + self.numbers(3, -1, -0.2)
+            return (
+                self.numbers(count, 0.1, 1)
+                if name != "xyaxes"
+                else self.numbers(3, 0.5, 1) + " " + self.numbers(3, -1, -0.2)
+            )
         if name.endswith("range") and count == 2:
             scale = 40 if attribute.angle == "joint" and self.degrees else 1
             low = self.number(-scale, 0)

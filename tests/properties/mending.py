@@ -22,10 +22,10 @@ def mended(root: Node, make: Maker) -> tuple[str, mujoco.MjModel]:
             model = mujoco.MjModel.from_xml_string(text)
         except ValueError as error:
             if not _take_out(root, text, str(error), make):
-                break
+                reject()
         else:
             return text, model
-    reject()
+    return reject()
 
 
 def _take_out(root: Node, text: str, error: str, make: Maker) -> bool:

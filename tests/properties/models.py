@@ -82,15 +82,19 @@ class _Builder:
             letters = make.some("xyz", 3, 3)
             node.set("eulerseq", "".join(x.upper() if make.chance(30) else x for x in letters))
         # What only MuJoCo can compute is measured element by element, which a replicate hides.
-        for name, values in () if self.replicates else (
-            ("autolimits", ("true", "false")),
-            ("inertiafromgeom", ("true", "false", "auto")),
-            ("inertiagrouprange", ("0 1", "0 5", "1 3")),
-            ("alignfree", ("true",)),
-            ("boundmass", ("0.5",)),
-            ("boundinertia", ("0.1",)),
-            ("balanceinertia", ("true",)),
-            ("settotalmass", ("3",)),
+        for name, values in (
+            ()
+            if self.replicates
+            else (
+                ("autolimits", ("true", "false")),
+                ("inertiafromgeom", ("true", "false", "auto")),
+                ("inertiagrouprange", ("0 1", "0 5", "1 3")),
+                ("alignfree", ("true",)),
+                ("boundmass", ("0.5",)),
+                ("boundinertia", ("0.1",)),
+                ("balanceinertia", ("true",)),
+                ("settotalmass", ("3",)),
+            )
         ):
             if make.chance(8):
                 node.set(name, make.pick(values))
@@ -105,7 +109,9 @@ class _Builder:
         for tag in make.some(tags, 4):
             kind = GRAMMAR.element(f"default/{tag}")
             if kind.exists_in(make.version):
-                make.fill(element(node, tag), kind, 3, leave=("mesh", "hfield", "material", "texture", "target"))
+                make.fill(
+                    element(node, tag), kind, 3, leave=("mesh", "hfield", "material", "texture", "target")
+                )
         if depth < 2:
             for _ in range(make.pick((0, 1, 2))):
                 self._class(element(node, "default"), make.declare("default", "c"), depth + 1)
@@ -114,7 +120,15 @@ class _Builder:
         make = self.make
         section = element(self.root, "asset")
         if make.chance(40):
-            texture = element(section, "texture", name=make.declare("texture", "t"), type="2d", builtin="gradient", width="4", height="4")
+            texture = element(
+                section,
+                "texture",
+                name=make.declare("texture", "t"),
+                type="2d",
+                builtin="gradient",
+                width="4",
+                height="4",
+            )
             make.fill(texture, GRAMMAR.element("texture"), 2, leave=("gridsize", "gridlayout", "nchannel"))
             self._classed(texture)
         if make.chance(40):
@@ -123,7 +137,12 @@ class _Builder:
             self._classed(material)
         if make.chance(30):
             mesh = element(section, "mesh", name=make.declare("mesh", "w"), vertex="0 0 0 1 0 0 0 1 0 0 0 1")
-            make.fill(mesh, GRAMMAR.element("mesh"), 2, leave=("normal", "texcoord", "face", "builtin", "params", "vertex"))
+            make.fill(
+                mesh,
+                GRAMMAR.element("mesh"),
+                2,
+                leave=("normal", "texcoord", "face", "builtin", "params", "vertex"),
+            )
             self._classed(mesh)
 
     def _classed(self, node: Node) -> None:
@@ -153,10 +172,14 @@ class _Builder:
             joints = make.pick((0, 1, 1, 2))
             for _ in range(joints):
                 self._joint(body, armature=joints > 1)
-        geom = element(body, "geom", name=make.declare("geom", "g"), type=make.pick(_SHAPES), size="0.1 0.2 0.3")
+        geom = element(
+            body, "geom", name=make.declare("geom", "g"), type=make.pick(_SHAPES), size="0.1 0.2 0.3"
+        )
         make.fill(geom, GRAMMAR.element("geom"), 2, leave=("type", "size", "fromto", "mesh", "hfield"))
         if make.chance(15):
-            inertial = element(body, "inertial", pos=make.numbers(3, -0.2, 0.2), mass="1.5", diaginertia="0.1 0.2 0.25")
+            inertial = element(
+                body, "inertial", pos=make.numbers(3, -0.2, 0.2), mass="1.5", diaginertia="0.1 0.2 0.25"
+            )
             make.fill(inertial, GRAMMAR.element("inertial"), 1, leave=("fullinertia", "diaginertia"))
         self._inside(body, make.pick((0, 1, 2)), joints=True)
         if depth < 2:
@@ -169,7 +192,9 @@ class _Builder:
     def _joint(self, body: Node, *, armature: bool) -> None:
         """With an armature where joints may turn about one axis: else their inertia is singular."""
         make = self.make
-        joint = element(body, "joint", name=make.declare("joint", "j"), **({"armature": "0.2"} if armature else {}))
+        joint = element(
+            body, "joint", name=make.declare("joint", "j"), **({"armature": "0.2"} if armature else {})
+        )
         if make.chance(60):
             joint.set("type", make.pick(("hinge", "slide", "ball")))
         make.fill(joint, GRAMMAR.element("joint"), _MOST, leave=("type",))
@@ -225,7 +250,11 @@ class _Builder:
     def _section(self, tag: str, count: int) -> None:
         make = self.make
         section = element(self.root, tag)
-        kinds = [kind for kind in GRAMMAR.section(tag).children.values() if kind.exists_in(make.version) and kind.tag != "plugin"]
+        kinds = [
+            kind
+            for kind in GRAMMAR.section(tag).children.values()
+            if kind.exists_in(make.version) and kind.tag != "plugin"
+        ]
         for _ in range(count):
             kind = make.pick(kinds)
             node = element(section, kind.tag)
@@ -233,7 +262,13 @@ class _Builder:
                 section.remove(node)
                 continue
             if "name" in kind.attributes:
-                node.set("name", make.declare("exclude" if kind.tag == "exclude" else tag if tag != "custom" else kind.tag, kind.tag[0]))
+                node.set(
+                    "name",
+                    make.declare(
+                        "exclude" if kind.tag == "exclude" else tag if tag != "custom" else kind.tag,
+                        kind.tag[0],
+                    ),
+                )
             if kind.takes_class:
                 self._classed(node)
 
@@ -276,12 +311,19 @@ class _Builder:
             return False
         target = make.pick(targets)
         name = make.pick(make.known(str(kind.attributes[target].refers)))
-        if name in self.free and "joint" in target:  # its axes are the world's: turned, it is another actuator
+        if (
+            name in self.free and "joint" in target
+        ):  # its axes are the world's: turned, it is another actuator
             return False
         node.set(target, name)
         if "lengthrange" in kind.attributes:  # what MuJoCo simulates for a muscle takes seconds
             node.set("lengthrange", "0 1")
-        return make.fill(node, kind, _MOST, leave=("joint", "jointinparent", "tendon", "site", "body", "slidersite", "cranksite"))
+        return make.fill(
+            node,
+            kind,
+            _MOST,
+            leave=("joint", "jointinparent", "tendon", "site", "body", "slidersite", "cranksite"),
+        )
 
     def _custom(self, node: Node, kind: ElementType) -> bool:
         make = self.make
