@@ -11,6 +11,8 @@ from lxml.etree import _Element as Node
 
 from composer.link import numbers
 from composer.link.linking import Linking
+from composer.link.placing import pose_in_world, read_pose
+from composer.pose import Pose
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
 from composer.tree.scaled import first_scaled
 from composer.tree.settings import Settings
@@ -19,7 +21,8 @@ from composer.tree.unit import Unit
 _DEFAULT = Settings()
 # Rules that change a whole model after its parts: only MuJoCo can say what they give.
 MEASURED = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")
-ARRAYS = ("body_mass", "body_ipos", "body_iquat", "body_inertia")
+ARRAYS = ("body_mass", "body_ipos", "body_iquat", "body_inertia", "body_pos", "body_quat")
+_ROUNDING = 1e-9
 _EXPANDED = ("replicate", "flexcomp", "composite", "attach")
 
 
@@ -30,7 +33,7 @@ def inertia(linking: Linking) -> None:
     for unit in linking.units:
         settings = unit.settings
         if any(getattr(settings, name) != getattr(_DEFAULT, name) for name in MEASURED):
-            _measure(linking, unit)
+            write_inertias(linking, unit)
             continue
         if settings.inertiagrouprange.split() != ["0", "5"]:
             _leave_out_groups(unit, *(int(bound) for bound in settings.inertiagrouprange.split()))
@@ -125,7 +128,7 @@ def _pose(body: Node) -> dict[str, str]:
     return {"pos": "0 0 0", **written}
 
 
-def _measure(linking: Linking, unit: Unit) -> None:
+def write_inertias(linking: Linking, unit: Unit) -> None:
     """Compile the unit alone and write the inertia of every body as MuJoCo has it."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
     arrays = measure_alone(linking, unit, " and ".join(f"`{name}`" for name in wanting), ARRAYS)
@@ -137,12 +140,36 @@ def _measure(linking: Linking, unit: Unit) -> None:
             assert holder is not None
             holder.remove(inertial)
         mass, moments = arrays["body_mass"][at], arrays["body_inertia"][3 * at : 3 * at + 3]
+        frame = _aligned(unit, body, _measured_pose(arrays, "body_pos", "body_quat", at))
+        inertial_frame = _measured_pose(arrays, "body_ipos", "body_iquat", at)
+        if not frame.is_identity:
+            inertial_frame = frame @ inertial_frame
         values = {
-            "pos": numbers.text(arrays["body_ipos"][3 * at : 3 * at + 3]),
-            "quat": numbers.text(arrays["body_iquat"][4 * at : 4 * at + 4]),
+            "pos": numbers.text(inertial_frame.pos),
+            "quat": numbers.text(inertial_frame.quat),
             "mass": numbers.text([mass]),
             "diaginertia": numbers.text(moments),
         }
         if mass or any(moments) or _own(body, "geom"):
             inertial = body.makeelement("inertial", values)
             body.insert(0, inertial)
+
+
+def _measured_pose(arrays: Mapping[str, list[float]], pos: str, quat: str, at: int) -> Pose:
+    x, y, z = arrays[pos][3 * at : 3 * at + 3]
+    w, a, b, c = arrays[quat][4 * at : 4 * at + 4]
+    return Pose((x, y, z), (w, a, b, c))
+
+
+def _aligned(unit: Unit, body: Node, measured: Pose) -> Pose:
+    """What MuJoCo has moved the frame of a free body by, to align it with the inertia; nothing for other bodies."""
+    outer = body.getparent()
+    if outer is None or next(body.iterancestors("body"), None) is not None:
+        return Pose()
+    reading = (unit.settings.angle == "degree", unit.settings.eulerseq)
+    moved = (pose_in_world(outer, *reading) @ read_pose(body, *reading)).inverse() @ measured
+    return Pose() if _is_rounding(moved) else moved
+
+
+def _is_rounding(pose: Pose) -> bool:
+    return all(abs(value) < _ROUNDING for value in (*pose.pos, *pose.quat[1:]))

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from composer.link.multiplied import Copy, actuators_in_order
+from composer.link.multiplied import Copy, actuators_in_order, element_of
 from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
 from composer.tree.unit import Unit
 
@@ -118,7 +118,7 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
             body for body in through_frames(worldbody) if body.tag == "body" and body.get("mocap") == "true"
         )
     for holder in actuators_in_order(unit.root):
-        each = holder.element if isinstance(holder, Copy) else holder
+        each = element_of(holder)
         layout.actuators[holder] = known.get(each) or reader.actuator(each)
     return layout
 

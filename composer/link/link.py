@@ -58,10 +58,11 @@ def link(linking: Linking) -> bool:
 
     False where a pass found errors that later passes cannot live with; then the names of the model are not known.
     """
-    before = len(linking.sink.errors)
+    before = linking.sink.error_count
     for link_pass in PASSES:
         link_pass(linking)
-        after = len(linking.sink.errors)
+        linking.watch(linking.units, link_pass)
+        after = linking.sink.error_count
         if after > before and link_pass not in _HINDERS_NOTHING:
             return False
         before = after
@@ -71,5 +72,6 @@ def link(linking: Linking) -> bool:
 def finish(linking: Linking) -> None:
     """What must wait until nothing more is added to the model: the keyframes."""
     keyframes(linking)
+    linking.watch(linking.units, keyframes)
     for part in linking.parts:
         linking.base.origins.adopt(part.unit.origins)

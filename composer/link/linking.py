@@ -15,6 +15,7 @@ from composer.link.layout import Layout, Slot
 from composer.pose import Pose
 from composer.tree.names import Names
 from composer.tree.unit import Unit
+from composer.tree.watch import Watch, nobody
 
 Policy = Literal["error", "warning", "merge"]
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -114,6 +115,7 @@ class Linking:
     settled: frozenset[str] = frozenset()
     isolate_base: frozenset[str] = frozenset()
     measure: Measure | None = None
+    watch: Watch = nobody
     names: Names = field(default_factory=Names)
     base_class: str | None = None
     base_layout: Layout | None = None

@@ -9,7 +9,7 @@ from lxml.etree import _Element as Node
 from composer.link import numbers
 from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, lay_out
 from composer.link.linking import Linking
-from composer.link.multiplied import Copy, actuators_in_order
+from composer.link.multiplied import actuators_in_order, element_of
 from composer.tree.unit import Unit
 
 _ARRAYS = (
@@ -31,8 +31,7 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     if not arrays:
         return None
     found: dict[Node, Slot] = {}
-    holders = actuators_in_order(unit.root)
-    actuators = [each.element if isinstance(each, Copy) else each for each in holders]
+    actuators = list(map(element_of, actuators_in_order(unit.root)))
     acts = [int(n) for n in arrays["actuator_actnum"]]
     controls = [int(n) for n in arrays.get("actuator_ctrlnum") or [1.0] * len(acts)]
     if len(acts) == len(actuators):

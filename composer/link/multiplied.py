@@ -27,6 +27,11 @@ class Copy(NamedTuple):
     numbers: tuple[int, ...]
 
 
+def element_of(holder: Node | Copy) -> Node:
+    """The element that is written in the tree."""
+    return holder.element if isinstance(holder, Copy) else holder
+
+
 @dataclass(frozen=True, slots=True)
 class _Thing:
     """A tendon or an actuator, as the replicates so far have left it."""

@@ -45,6 +45,10 @@ class Unit:
     def forget_classes(self) -> None:
         self.__dict__.pop("classes", None)
 
+    def forget_settings(self) -> None:
+        """To be called after `<compiler>` has been changed."""
+        self.__dict__.pop("settings", None)
+
     @property
     def model(self) -> str:
         return str(self.root.get("model") or "")

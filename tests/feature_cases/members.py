@@ -103,7 +103,7 @@ def _place(
     if kind != "frame":
         return Place(kind, name, offset)
     holder = _holder_of_frame(recipe, given, part["frame"])
-    return Place("body", outer + holder, None) if holder else Place("world", "", None)
+    return Place("body", outer + holder, None) if holder else Place(world.kind, world.name, None)
 
 
 def _holder_of_frame(recipe: Path, given: Mapping[str, Any], name: str) -> str:
