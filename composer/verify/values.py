@@ -117,7 +117,7 @@ class Values:
             case Treatment.SUBTREE:
                 return index in coupling.carriers
             case Treatment.DERIVED:
-                return self._acted_on(kind, index)
+                return self._acted_on(kind, index) or (kind == "body" and self._less_simple(index, target))
             case Treatment.GAIN if kind == "actuator":
                 return same_dampratio(self.alone, self.composed, index, target)
             case Treatment.GAIN:
@@ -144,6 +144,13 @@ class Values:
         if kind in ("body", "joint"):
             return self.coupling.acts_on(self._body(kind, index))
         return self.coupling.anywhere
+
+    def _less_simple(self, index: int, target: int) -> bool:
+        """Whether MuJoCo takes its shortcut for bodies that slide in the world in one of the models only.
+
+        The shortcut gives three times the inverse weight, for a body that one joint lets slide.
+        """
+        return int(self.alone.body_simple[index]) != int(self.composed.body_simple[target])
 
     def _runs(self, kind: str) -> list[Difference]:
         """Data that elements point to."""

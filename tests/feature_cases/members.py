@@ -102,22 +102,30 @@ def _place(
     name = outer + part[kind]
     if kind != "frame":
         return Place(kind, name, offset)
-    holder = _holder_of_frame(recipe, given, part["frame"])
-    return Place("body", outer + holder, None) if holder else Place(world.kind, world.name, None)
+    host, holder = _holder_of_frame(recipe, given, part["frame"])
+    if holder:
+        return Place("body", outer + holder, None)
+    if host:  # in the world of another part
+        separator = given.get("separator", "/")
+        world = _place(recipe, given, given["attach"][host], outer, f"{outer}{host}{separator}", world)
+    return Place(world.kind, world.name, None)
 
 
-def _holder_of_frame(recipe: Path, given: Mapping[str, Any], name: str) -> str:
-    """The body that a frame is in, by the name that the recipe gives it; empty for the world."""
+def _holder_of_frame(recipe: Path, given: Mapping[str, Any], name: str) -> tuple[str, str]:
+    """The key of the part that has a frame, and the body it is in by the name that the recipe gives it.
+
+    No key for the base, no body for the world.
+    """
     separator = given.get("separator", "/")
-    models = [("", given.get("base"))]
-    models += [(f"{key}{separator}", part["model"]) for key, part in (given.get("attach") or {}).items()]
-    for prefix, model in models:
+    models = [("", "", given.get("base"))]
+    models += [(key, f"{key}{separator}", part["model"]) for key, part in (given.get("attach") or {}).items()]
+    for key, prefix, model in models:
         if not isinstance(model, str) or not model.endswith(".xml"):
             continue
         for frame in etree.parse(str(recipe.parent / model)).iter("frame"):
             if prefix + str(frame.get("name")) == name:
                 body = next(frame.iterancestors("body"), None)
-                return "" if body is None else prefix + str(body.get("name"))
+                return key, "" if body is None else prefix + str(body.get("name"))
     raise ValueError(f"{recipe}: no frame {name}")
 
 

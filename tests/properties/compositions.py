@@ -19,6 +19,10 @@ class Composition:
 
     files: dict[str, str]
 
+    @property
+    def recipes(self) -> list[str]:
+        return [text for name, text in self.files.items() if name.endswith(".yaml")]
+
     def write(self, folder: Path) -> Path:
         for name, text in self.files.items():
             (folder / name).write_text(text, encoding="utf-8")

@@ -89,7 +89,6 @@ class _Builder:
                 ("autolimits", ("true", "false")),
                 ("inertiafromgeom", ("true", "false", "auto")),
                 ("inertiagrouprange", ("0 1", "0 5", "1 3")),
-                ("alignfree", ("true",)),
                 ("boundmass", ("0.5",)),
                 ("boundinertia", ("0.1",)),
                 ("balanceinertia", ("true",)),
@@ -109,9 +108,10 @@ class _Builder:
         for tag in make.some(tags, 4):
             kind = GRAMMAR.element(f"default/{tag}")
             if kind.exists_in(make.version):
-                make.fill(
-                    element(node, tag), kind, 3, leave=("mesh", "hfield", "material", "texture", "target")
-                )
+                made = element(node, tag)
+                make.fill(made, kind, 3, leave=("mesh", "hfield", "material", "texture", "target"))
+                if tag == "joint" and made.get("type") == "free":  # it would float what is to hang on a body
+                    del made.attrib["type"]
         if depth < 2:
             for _ in range(make.pick((0, 1, 2))):
                 self._class(element(node, "default"), make.declare("default", "c"), depth + 1)
@@ -165,7 +165,8 @@ class _Builder:
             if make.chance(60):
                 joint = element(body, "freejoint", name=make.declare("joint", "j"))
                 self.free.append(str(joint.get("name")))
-                make.fill(joint, GRAMMAR.element("freejoint"), 1)
+                # What is aligned can carry nothing, and is only nearly the same once its inertia is measured.
+                make.fill(joint, GRAMMAR.element("freejoint"), 1, leave=("align",))
             else:
                 body.set("mocap", "true")
         else:
@@ -311,10 +312,8 @@ class _Builder:
             return False
         target = make.pick(targets)
         name = make.pick(make.known(str(kind.attributes[target].refers)))
-        if (
-            name in self.free and "joint" in target
-        ):  # its axes are the world's: turned, it is another actuator
-            return False
+        if name in self.free and "joint" in target:
+            return False  # the axes of a free joint are the world's: turned, it is another actuator
         node.set(target, name)
         if "lengthrange" in kind.attributes:  # what MuJoCo simulates for a muscle takes seconds
             node.set("lengthrange", "0 1")
