@@ -151,6 +151,8 @@ class Maker:
             return f"{high:g} {low:g}"  # no range at all
         if attribute.angle == "joint" and self.degrees:
             return self.numbers(count, -30, 30)
+        if name == "biasprm":  # above zero the third is a damping ratio, which the whole model decides
+            return self.numbers(count, -1, -0.05)
         if name == "pos":
             return self.numbers(count, -1, 1)
         return self.numbers(count, 0.05, 1)
