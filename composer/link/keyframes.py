@@ -136,16 +136,18 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
         is_measured(unit, joint, slot) for joint, slot in layout.joints.items()
     ):
         return _measured_layout(linking, unit)
+    if layout.actuators and next(unit.root.iter("replicate"), None) is not None:
+        return _measured_layout(linking, unit)  # which actuators are multiplied is for MuJoCo to say
     return layout
 
 
 def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
     """Ask MuJoCo for the widths and references that the tree does not tell."""
-    known = widths(linking, unit)
-    if known is None:
-        return None
-    linking.measured.update(known)
     try:
+        known = widths(linking, unit)
+        if known is None:
+            return None
+        linking.measured.update(known)
         return lay_out(unit, known)
     except Unknown as unknown:
         _not_laid_out(linking, unit, unknown)

@@ -19,7 +19,7 @@ from composer.link.linking import Linking
 from composer.link.names import names
 from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
-from composer.link.spurious import spurious
+from composer.link.spurious import note_replicates, spurious
 from composer.link.submodels import submodels
 
 Pass = Callable[[Linking], None]
@@ -27,6 +27,7 @@ Pass = Callable[[Linking], None]
 # In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
 PASSES: tuple[Pass, ...] = (
     note_flexes,
+    note_replicates,
     choose_classes,
     check_settings,
     layouts,
@@ -39,9 +40,9 @@ PASSES: tuple[Pass, ...] = (
     files,
     submodels,
     names,
-    spurious,
     defaults,
     bodies,
+    spurious,
     check_roots,
     check_flexes,
     sections,
@@ -50,7 +51,7 @@ PASSES: tuple[Pass, ...] = (
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (check_settings, agreement, roots, names, spurious, bodies, check_roots, check_flexes)
+_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, spurious, check_roots, check_flexes)
 
 
 def link(linking: Linking) -> bool:

@@ -125,6 +125,7 @@ class Linking:
     floating: list[tuple[Part, Node, Node | None, str]] = field(default_factory=list)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
     flexes: list[Flex] = field(default_factory=list)
+    replicates: list[tuple[Unit, Node]] = field(default_factory=list)
     main_joint: dict[str, str] = field(default_factory=dict)
 
     @property

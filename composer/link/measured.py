@@ -36,6 +36,8 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     controls = [int(n) for n in arrays.get("actuator_ctrlnum") or [1.0] * len(acts)]
     if len(acts) == len(actuators):
         found.update(zip(actuators, map(actuator_slot, acts, controls), strict=True))
+    elif (replicate := next(unit.root.iter("replicate"), None)) is not None:
+        raise Unknown(replicate)  # it multiplies actuators that refer to nothing in it: see `spurious.py`
     unknown: list[Node] = []
     while True:
         try:

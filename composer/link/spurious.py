@@ -1,12 +1,12 @@
-"""Pass: what the `<replicate>` of one unit would multiply in another, by a fault of MuJoCo.
+"""Passes: what the `<replicate>` of one unit would multiply in another, by a fault of MuJoCo.
 
 MuJoCo (3.12 to 4.0) takes for replicated what still resolves when the copy's number is appended to every name in
-it: a sensor without an object, a tuple of assets, and what refers to `j1` where there is a `j10` too.
+it: a sensor without an object, a tuple of assets, and what refers to `j1` where there is a `j10` before the replicate.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from lxml.etree import _Element as Node
 
@@ -24,21 +24,28 @@ _COPIED = frozenset(
 )
 
 
+def note_replicates(linking: Linking) -> None:
+    """Remember whose replicate is whose, while the units are apart."""
+    for unit in linking.units if linking.parts else ():
+        linking.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
+
+
 def spurious(linking: Linking) -> None:
     """Refuse a replicate that would change another unit."""
-    units = linking.units
-    replicating = [
-        (unit, found) for unit in units if (found := next(unit.root.iter("replicate"), None)) is not None
-    ]
-    if len(units) < 2 or not replicating:
+    if not linking.replicates:
         return
-    for unit, _ in replicating:
-        ends = {end for replicate in unit.root.iter("replicate") for end in suffixes(replicate)}
-        for other in units:
-            if other is not unit:
-                thing = next((each for each in _things(other) if _resolves(linking, each, ends)), None)
-                if thing is not None:
-                    _refuse(linking, unit, other, thing)
+    places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}
+    told: set[tuple[Unit, Unit]] = set()
+    for unit, replicate in linking.replicates:
+        for other in linking.units:
+            if other is unit or (unit, other) in told:
+                continue
+            thing = next(
+                (each for each in _things(other) if _resolves(linking, each, replicate, places)), None
+            )
+            if thing is not None:
+                told.add((unit, other))
+                _refuse(linking, unit, replicate, other, thing)
 
 
 def _things(unit: Unit) -> Iterator[Node]:
@@ -46,12 +53,20 @@ def _things(unit: Unit) -> Iterator[Node]:
         yield from (each for each in section.iterchildren("*") if each.tag not in _OF_NOTHING)
 
 
-def _resolves(linking: Linking, thing: Node, ends: set[str]) -> bool:
-    """Whether MuJoCo finds what the thing refers to with a number behind it, too."""
+def _resolves(linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int]) -> bool:
+    """Whether MuJoCo finds what the thing refers to with a number behind it, too, when it reads the replicate."""
     referred = list(_referred(thing))
+    found = (linking.names.find(kind, name + end) for kind, name in referred for end in suffixes(replicate))
+    here = places.get(replicate, 0)
     return not referred or any(
-        linking.names.find(kind, name + end) is not None for kind, name in referred for end in ends
+        element is not None and (_is_listed(element) or places.get(element, here) < here) for element in found
     )
+
+
+def _is_listed(element: Node) -> bool:
+    """Whether it stands in a section of its own, which MuJoCo reads before the bodies."""
+    section = element.getparent()
+    return section is not None and section.tag in _SECTIONS
 
 
 def _referred(thing: Node) -> Iterator[tuple[str, str]]:
@@ -68,8 +83,7 @@ def _referred(thing: Node) -> Iterator[tuple[str, str]]:
                 yield str(kind), name
 
 
-def _refuse(linking: Linking, unit: Unit, other: Unit, thing: Node) -> None:
-    replicate = next(unit.root.iter("replicate"))
+def _refuse(linking: Linking, unit: Unit, replicate: Node, other: Unit, thing: Node) -> None:
     called = f"`{thing.get('name')}`" if thing.get("name") else "without a name"
     linking.sink.error(
         "not-supported",

@@ -15,8 +15,9 @@ MULTIPLIED = {
     "clock": '<sensor><clock name="t"/></sensor>',
     "user": '<sensor><user name="u" dim="1"/></sensor>',
     "tuple of assets": '<custom><tuple name="t"><element objtype="material" objname="m"/></tuple></custom>',
-    "j1 and j10": '<actuator><motor name="m" joint="j1"/></actuator>',
+    "tendons": '<tendon><fixed name="t1"><joint joint="k" coef="1"/></fixed><fixed name="t10"><joint joint="k" coef="1"/></fixed></tendon><actuator><motor name="m" tendon="t1"/></actuator>',
 }
+J1 = '<actuator><motor name="m" joint="j1"/></actuator>'
 KEPT = {
     "joint": '<actuator><motor name="m" joint="k"/></actuator><sensor><jointpos name="p" joint="j10"/></sensor>',
     "world": '<sensor><framepos name="p" objtype="body" objname="world"/></sensor>',
@@ -44,3 +45,8 @@ def test_what_it_does_not_multiply_composes(workshop: Workshop, sections: str) -
 @pytest.mark.parametrize("sections", KEPT.values(), ids=KEPT.keys())
 def test_what_it_does_not_multiply_composes_into_a_base(workshop: Workshop, sections: str) -> None:
     workshop.link(part(sections), Piece(REPLICATE, "p/")).check()
+
+
+def test_names_count_that_stand_before_the_replicate(workshop: Workshop) -> None:
+    assert workshop.link(part(J1), Piece(REPLICATE, "p/")).fault.code == "not-supported"
+    workshop.link(REPLICATE, Piece(part(J1), "p/")).check()
