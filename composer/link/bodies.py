@@ -10,11 +10,14 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
 from composer.link.angles import model_angle
+from composer.link.flex_joints import taken_back
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
-from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag
+from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, through_frames
 from composer.tree.names import word
+from composer.tree.scaled import scaled_above
 
+_BODIES = ("body", "replicate", "flexcomp", "composite", "attach")
 _PLACES = ("site", "body", "frame")
 _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
@@ -98,6 +101,14 @@ def _hang(linking: Linking, part: Part) -> None:
         holder = mount.getparent()
         assert holder is not None
         parent, pose = holder, effective_pose(mount, linking.base.classes)
+    if (scaled := scaled_above(parent)) is not None:
+        _scaled(linking, part, scaled)
+    if (
+        part.place.kind != "world"
+        and not part.floats
+        and (aligned := _aligned_by(linking, parent)) is not None
+    ):
+        _aligned(linking, part, aligned)
     offset = dict(part.place.offset)
     if part.floats and part.place.kind != "world":
         pose = _in_world(linking, parent, pose, offset)
@@ -110,8 +121,11 @@ def _hang(linking: Linking, part: Part) -> None:
         body = _child(linking, part, parent, "body", {"name": part.prefix, **pose})
         if part.mocap:
             body.set("mocap", "true")
+        if any(flex.part is part for flex in linking.flexes):
+            body.set("childclass", part.top_class)
         for joint in part.joints:
-            _child(linking, part, body, joint.tag, dict(joint.attributes))
+            undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
+            _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
         linking.names.declared.setdefault("body", {})[part.prefix] = body
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
@@ -130,6 +144,42 @@ def _hang(linking: Linking, part: Part) -> None:
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)
+
+
+def _scaled(linking: Linking, part: Part, frame: Node) -> None:
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` cannot hang on the {part.place.kind} `{part.place.name}`: "
+        "it is inside a frame that scales, and the part would be scaled with it",
+        part.place.span or part.span,
+        notes=(Note("the frame", linking.span(linking.base, frame, "scale")),),
+        help="attach the part outside the frame, or apply the scale to the source",
+    )
+
+
+def _aligned_by(linking: Linking, mount: Node) -> Node | None:
+    """The free joint for whose sake MuJoCo moves the frame of the mount's body, as long as nothing hangs on it."""
+    body = mount if mount.tag == "body" else next(mount.iterancestors("body"), None)
+    inside = list(through_frames(body)) if body is not None else []
+    if any(child.tag in _BODIES for child in inside):
+        return None
+    by_default = "true" if linking.base.settings.alignfree == "true" else "false"
+    for child in inside:
+        align = child.get("align") or "auto"
+        if child.tag == "freejoint" and (by_default if align == "auto" else align) == "true":
+            return child
+    return None
+
+
+def _aligned(linking: Linking, part: Part, joint: Node) -> None:
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` cannot hang on the {part.place.kind} `{part.place.name}`: MuJoCo aligns its body with "
+        "the inertia, and would no longer with something on it",
+        part.place.span or part.span,
+        notes=(Note("the free joint that is aligned", linking.span(linking.base, joint)),),
+        help='write `align="false"` on the free joint in the source, or in a copy of it',
+    )
 
 
 def _reading(linking: Linking) -> tuple[bool, str]:

@@ -14,9 +14,10 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
 from composer.link.angles import model_angle
-from composer.link.layout import BLOCK, Layout, Slot, Unknown, lay_out
+from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking, Part
 from composer.link.measured import is_measured, widths
+from composer.link.multiplied import element_of
 from composer.link.placing import pose_in_world, read_pose
 from composer.pose import Pose, normalise, rotate
 from composer.tree.classes import ORIENTATIONS, childclass_of
@@ -36,7 +37,7 @@ class _Key:
     time: str | None
     element: Node
     unit: Unit
-    values: dict[str, dict[Node, list[str]]] = field(default_factory=dict)
+    values: dict[str, dict[Holder, list[str]]] = field(default_factory=dict)
 
 
 def layouts(linking: Linking) -> None:
@@ -135,16 +136,18 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
         is_measured(unit, joint, slot) for joint, slot in layout.joints.items()
     ):
         return _measured_layout(linking, unit)
+    if layout.actuators and next(unit.root.iter("replicate"), None) is not None:
+        return _measured_layout(linking, unit)  # which actuators are multiplied is for MuJoCo to say
     return layout
 
 
 def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
     """Ask MuJoCo for the widths and references that the tree does not tell."""
-    known = widths(linking, unit)
-    if known is None:
-        return None
-    linking.measured.update(known)
     try:
+        known = widths(linking, unit)
+        if known is None:
+            return None
+        linking.measured.update(known)
         return lay_out(unit, known)
     except Unknown as unknown:
         _not_laid_out(linking, unit, unknown)
@@ -165,7 +168,8 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
     known: dict[Node, Slot] = {}
     for layout in found:
         if layout is not None:
-            known |= layout.joints | layout.actuators
+            known |= layout.joints
+            known |= {element_of(holder): slot for holder, slot in layout.actuators.items()}
     return known
 
 
@@ -228,7 +232,7 @@ def _take(
 
 def cut_row(
     linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str, text: list[str]
-) -> dict[Node, list[str]] | None:
+) -> dict[Holder, list[str]] | None:
     """The numbers of one vector of a key by joint, actuator or body; short rows give fewer, wrong ones are told."""
     owners = holders(layout, vector)
     total = sum([width for _, width in owners])
@@ -239,7 +243,7 @@ def cut_row(
             linking.span(unit, element, vector),
         )
         return None
-    taken: dict[Node, list[str]] = {}
+    taken: dict[Holder, list[str]] = {}
     at = 0
     for holder, width in owners:
         if at + width > len(text):
@@ -257,7 +261,7 @@ def cut_row(
 
 
 def _check_flexes(
-    linking: Linking, part: Part, layout: Layout, key: Node, vector: str, taken: Mapping[Node, object]
+    linking: Linking, part: Part, layout: Layout, key: Node, vector: str, taken: Mapping[Holder, object]
 ) -> None:
     """The bodies of a flex do not turn with the frames above it, so that its numbers mean other directions there."""
     for block, slot in layout.joints.items():
@@ -286,7 +290,7 @@ def _called(key: Node) -> str:
     return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
 
 
-def holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
+def holders(layout: Layout, vector: str) -> list[tuple[Holder, int]]:
     """What the numbers of a vector belong to, in their order, each with how many are its own."""
     if vector in ("qpos", "qvel"):
         return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
@@ -295,7 +299,7 @@ def holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
     return [(body, 3 if vector == "mpos" else 4) for body in layout.mocaps]
 
 
-def _carry(part: Part, layout: Layout, vector: str, taken: dict[Node, list[str]]) -> None:
+def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[str]]) -> None:
     """Free joints and mocap bodies say where they are in the world: they move with the part."""
     moved = part.pose_in_world
     if moved is None or moved.is_identity:
@@ -364,7 +368,7 @@ class _Reference:
     def class_refs(self) -> bool:
         return self.linking.base.classes.give("joint", "ref")
 
-    def row(self, vector: str, layout: Layout, values: dict[Node, list[str]]) -> list[str]:
+    def row(self, vector: str, layout: Layout, values: dict[Holder, list[str]]) -> list[str]:
         row: list[str] = []
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
@@ -374,12 +378,15 @@ class _Reference:
                     given = numbers.text(pose.pos if vector == "mpos" else pose.quat).split()
                 row += given
             return row
-        second = vector in ("qvel", "act")
-        for element, slot in (layout.joints if vector in ("qpos", "qvel") else layout.actuators).items():
-            given = values.get(element)
-            if given is None:
-                given = self._qpos(element, slot) if vector == "qpos" else ["0"] * slot.widths[second]
-            row += given
+        if vector in ("qpos", "qvel"):
+            for joint, slot in layout.joints.items():
+                given = values.get(joint)
+                if given is None:
+                    given = self._qpos(joint, slot) if vector == "qpos" else ["0"] * slot.widths[1]
+                row += given
+            return row
+        for actuator, slot in layout.actuators.items():
+            row += values.get(actuator) or ["0"] * slot.widths[vector == "act"]
         return row
 
     def _qpos(self, joint: Node, slot: Slot) -> list[str]:

@@ -74,6 +74,15 @@ class Part:
         return self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
 
 
+class Flex(NamedTuple):
+    """A `<flexcomp>` at the root of a unit, and the joint settings of the unit's top class that it takes."""
+
+    element: Node
+    unit: Unit
+    part: Part | None
+    joint: Mapping[str, str]
+
+
 class Measure(Protocol):
     """MuJoCo at work on a unit alone: arrays of `mjModel` by name."""
 
@@ -119,7 +128,11 @@ class Linking:
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
+    floating: list[tuple[Part, Node, Node | None, str]] = field(default_factory=list)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
+    flexes: list[Flex] = field(default_factory=list)
+    replicates: list[tuple[Unit, Node]] = field(default_factory=list)
+    main_joint: dict[str, str] = field(default_factory=dict)
 
     @property
     def units(self) -> list[Unit]:

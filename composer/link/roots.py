@@ -13,7 +13,7 @@ from composer.tree.classes import childclass_of, through_frames
 
 
 def roots(linking: Linking) -> None:
-    """Weld what is asked to be welded; refuse what MuJoCo cannot have below a body."""
+    """Weld what is asked to be welded, and note what MuJoCo cannot have below a body."""
     for part in linking.parts:
         for body in list(_at_the_root(part.unit.root, "body")):
             for joint in list(_own_joints(body)):
@@ -23,12 +23,32 @@ def roots(linking: Linking) -> None:
                     holder = joint.getparent()
                     assert holder is not None
                     holder.remove(joint)
-                elif part.place.kind != "world" or part.joints or part.mocap:
-                    _free_joint(linking, part, body, joint)
-            if body.get("mocap") == "true" and (part.place.kind != "world" or part.joints or part.mocap):
-                _mocap(linking, part, body)
+                else:
+                    linking.floating.append((part, body, joint, _called(body)))
+            if body.get("mocap") == "true":
+                linking.floating.append((part, body, None, _called(body)))
         if part.place.kind != "world" or part.joints or part.mocap:
             _planes(linking, part)
+
+
+def check_roots(linking: Linking) -> None:
+    """Refuse free joints, mocap bodies and planes where they hang on a body; frames of the world are no bodies."""
+    for part, body, joint, called in linking.floating:
+        if next(body.iterancestors("body"), None) is not None:
+            if joint is not None:
+                _free_joint(linking, part, joint, called)
+            else:
+                _mocap(linking, part, body, called)
+    for part, geom in linking.planes:
+        if _moves(geom):
+            linking.sink.error(
+                "plane-on-body",
+                f"`{part.called}` brings a plane and hangs {_where(part)}, which moves: "
+                "MuJoCo allows planes only on what is static",
+                part.place.span or part.span or linking.span(part.unit, geom),
+                notes=(Note("the plane", linking.span(linking.base, geom)),),
+                help="attach the part to the world or to what does not move, or take the plane out of its file",
+            )
 
 
 def _at_the_root(root: Node, tag: str) -> Iterator[Node]:
@@ -50,7 +70,7 @@ def _called(body: Node) -> str:
     return f"body `{body.get('name')}`" if body.get("name") else "body, which has no name"
 
 
-def _free_joint(linking: Linking, part: Part, body: Node, joint: Node) -> None:
+def _free_joint(linking: Linking, part: Part, joint: Node, called: str) -> None:
     if part.place.kind == "world":
         help = "leave `joint` out: the part floats in the world by its own free joint"
     else:
@@ -60,18 +80,18 @@ def _free_joint(linking: Linking, part: Part, body: Node, joint: Node) -> None:
         f"`{part.called}` has a free joint at its root and cannot hang {_where(part)}: "
         "MuJoCo allows free joints only in the world",
         part.place.span or part.span or linking.span(part.unit, joint),
-        notes=(Note(f"the free joint of {_called(body)}", linking.span(part.unit, joint)),),
+        notes=(Note(f"the free joint of {called}", linking.span(part.unit, joint)),),
         help=help,
     )
 
 
-def _mocap(linking: Linking, part: Part, body: Node) -> None:
+def _mocap(linking: Linking, part: Part, body: Node, called: str) -> None:
     linking.sink.error(
         "mocap-on-body",
         f"`{part.called}` has a mocap body at its root and cannot hang {_where(part)}: "
         "MuJoCo allows mocap bodies only in the world",
         part.place.span or part.span or linking.span(part.unit, body),
-        notes=(Note(f"the mocap {_called(body)}", linking.span(part.unit, body)),),
+        notes=(Note(f"the mocap {called}", linking.span(part.unit, body)),),
         help=f"leave `{'joint' if part.place.kind == 'world' else part.place.kind}` out: then it stands in the world",
     )
 
@@ -80,20 +100,6 @@ def _planes(linking: Linking, part: Part) -> None:
     for geom in _at_the_root(part.unit.root, "geom"):
         if part.unit.classes.effective(geom, childclass_of(geom), "type") == "plane":
             linking.planes.append((part, geom))
-
-
-def check_planes(linking: Linking) -> None:
-    """A plane on something that moves is refused; the mounts are known only after the parts have been hung."""
-    for part, geom in linking.planes:
-        if _moves(geom):
-            linking.sink.error(
-                "plane-on-body",
-                f"`{part.called}` brings a plane and hangs {_where(part)}, which moves: "
-                "MuJoCo allows planes only on what is static",
-                part.place.span or part.span or linking.span(part.unit, geom),
-                notes=(Note("the plane", linking.span(linking.base, geom)),),
-                help="attach the part to the world or to what does not move, or take the plane out of its file",
-            )
 
 
 def _moves(geom: Node) -> bool:

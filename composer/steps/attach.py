@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import locate
 from composer.link import numbers
@@ -15,6 +16,7 @@ from composer.pose import quat_from_axisangle, quat_from_euler
 from composer.recipe.element import Single
 from composer.steps.elements import Making, in_radians, joint_attributes, plain
 from composer.steps.loose_ends import check_class
+from composer.tree.scaled import scaled_above
 from composer.tree.unit import Unit
 
 
@@ -103,6 +105,14 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
         return place
     reading = (unit.settings.angle == "degree", unit.settings.eulerseq)
     element = min(named, key=lambda each: each.tag != "site")
+    if (scaled := scaled_above(element)) is not None:
+        making.sink.error(
+            "attach-place",
+            f"`{name}` of `{step.prefix}` is inside a frame that scales: where it is cannot be told",
+            locate(making.document, (*step.at, "mate")),
+            notes=(Note("the frame", unit.origins.span(scaled, unit.file, "scale")),),
+            help="mate with a site outside the frame",
+        )
     outer = element.getparent()
     assert outer is not None
     own = effective_pose(element, unit.classes) if element.tag == "site" else element

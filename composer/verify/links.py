@@ -165,12 +165,17 @@ _TARGETS = {
     3: ("tendon", None),
     4: ("site", "site"),
     5: ("body", None),
-    6: ("joint", None),
 }
+_ROTATION = 6
+"""The value of `actuator_trntype` for a ball joint or, with a second id, for a site seen from another."""
 
 
 def _actuator(model: Model, index: int) -> Iterator[Link]:
-    for place, kind in enumerate(_TARGETS.get(int(model.actuator_trntype[index]), (None, None))):
+    transmission = int(model.actuator_trntype[index])
+    targets: tuple[str | None, str | None] = _TARGETS.get(transmission, (None, None))
+    if transmission == _ROTATION:
+        targets = ("site", "site") if model.actuator_trnid[index, 1] >= 0 else ("joint", None)
+    for place, kind in enumerate(targets):
         if kind is not None:
             yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
     yield from _one(model, "actuator_plugin", "plugin", index)
