@@ -50,7 +50,7 @@ def command(recipe: Path, out: str | None, no_verify: bool, timeout: float, form
     if built is None:
         report(context, form)
         sys.exit(FINDINGS)
-    target = out or f"build/{_file_name(built.plan.name)}.zip"
+    target = out if out is not None else f"build/{_file_name(built.plan.name)}.zip"
     try:
         _write(built, target, kind if out else Form.ARCHIVE, context, Limits(seconds=timeout))
     except OutputError as error:
@@ -68,9 +68,12 @@ def _file_name(name: str) -> str:
 
 
 def _write(built: Built, out: str, kind: Form, context: Context, limits: Limits) -> None:
+    from composer.bundle.overwriting import check_is_no_source
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
 
+    if out != "-":
+        check_is_no_source(context.folder / out, built.plan, built.composed.model, built.composed.files)
     if kind is Form.TEXT:
         text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
         if text is not None and sys.stdout is not None:
@@ -90,10 +93,14 @@ def _say(built: Built, out: str, form: str) -> None:
         return
     click.echo(f"wrote {out}")
     if sizes:
-        click.echo(
-            f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, "
-            f"{sizes['nbody']} bodies, {sizes['nsensor']} sensors, {sizes['nkey']} keyframes"
-        )
+        counted = ", ".join(_count(*each) for each in (
+            (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
+        ))  # fmt: skip
+        click.echo(f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
     else:
         click.echo("  not verified: MuJoCo has not compiled it")
-    click.echo(f"  sha256 {built.bundle.sha256}")
+    click.echo(f"  contents sha256 {built.bundle.sha256}")
+
+
+def _count(number: int, noun: str, plural: str | None = None) -> str:
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"

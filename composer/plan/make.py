@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from composer.context import Context
+from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import exists_note
@@ -70,7 +70,7 @@ class _Planner:
             return None
         steps = tuple(_steps(recipe, document))
         return Plan(
-            name=recipe.name or path.stem,
+            name=recipe.name or as_text(path.stem),
             description=recipe.description,
             path=path,
             file=self.context.shown(path),
