@@ -111,7 +111,8 @@ def _hang(linking: Linking, part: Part) -> None:
         if part.mocap:
             body.set("mocap", "true")
         for joint in part.joints:
-            _child(linking, part, body, joint.tag, dict(joint.attributes))
+            added = _child(linking, part, body, joint.tag, dict(joint.attributes))
+            _declare_joint(linking, part, added)
         linking.names.declared.setdefault("body", {})[part.prefix] = body
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
@@ -128,6 +129,21 @@ def _hang(linking: Linking, part: Part) -> None:
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)
+
+
+def _declare_joint(linking: Linking, part: Part, joint: Node) -> None:
+    name = str(joint.get("name") or "")
+    if not name:
+        return
+    earlier = linking.names.declared.setdefault("joint", {}).setdefault(name, joint)
+    if earlier is not joint:
+        linking.sink.error(
+            "name-clash",
+            f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint",
+            part.span,
+            notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
+            help="choose another name",
+        )
 
 
 def _reading(linking: Linking) -> tuple[bool, str]:

@@ -43,7 +43,10 @@ class Joint:
 
 @dataclass(eq=False)
 class Part:
-    """A unit, the prefix that its names get (separator included), and how it hangs on the model."""
+    """A unit, the prefix that its names get (separator included), and how it hangs on the model.
+
+    `by_itself`: it stands in the world by the free joint, or as the mocap body, that it brings, wherever its place is.
+    """
 
     unit: Unit
     prefix: str
@@ -52,6 +55,7 @@ class Part:
     joints: tuple[Joint, ...] = ()
     weld: bool = False
     mocap: bool = False
+    by_itself: bool = False
     span: Span | None = None
     mount: Node | None = None
     top_class: str = ""
@@ -66,7 +70,7 @@ class Part:
     @property
     def floats(self) -> bool:
         """Whether it moves freely, so that it can only stand in the world."""
-        return self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
+        return self.by_itself or self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
 
 
 class Measure(Protocol):

@@ -10,11 +10,14 @@ from composer.diagnostics.diagnostic import Note
 from composer.link.layout import joint_type
 from composer.link.linking import Linking, Part
 from composer.tree.classes import childclass_of, through_frames
+from composer.tree.unit import Unit
 
 
 def roots(linking: Linking) -> None:
     """Weld what is asked to be welded; refuse what MuJoCo cannot have below a body."""
     for part in linking.parts:
+        if part.by_itself:
+            continue
         for body in list(_at_the_root(part.unit.root, "body")):
             for joint in list(_own_joints(body)):
                 if joint.tag != "freejoint" and joint_type(joint, part.unit.classes) != "free":
@@ -29,6 +32,19 @@ def roots(linking: Linking) -> None:
                 _mocap(linking, part, body)
         if part.place.kind != "world" or part.joints or part.mocap:
             _planes(linking, part)
+
+
+def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
+    """Whether the whole of a unit is one body that floats by a free joint of its own, or is a mocap body.
+
+    Such a part needs no other body around it to stand freely in the world.
+    """
+    top = [child for worldbody in unit.root.iterchildren("worldbody") for child in through_frames(worldbody)]
+    if len(top) != 1 or top[0].tag != "body":
+        return False
+    if mocap:
+        return top[0].get("mocap") == "true"
+    return any(joint_type(joint, unit.classes) == "free" for joint in _own_joints(top[0]))
 
 
 def _at_the_root(root: Node, tag: str) -> Iterator[Node]:
@@ -54,7 +70,12 @@ def _free_joint(linking: Linking, part: Part, body: Node, joint: Node) -> None:
     if part.place.kind == "world":
         help = "leave `joint` out: the part floats in the world by its own free joint"
     else:
-        help = f"write `joint: weld` to fix it there, or leave `{part.place.kind}` out to let it float in the world"
+        away = (
+            "`joint: free` to let it float in the world from there"
+            if floats_by_itself(part.unit)
+            else f"leave `{part.place.kind}` out to let it float in the world"
+        )
+        help = f"write `joint: weld` to fix it there, or {away}"
     linking.sink.error(
         "freejoint-on-body",
         f"`{part.called}` has a free joint at its root and cannot hang {_where(part)}: "
@@ -72,7 +93,13 @@ def _mocap(linking: Linking, part: Part, body: Node) -> None:
         "MuJoCo allows mocap bodies only in the world",
         part.place.span or part.span or linking.span(part.unit, body),
         notes=(Note(f"the mocap {_called(body)}", linking.span(part.unit, body)),),
-        help=f"leave `{'joint' if part.place.kind == 'world' else part.place.kind}` out: then it stands in the world",
+        help=(
+            "leave `joint` out: then it stands in the world"
+            if part.place.kind == "world"
+            else "write `joint: mocap` to put it into the world at the pose of that place"
+            if floats_by_itself(part.unit, mocap=True)
+            else f"leave `{part.place.kind}` out: then it stands in the world"
+        ),
     )
 
 
