@@ -26,9 +26,9 @@ class Context:
 
 
 def as_text(name: str) -> str:
-    """A file's name as text: bytes that are not UTF-8, which some file systems allow, are replaced.
+    r"""A file's name as text: bytes that are not UTF-8, which some file systems allow, are replaced.
 
-    >>> as_text("caf\\udce9")
+    >>> as_text("caf\udce9")
     'caf�'
     """
     return name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

@@ -75,7 +75,9 @@ class _Verbs(click.Group):
             if error.encoding.startswith("utf"):
                 self._bug(ctx, error)
             what = error.object[error.start : error.end].encode("ascii", "backslashreplace").decode()
-            click.echo(f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1", err=True)
+            click.echo(
+                f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1", err=True
+            )
             ctx.exit(_FAILED)
         except Exception as error:
             self._bug(ctx, error)

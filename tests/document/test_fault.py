@@ -87,6 +87,7 @@ def test_text_that_only_lacks_quotes(text: str, code: str, place: str, help: str
         ("a:\n  b: 1\n c: 2\n", "c", "the indentation of this line is that of no line above"),
         ("- a\nb: 1\n", "b", "a line without `-` stands among the items of a list"),
         ("a: 1\n- b\n", "-", "a list item stands among the keys of a mapping"),
+        ('a: "x\nb: "y"\n', '"', "this quote is not closed on its line"),
         ('a: "x" y\n', "y", "`y` follows a closing quote"),
         ("a: |x\n", "x", "`|` begins a text block, and its text begins on the next line"),
         ("a: ]\n", "]", "a value is missing before `]`"),
