@@ -169,3 +169,10 @@ def test_colon_at_the_end_of_text_in_brackets() -> None:
 
 def test_quoted_expressions_and_globs_are_fine() -> None:
     assert faults('a: [0, "${x}"]\nb: ${x} * 2\nc: "**/x"\nd: ${v[0]}\ne: "{l,r}/*"\nf: a*b/**\n') == []
+
+
+def test_no_space_before_a_list() -> None:
+    if sys.modules["composer.document.load"]._FAST is yaml.SafeLoader:
+        pytest.skip("PyYAML's own reader takes it for a key")
+    (fault,) = faults("a: {b:[1], c: 2}\n")
+    assert fault.message == "there is no space behind the colon of `b`" and fault.help == "write `b: [1]`"
