@@ -13,6 +13,7 @@ from composer.bundle.licences import licence_files, licence_folder
 from composer.bundle.manifest import Input, Manifest, Recipe, files_of, index_of, with_manifest
 from composer.context import Context, as_text
 from composer.grammar import GRAMMAR
+from composer.link.dedup import Merged
 from composer.link.linking import FileUse
 from composer.plan.plan import Plan
 from composer.sources.source import Source
@@ -25,13 +26,13 @@ if TYPE_CHECKING:
 
 def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
     """The bundle, still without its manifest; None where a file is missing."""
-    before = len(context.sink.errors)
+    before = context.sink.error_count
     uses = tuple(uses)
     files = collect(model, uses, context.sink, context.shown)
     licences = {label: source.licences for label, source in sources(plan)}
     try:
         files.update(licence_files(licences))
-        if len(context.sink.errors) > before:
+        if context.sink.error_count > before:
             return None
         return Bundle({**files, MODEL: write(model.root)})
     except (OSError, BundleError) as error:
@@ -39,7 +40,9 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
         return None
 
 
-def described(bundle: Bundle, plan: Plan, compiled: Compiled | None, context: Context) -> Bundle:
+def described(
+    bundle: Bundle, plan: Plan, compiled: Compiled | None, context: Context, merged: Merged
+) -> Bundle:
     """The bundle with its manifest; `compiled` is what MuJoCo made of it, None where nobody asked."""
     folder = plan.path.parent
     manifest = Manifest(
@@ -50,6 +53,7 @@ def described(bundle: Bundle, plan: Plan, compiled: Compiled | None, context: Co
         recipe=Recipe(path=as_text(plan.path.name), sha256=_sha256(plan.path)),
         inputs=tuple(_input(label, source, bundle, folder) for label, source in sources(plan)),
         files=files_of(bundle),
+        merged=merged,
         index=index_of(compiled.index) if compiled and compiled.index else None,
         warnings=tuple(f"{each.code}: {each.message}" for each in context.sink.diagnostics),
     )

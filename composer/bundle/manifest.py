@@ -6,6 +6,7 @@ It holds no time and no path of the machine it was made on, so that the same inp
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -124,6 +125,10 @@ class Manifest(_Part):
     draws: tuple[Draw, ...] = ()
     inputs: tuple[Input, ...] = ()
     files: tuple[File, ...]
+    merged: Mapping[str, Mapping[str, str]] = Field(
+        default={},
+        description="What `--dedup` merged, by kind: for each name that is gone, the name that stands for it.",
+    )
     index: Index | None = Field(default=None, description="null when the model was not verified.")
     warnings: tuple[str, ...] = ()
 

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import json
 import os
+import posixpath
+import re
 import stat
 import zipfile
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths
+
+_ROOT = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!.*?-->\s*)*<mujoco[\s>/]", re.DOTALL)
+_NAMED = re.compile(rb"""<(?:include|model)\s[^>]*?file\s*=\s*["']([^"']*)["']""")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +40,8 @@ def read(path: Path, limits: ReadLimits | None = None) -> Bundle:
     """The bundle in a folder, a zip or an MJZ. Raises ReadError.
 
     Links, paths that lead out, packed files that exceed the limits and encrypted ones are refused before
-    anything is unpacked. The model is what the manifest says, otherwise `model.xml`, otherwise `STEM.xml`.
+    anything is unpacked. The model is what the manifest says, otherwise `model.xml`, otherwise `STEM.xml`,
+    otherwise the one model there is that no other names.
     """
     limits = limits or ReadLimits()
     try:
@@ -113,7 +119,22 @@ def _model(files: dict[str, bytes], path: Path) -> str:
     for candidate in candidates:
         if isinstance(candidate, str) and candidate in files:
             return candidate
-    raise ReadError("file-unreadable", f"`{path}` has neither `{MODEL}` nor `{path.stem}.xml`")
+    models = _models(files)
+    if len(models) == 1:
+        return models[0]
+    several = f", and several other models: {', '.join(f'`{each}`' for each in models)}" if models else ""
+    raise ReadError("file-unreadable", f"`{path}` has neither `{MODEL}` nor `{path.stem}.xml`{several}")
+
+
+def _models(files: Mapping[str, bytes]) -> list[str]:
+    """The MJCF files that no other MJCF file includes or attaches."""
+    models = {path: content for path, content in files.items() if _ROOT.match(content)}
+    named = {
+        posixpath.basename(name.decode("utf-8", "replace"))
+        for content in models.values()
+        for name in _NAMED.findall(content)
+    }
+    return sorted(path for path in models if posixpath.basename(path) not in named)
 
 
 def _raise(error: OSError) -> None:

@@ -26,10 +26,14 @@ if TYPE_CHECKING:
     " default: build/NAME.zip.",
 )  # fmt: skip
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
+@click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
+              " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
 @reporting_options
-def command(recipe: Path, out: str | None, no_verify: bool, timeout: float, form: str, as_json: bool) -> None:
+def command(
+    recipe: Path, out: str | None, no_verify: bool, dedup: bool, timeout: float, form: str, as_json: bool
+) -> None:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.write import Form, form_of
@@ -46,7 +50,7 @@ def command(recipe: Path, out: str | None, no_verify: bool, timeout: float, form
         report(context, form)
         sys.exit(USAGE)
     progress(f"building {recipe}")
-    built = build(recipe, context, verified=not no_verify, limits=Limits(seconds=timeout))
+    built = build(recipe, context, verified=not no_verify, deduplicated=dedup, limits=Limits(seconds=timeout))
     if built is None:
         report(context, form)
         sys.exit(FINDINGS)
@@ -60,6 +64,8 @@ def command(recipe: Path, out: str | None, no_verify: bool, timeout: float, form
         sys.exit(FINDINGS)
     if out != "-":
         _say(built, target, form)
+    elif built.merged:
+        click.echo(_merging(built), err=True)
 
 
 def _file_name(name: str) -> str:
@@ -88,7 +94,14 @@ def _say(built: Built, out: str, form: str) -> None:
 
     sizes = built.compiled.sizes if built.compiled else {}
     if form == "json":
-        told = {"output": out, "name": built.plan.name, "sha256": built.bundle.sha256, "sizes": dict(sizes)}
+        told: dict[str, object] = {
+            "output": out,
+            "name": built.plan.name,
+            "sha256": built.bundle.sha256,
+            "sizes": dict(sizes),
+        }
+        if built.merged:
+            told["merged"] = {kind: dict(names) for kind, names in built.merged.items()}
         click.echo(json.dumps(told))
         return
     click.echo(f"wrote {out}")
@@ -99,7 +112,17 @@ def _say(built: Built, out: str, form: str) -> None:
         click.echo(f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
     else:
         click.echo("  not verified: MuJoCo has not compiled it")
+    if built.merged:
+        click.echo(_merging(built))
     click.echo(f"  contents sha256 {built.bundle.sha256}")
+
+
+def _merging(built: Built) -> str:
+    plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
+    counts = ", ".join(
+        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in built.merged.items()
+    )
+    return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
 
 
 def _count(number: int, noun: str, plural: str | None = None) -> str:

@@ -18,6 +18,7 @@ _VERBS = {
     "build": "Build the model of a recipe: one MJCF file and its assets.",
     "check": "Say whether a recipe is right, without writing anything.",
     "plan": "Print in words what a build will do.",
+    "explain": "Say where an element or attribute came from, and what changed it.",
     "new": "Write a commented starter recipe that builds.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }

@@ -17,13 +17,20 @@ from composer.cli.reporting import FINDINGS, report, reporting_options
 def command(recipe: Path, form: str, as_json: bool) -> None:
     """Print what a build of RECIPE will do, step by step."""
     from composer.context import Context
-    from composer.plan.describe import as_data, describe
+    from composer.plan.describe import Subtrees, as_data, describe
     from composer.plan.make import make_plan
 
     form = "json" if as_json else form
     context = Context()
     plan = make_plan(recipe, context)
+    subtrees: Subtrees = {}
+    if plan is not None and plan.takes_subtrees:
+        from composer.steps.left_behind import left_behind
+
+        subtrees = left_behind(plan, context)
     report(context, form)
     if plan is None:
         sys.exit(FINDINGS)
-    click.echo(json.dumps(as_data(plan), indent=2) if form == "json" else describe(plan))
+    click.echo(json.dumps(as_data(plan, subtrees), indent=2) if form == "json" else describe(plan, subtrees))
+    if context.sink.has_errors:
+        sys.exit(FINDINGS)

@@ -42,7 +42,7 @@ def report(context: Context, form: str, *, err: bool = False) -> None:
             click.echo(github.render(diagnostic), err=err)
         return
     color = use_color()
-    read = _reader(context.folder)
+    read = source_reader(context.folder)
     for diagnostic in found:
         click.echo(text.render(diagnostic, read, color) + "\n", err=True, color=color)
     if found:
@@ -65,7 +65,9 @@ def on_terminal() -> bool:
     return sys.stderr is not None and sys.stderr.isatty()
 
 
-def _reader(folder: Path) -> text.ReadSource:
+def source_reader(folder: Path) -> text.ReadSource:
+    """The text of a file that messages name, read once; None where it cannot be read."""
+
     @lru_cache(maxsize=32)
     def read(file: str) -> str | None:
         try:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 from composer.diagnostics.codes import CODES
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
+
+_QUOTED = re.compile(r"`([^`]*)`")
+_STEP = re.compile(r"[/:.\s]")
 
 
 class Sink:
@@ -18,15 +22,32 @@ class Sink:
     def __init__(self) -> None:
         # A dict keeps the order of insertion and finds repetitions in constant time.
         self._found: dict[Diagnostic, None] = {}
-        self._errors: list[Diagnostic] = []
+        self.error_count = 0
+        """How often there was an error, those told before and those not told included."""
+        self._forgiven: set[str] = set()
+
+    def forgive(self, names: Iterable[str]) -> None:
+        """From now on tell only errors that speak of none of these names, nor of what is named below one.
+
+        An earlier fault took them away, so that what lacks them may be right. Such errors stop the work all the same.
+        """
+        self._forgiven.update(names)
+
+    def _is_forgiven(self, diagnostic: Diagnostic) -> bool:
+        if diagnostic.severity is not Severity.ERROR:
+            return True
+        named = _QUOTED.findall(diagnostic.message)
+        return any(
+            name in self._forgiven or not self._forgiven.isdisjoint(_STEP.split(name)) for name in named
+        )
 
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code not in CODES:
             raise KeyError(diagnostic.code)
-        if diagnostic not in self._found:
+        if diagnostic.severity is Severity.ERROR:
+            self.error_count += 1
+        if diagnostic not in self._found and not (self._forgiven and self._is_forgiven(diagnostic)):
             self._found[diagnostic] = None
-            if diagnostic.severity is Severity.ERROR:
-                self._errors.append(diagnostic)
 
     def error(
         self,
@@ -72,12 +93,13 @@ class Sink:
 
     @property
     def errors(self) -> list[Diagnostic]:
-        """The diagnostics that stop the work, in the order they were added."""
-        return list(self._errors)
+        """The errors that are told, in the order they were added."""
+        return [each for each in self._found if each.severity is Severity.ERROR]
 
     @property
     def has_errors(self) -> bool:
-        return bool(self._errors)
+        """Whether the work must stop."""
+        return self.error_count > 0
 
 
 def _place(diagnostic: Diagnostic) -> tuple[bool, str, int, int]:

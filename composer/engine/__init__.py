@@ -1,8 +1,9 @@
 """MuJoCo in a child process with limits, so that a crash, a hang or a log file never reaches the user.
 
 `compile` tells whether a model compiles and what is in it, `measure` brings back arrays of the compiled
-model, `Session` keeps the child process for several calls. The parent never imports MuJoCo; a missing
-installation is an answer (`Compiled.crash == "missing"`), no exception. What is not used is not imported.
+model, `convert_urdf` makes MJCF of URDF, `Session` keeps the child process for several calls. The parent never
+imports MuJoCo; a missing installation is an answer (`Compiled.crash == "missing"`), no exception. What is not
+used is not imported.
 """
 
 from __future__ import annotations
@@ -17,11 +18,14 @@ if TYPE_CHECKING:
     from composer.engine.request import Request
     from composer.engine.run import call, compile, measure, run_many
     from composer.engine.session import Session
+    from composer.engine.urdf import PACKAGE, Converted, convert_urdf
 
 __all__ = [
+    "PACKAGE",
     "Actuator",
     "Called",
     "Compiled",
+    "Converted",
     "Index",
     "Joint",
     "Limits",
@@ -31,6 +35,7 @@ __all__ = [
     "Session",
     "call",
     "compile",
+    "convert_urdf",
     "measure",
     "run_many",
 ]
@@ -42,6 +47,7 @@ _ROOMS = {
     "request": ("Request",),
     "run": ("call", "compile", "measure", "run_many"),
     "session": ("Session",),
+    "urdf": ("PACKAGE", "Converted", "convert_urdf"),
 }
 _HOME = {name: room for room, names in _ROOMS.items() for name in names}
 

@@ -84,14 +84,14 @@ def _ask(session: Session, request: Request) -> Measured:
 
 def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> Compiled:
     def relative(text: str | None) -> str | None:
-        return None if text is None else _without_folder(text, request.folder)
+        return None if text is None else without_folder(text, request.folder)
 
     names = answer.get("names")
     return Compiled(
         ok=answer["ok"],
         error=relative(answer.get("error")),
         crash=answer.get("crash"),
-        warnings=_distinct(_without_folder(text, request.folder) for text in answer.get("warnings", ())),
+        warnings=_distinct(without_folder(text, request.folder) for text in answer.get("warnings", ())),
         mujoco_version=version,
         sizes=answer.get("sizes", {}),
         forward=relative(answer.get("forward")),
@@ -100,7 +100,7 @@ def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> 
     )
 
 
-def _without_folder(text: str, folder: Path) -> str:
+def without_folder(text: str, folder: Path) -> str:
     """`text` with paths below `folder` made relative to it; who reads it never chose that folder."""
     for form in (str(folder.absolute()), str(folder.resolve())):
         text = text.replace(form.rstrip("/\\") + "/", "").replace(form.rstrip("/\\") + "\\", "")

@@ -14,38 +14,48 @@ from composer.tree.skin_file import BadSkin, rename_bones
 from composer.tree.unit import Unit
 
 ASSETS = "assets"
+# Where each path of the bundle comes from, by the path in lower case: some file systems do not tell cases apart.
+Taken = dict[str, tuple[str, bytes | None]]
 
 
 def files(linking: Linking) -> None:
     """`assets/LABEL/path` for each file; two units of one label share a folder only while no path clashes."""
-    taken: dict[str, tuple[str, bytes | None]] = {}
+    taken: Taken = {}
     for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
-        directory = str(unit.directory)
-        mesh_folder = join(directory, unit.settings.mesh_folder)
-        texture_folder = join(directory, unit.settings.texture_folder)
-        simple = not unit.contents and unit.settings.strippath != "true"
-        target = f"{ASSETS}/{unit.label}/"
-        use = linking.files.append
-        for element, attribute, name in file_attributes(unit.root):
-            tag = element.tag
-            if simple and tag != "skin" and is_plain(name):  # most files: no path to be shortened
-                path = target + name
-                source = f"{texture_folder if tag == 'texture' else mesh_folder}/{name}"
-                key = path.lower()
-                if key not in taken:
-                    taken[key] = (source, None)
-                    element.set(attribute, path)
-                    use(FileUse(element, attribute, path, source, None))
-                    continue
-            written = written_path(unit.settings, element, name)
-            known = unit.contents.get(written) if unit.contents else None
-            source = str(known) if isinstance(known, Path) else join(directory, written)
-            content = known if isinstance(known, bytes) else None
-            if prefix and element.tag == "skin":
-                content = _skin(linking, unit, element, prefix, source, content)
-            path = _free(unit, written, source, content, taken)
-            element.set(attribute, path)
-            use(FileUse(element, attribute, path, source, content))
+        named = list(file_attributes(unit.root))
+        if named:
+            _give_paths(linking, unit, prefix, named, taken)
+
+
+def _give_paths(
+    linking: Linking, unit: Unit, prefix: str, named: list[tuple[Node, str, str]], taken: Taken
+) -> None:
+    directory = str(unit.directory)
+    folders = {"texture": join(directory, unit.settings.texture_folder)}
+    mesh_folder = join(directory, unit.settings.mesh_folder)
+    simple = not unit.contents and unit.settings.strippath != "true"
+    target = f"{ASSETS}/{unit.label}/"
+    use = linking.files.append
+    for element, attribute, name in named:
+        tag = element.tag
+        if simple and tag != "skin" and is_plain(name):  # most files: no path to be shortened
+            path = target + name
+            key = path.lower()
+            if key not in taken:
+                source = f"{folders.get(tag, mesh_folder)}/{name}"
+                taken[key] = (source, None)
+                element.set(attribute, path)
+                use(FileUse(element, attribute, path, source, None))
+                continue
+        written = written_path(unit.settings, element, name)
+        known = unit.contents.get(written) if unit.contents else None
+        source = str(known) if isinstance(known, Path) else join(directory, written)
+        content = known if isinstance(known, bytes) else None
+        if prefix and tag == "skin":
+            content = _skin(linking, unit, element, prefix, source, content)
+        path = _free(unit, written, source, content, taken)
+        element.set(attribute, path)
+        use(FileUse(element, attribute, path, source, content))
 
 
 def _skin(
@@ -62,9 +72,7 @@ def _skin(
         return content
 
 
-def _free(
-    unit: Unit, written: str, source: str, content: bytes | None, taken: dict[str, tuple[str, bytes | None]]
-) -> str:
+def _free(unit: Unit, written: str, source: str, content: bytes | None, taken: Taken) -> str:
     below = inside(unit.settings, written)
     path = f"{ASSETS}/{unit.label}/{below}"
     if (

@@ -5,12 +5,13 @@ The model itself always says `inertiafromgeom="auto"` and `inertiagrouprange="0 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable
 
 from lxml.etree import _Element as Node
 
 from composer.link import numbers
 from composer.link.linking import Linking
+from composer.link.survey import BODIES, Survey, cannot_be_kept, survey
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
 from composer.tree.settings import Settings
 from composer.tree.unit import Unit
@@ -18,8 +19,7 @@ from composer.tree.unit import Unit
 _DEFAULT = Settings()
 # Rules that change a whole model after its parts: only MuJoCo can say what they give.
 MEASURED = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")
-ARRAYS = ("body_mass", "body_ipos", "body_iquat", "body_inertia")
-_EXPANDED = ("replicate", "flexcomp", "composite", "attach")
+_RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 
 
 def inertia(linking: Linking) -> None:
@@ -29,7 +29,7 @@ def inertia(linking: Linking) -> None:
     for unit in linking.units:
         settings = unit.settings
         if any(getattr(settings, name) != getattr(_DEFAULT, name) for name in MEASURED):
-            _measure(linking, unit)
+            write_inertias(linking, unit)
             continue
         if settings.inertiagrouprange.split() != ["0", "5"]:
             _leave_out_groups(unit, *(int(bound) for bound in settings.inertiagrouprange.split()))
@@ -43,32 +43,14 @@ def _bodies(unit: Unit) -> list[Node]:
     return [element for element, _ in walk_bodies(unit.root) if element.tag == "body"]
 
 
-def measure_alone(
-    linking: Linking, unit: Unit, setting: str, arrays: tuple[str, ...]
-) -> Mapping[str, list[float]] | None:
-    """Arrays of the unit compiled alone, in the order of its own elements; tells where that cannot be had."""
-    compiler = next(unit.root.iterchildren("compiler"), unit.root)
-    expanded = next(unit.root.iter(*_EXPANDED), None)
-    if expanded is None and linking.measure is not None:
-        return linking.measure(unit, arrays) or None
-    why = f"`<{expanded.tag}>` is expanded by MuJoCo" if expanded is not None else "MuJoCo is not at hand"
-    linking.sink.error(
-        "compiler-setting",
-        f"{setting} of `{unit.label}` cannot be kept in a composition: {why}",
-        linking.span(unit, compiler, setting.split("`")[1]),
-        help="remove the setting from the source, or write the values it gives",
-    )
-    return None
-
-
-def _own(body: Node, *tags: str) -> list[Node]:
+def own(body: Node, *tags: str) -> list[Node]:
     """Elements of those tags that belong to the body itself, frames being transparent."""
     found: list[Node] = []
     for child in body:
         if child.tag in tags:
             found.append(child)
         elif child.tag in ("frame", "replicate"):
-            found.extend(_own(child, *tags))
+            found.extend(own(child, *tags))
     return found
 
 
@@ -85,15 +67,15 @@ def _from_geoms(unit: Unit) -> None:
     """`true`: geoms win over a written inertial; a body without geoms keeps it."""
     classes = unit.classes
     for body in _bodies(unit):
-        inertials = _own(body, "inertial")
-        if inertials and any(_has_mass(geom, classes) for geom in _own(body, "geom")):
+        inertials = own(body, "inertial")
+        if inertials and any(has_mass(geom, classes) for geom in own(body, "geom")):
             for inertial in inertials:
                 holder = inertial.getparent()
                 assert holder is not None
                 holder.remove(inertial)
 
 
-def _has_mass(geom: Node, classes: Classes) -> bool:
+def has_mass(geom: Node, classes: Classes) -> bool:
     childclass = childclass_of(geom)
     mass = classes.effective(geom, childclass, "mass")
     if mass is not None:
@@ -106,9 +88,9 @@ def _never_from_geoms(linking: Linking, unit: Unit) -> None:
     """`false`: a body without a written inertial has no mass, whatever its geoms."""
     classes = unit.classes
     for body in _bodies(unit):
-        if not _own(body, "inertial"):
-            for geom in _own(body, "geom"):
-                if _has_mass(geom, classes):
+        if not own(body, "inertial"):
+            for geom in own(body, "geom"):
+                if has_mass(geom, classes):
                     geom.set("mass", "0")
             body.insert(0, body.makeelement("inertial", {**_pose(body), "mass": "0", "diaginertia": "0 0 0"}))
 
@@ -119,24 +101,50 @@ def _pose(body: Node) -> dict[str, str]:
     return {"pos": "0 0 0", **written}
 
 
-def _measure(linking: Linking, unit: Unit) -> None:
+def write_inertias(linking: Linking, unit: Unit) -> None:
     """Compile the unit alone and write the inertia of every body as MuJoCo has it."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
-    arrays = measure_alone(linking, unit, " and ".join(f"`{name}`" for name in wanting), ARRAYS)
-    if arrays is None:
-        return
-    for at, body in enumerate(_bodies(unit), start=1):
-        for inertial in _own(body, "inertial"):
+    settings = " and ".join(f"`{name}`" for name in wanting)
+    found = survey(linking, unit, settings, BODIES)
+    if found is not None:
+        write_measured(linking, unit, settings, _bodies(unit), found)
+
+
+def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
+    """Write what a survey found of the inertia of changed bodies; of all where a rule of the unit says so.
+
+    Afterwards the unit has MuJoCo's own rules, in the place of those that the survey has applied.
+    """
+    ruled = [
+        name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()
+    ]
+    settings = " and ".join(f"`{name}`" for name in ruled) or "`fusestatic`"
+    bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
+    if write_measured(linking, unit, settings, bodies, found):
+        unit.forget_settings(*ruled)
+
+
+def write_measured(
+    linking: Linking, unit: Unit, settings: str, bodies: Iterable[Node], found: Survey
+) -> bool:
+    """Give each of these bodies the inertia that a survey found for it; tells where that is impossible."""
+    flexible = next(unit.root.iter("flexcomp"), None)
+    if flexible is not None and any(name in settings for name in MEASURED):
+        cannot_be_kept(linking, unit, settings, "`<flexcomp>` is expanded by MuJoCo")
+        return False
+    for body in bodies:
+        rows = [found.values(body, array, width) for array, width in zip(BODIES, (1, 3, 4, 3), strict=True)]
+        mass, pos, quat, moments = rows
+        if mass is None or pos is None or quat is None or moments is None:
+            cannot_be_kept(linking, unit, settings, "the copies of a body differ", body)
+            return False
+        for inertial in own(body, "inertial"):
             holder = inertial.getparent()
             assert holder is not None
             holder.remove(inertial)
-        mass, moments = arrays["body_mass"][at], arrays["body_inertia"][3 * at : 3 * at + 3]
-        values = {
-            "pos": numbers.text(arrays["body_ipos"][3 * at : 3 * at + 3]),
-            "quat": numbers.text(arrays["body_iquat"][4 * at : 4 * at + 4]),
-            "mass": numbers.text([mass]),
-            "diaginertia": numbers.text(moments),
-        }
-        if mass or any(moments) or _own(body, "geom"):
-            inertial = body.makeelement("inertial", values)
-            body.insert(0, inertial)
+        if any(mass) or any(moments) or own(body, "geom"):
+            values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
+            body.insert(
+                0, body.makeelement("inertial", {name: numbers.text(given) for name, given in values.items()})
+            )
+    return True

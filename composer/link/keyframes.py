@@ -24,7 +24,7 @@ from composer.tree.line import line_of
 from composer.tree.unit import Unit
 
 _LAST_LINE = 65535  # that lxml lets be set
-_VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
+VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
 _IDENTITY = {"free": ("0 0 0 1 0 0 0".split()), "ball": "1 0 0 0".split()}
 
 
@@ -43,12 +43,12 @@ def layouts(linking: Linking) -> None:
     """Note how each unit lays out its keys, while it is still by itself."""
     for unit in linking.units if linking.parts else ():
         _write_padding(unit)
-    keeping = [part for part in linking.parts if part.keyframes != "none" and _keys(part.unit)]
-    if not keeping and not _keys(linking.base):
+    keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
+    if not keeping and not keys_of(linking.base):
         return
-    linking.base_layout = _layout_of(linking, linking.base)
+    linking.base_layout = layout_of(linking, linking.base)
     for part in linking.parts:
-        part.layout = _layout_of(linking, part.unit)
+        part.layout = layout_of(linking, part.unit)
 
 
 def keyframes(linking: Linking) -> None:
@@ -82,7 +82,7 @@ def keyframes(linking: Linking) -> None:
             element.set("name", merged.name)
         if merged.time is not None:
             element.set("time", merged.time)
-        for vector in _VECTORS:
+        for vector in VECTORS:
             if vector in merged.values:
                 row = reference.row(vector, final, merged.values[vector])
                 if row:
@@ -98,7 +98,7 @@ def _check_kept(linking: Linking, keys: Iterable[_Key]) -> None:
     """Tell what a key says that cannot be laid out anew."""
     keeping = [linking.base, *(part.unit for part in linking.parts if part.keyframes != "none")]
     for unit in keeping:
-        for key in _keys(unit):
+        for key in keys_of(unit):
             if key.get("plastic"):
                 linking.sink.error(
                     "not-supported",
@@ -112,7 +112,8 @@ def _check_kept(linking: Linking, keys: Iterable[_Key]) -> None:
                 _not_laid_out(linking, linking.base, Unknown(replicate))
 
 
-def _keys(unit: Unit) -> list[Node]:
+def keys_of(unit: Unit) -> list[Node]:
+    """The `<key>` elements of a unit."""
     return [key for section in unit.root.iterchildren("keyframe") for key in section.iterchildren("key")]
 
 
@@ -120,11 +121,12 @@ def _write_padding(unit: Unit) -> None:
     """`<size nkey>` pads with default keys: as written keys they stay with the part that asks for them."""
     for size in unit.root.iterchildren("size"):
         count = int(str(size.attrib.pop("nkey", "-1")))
-        for _ in range(len(_keys(unit)), count):
+        for _ in range(len(keys_of(unit)), count):
             unit.section("keyframe").append(unit.root.makeelement("key"))
 
 
-def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
+def layout_of(linking: Linking, unit: Unit) -> Layout | None:
+    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is told."""
     try:
         layout = lay_out(unit, {})
     except Unknown:
@@ -186,7 +188,7 @@ def _same(final: Layout, before: Layout) -> bool:
 
 
 def _collect(linking: Linking, unit: Unit, layout: Layout, part: Part | None, keys: dict[str, _Key]) -> None:
-    for number, element in enumerate(_keys(unit)):
+    for number, element in enumerate(keys_of(unit)):
         own = str(element.get("name") or "")
         name = own if part is None or part.keyframes == "merge" or not own else part.prefix + own
         time = element.get("time")
@@ -198,7 +200,7 @@ def _collect(linking: Linking, unit: Unit, layout: Layout, part: Part | None, ke
             _times_differ(linking, unit, element, key)
         elif key.time is None:
             key.time = time
-        for vector in _VECTORS:
+        for vector in VECTORS:
             text = str(element.get(vector) or "").split()
             if text:
                 _take(linking, unit, layout, part, element, key, vector, text)
@@ -214,18 +216,32 @@ def _take(
     vector: str,
     text: list[str],
 ) -> None:
-    holders = _holders(layout, vector)
-    total = sum([width for _, width in holders])
+    columns = cut_row(linking, unit, layout, element, vector, text)
+    if columns is None:
+        return
+    if part is not None:
+        if vector in ("qpos", "qvel"):
+            _check_flexes(linking, part, layout, element, vector, columns)
+        _carry(part, layout, vector, columns)
+    key.values.setdefault(vector, {}).update(columns)
+
+
+def cut_row(
+    linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str, text: list[str]
+) -> dict[Node, list[str]] | None:
+    """The numbers of one vector of a key by joint, actuator or body; short rows give fewer, wrong ones are told."""
+    owners = holders(layout, vector)
+    total = sum([width for _, width in owners])
     if len(text) > total:
         linking.sink.error(
             "keyframe-conflict",
             f"`{vector}` of {_called(element)} has {len(text)} numbers, and `{unit.file}` has room for {total}",
             linking.span(unit, element, vector),
         )
-        return
-    taken = key.values.setdefault(vector, {})
+        return None
+    taken: dict[Node, list[str]] = {}
     at = 0
-    for holder, width in holders:
+    for holder, width in owners:
         if at + width > len(text):
             if at < len(text) and vector not in ("mpos", "mquat"):  # MuJoCo ignores half a pose there
                 linking.sink.error(
@@ -237,15 +253,15 @@ def _take(
             break
         taken[holder] = text[at : at + width]
         at += width
-    if part is not None:
-        _check_flexes(linking, part, element, vector, taken)
-        _carry(part, layout, vector, taken)
+    return taken
 
 
-def _check_flexes(linking: Linking, part: Part, key: Node, vector: str, taken: Mapping[Node, object]) -> None:
+def _check_flexes(
+    linking: Linking, part: Part, layout: Layout, key: Node, vector: str, taken: Mapping[Node, object]
+) -> None:
     """The bodies of a flex do not turn with the frames above it, so that its numbers mean other directions there."""
-    for block in taken if vector in ("qpos", "qvel") else ():
-        if block.tag == "flexcomp" and _is_turned(part, block):
+    for block, slot in layout.joints.items():
+        if slot.kind == BLOCK and block in taken and block.tag == "flexcomp" and _is_turned(part, block):
             linking.sink.error(
                 "not-supported",
                 f"`{vector}` of {_called(key)} has the vertices of a flex, which `{part.called}` turns",
@@ -270,7 +286,8 @@ def _called(key: Node) -> str:
     return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
 
 
-def _holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
+def holders(layout: Layout, vector: str) -> list[tuple[Node, int]]:
+    """What the numbers of a vector belong to, in their order, each with how many are its own."""
     if vector in ("qpos", "qvel"):
         return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
     if vector in ("ctrl", "act"):

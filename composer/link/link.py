@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from composer.link.agreement import agreement
+from composer.link.alignment import alignment
 from composer.link.angles import angles
 from composer.link.bodies import bodies
-from composer.link.compiler import check_settings, compiler
+from composer.link.compiler import compiler
 from composer.link.defaults import choose_classes, defaults
 from composer.link.files import files
 from composer.link.fitting import fitting
@@ -16,6 +17,7 @@ from composer.link.keyframes import keyframes, layouts
 from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
+from composer.link.reductions import reductions
 from composer.link.roots import check_planes, roots
 from composer.link.sections import sections
 from composer.link.submodels import submodels
@@ -24,8 +26,9 @@ Pass = Callable[[Linking], None]
 
 # In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
 PASSES: tuple[Pass, ...] = (
+    reductions,
     choose_classes,
-    check_settings,
+    alignment,
     inertia,
     fitting,
     lengthranges,
@@ -45,7 +48,7 @@ PASSES: tuple[Pass, ...] = (
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, check_planes)
+_HINDERS_NOTHING = (alignment, agreement, roots, names, bodies, check_planes)
 
 
 def link(linking: Linking) -> bool:
@@ -53,10 +56,11 @@ def link(linking: Linking) -> bool:
 
     False where a pass found errors that later passes cannot live with; then the names of the model are not known.
     """
-    before = len(linking.sink.errors)
+    before = linking.sink.error_count
     for link_pass in PASSES:
         link_pass(linking)
-        after = len(linking.sink.errors)
+        linking.watch(linking.units, link_pass)
+        after = linking.sink.error_count
         if after > before and link_pass not in _HINDERS_NOTHING:
             return False
         before = after
@@ -66,5 +70,6 @@ def link(linking: Linking) -> bool:
 def finish(linking: Linking) -> None:
     """What must wait until nothing more is added to the model: the keyframes."""
     keyframes(linking)
+    linking.watch(linking.units, keyframes)
     for part in linking.parts:
         linking.base.origins.adopt(part.unit.origins)

@@ -15,6 +15,7 @@ from composer.link.layout import Layout, Slot
 from composer.pose import Pose
 from composer.tree.names import Names
 from composer.tree.unit import Unit
+from composer.tree.watch import Watch, nobody
 
 Policy = Literal["error", "warning", "merge"]
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -98,7 +99,8 @@ class Linking:
     """The state that the passes share, from parts apart to one flat model.
 
     `settled` holds the option paths (`option/cone`) that the recipe sets itself: no conflict there. `isolate_base` has
-    the tags for which it sets the base's top class, which must not reach the parts.
+    the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
+    `alignfree`.
     """
 
     base: Unit
@@ -109,8 +111,10 @@ class Linking:
     settled: frozenset[str] = frozenset()
     isolate_base: frozenset[str] = frozenset()
     measure: Measure | None = None
+    watch: Watch = nobody
     names: Names = field(default_factory=Names)
     base_class: str | None = None
+    aligned: bool = False
     base_layout: Layout | None = None
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)

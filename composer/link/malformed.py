@@ -25,7 +25,7 @@ def malformed(units: Iterable[Unit], sink: Sink) -> bool:
 
     The units are those of the files as they are: in one that was being linked the value may be gone already.
     """
-    before = len(sink.errors)
+    before = sink.error_count
     for unit in units:
         for element, attribute in _values(unit.root):
             answer = check_value(attribute, str(element.get(attribute.name)))
@@ -36,7 +36,7 @@ def malformed(units: Iterable[Unit], sink: Sink) -> bool:
                 sink.error(
                     code, f"`{attribute.name}` of `<{element.tag}>` {message}", span, help=help or None
                 )
-    return len(sink.errors) > before
+    return sink.error_count > before
 
 
 def _values(root: Node) -> Iterator[tuple[Node, Attribute]]:

@@ -39,15 +39,13 @@ def names(linking: Linking) -> None:
 def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part | None) -> None:
     found = rename(unit, prefix, top_class)
     for namespace, name, element in found.repeated:
-        repeated(linking, unit, prefix, (namespace, name, element, found.declared[namespace][name]))
+        repeated(linking, unit, prefix, (namespace, name, element, found.declared(namespace)[name]))
     for namespace, name, element in found.dangling():
         if not may_be_generated(name, unit.root):
-            loose_end(linking, unit, prefix, namespace, name, element, found.declared[namespace])
+            loose_end(linking, unit, prefix, namespace, name, element, found.declared(namespace))
     clashes: list[Clash] = []
     known = linking.names.declared
-    for namespace, declared in found.declared.items():
-        if not declared:
-            continue
+    for namespace, declared in found.all_declared():
         earlier_ones = known.setdefault(namespace, declared)
         if earlier_ones is declared:
             continue
@@ -59,29 +57,40 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part 
         clash_with_others(linking, part, clashes)
 
 
-class _Found:
-    """The names of one unit as they are in the model, by namespace, each with the first element that has it.
+class Found:
+    """The names of one unit as they are in the model, by slot (see `_slots`), each with the first element that has it.
 
-    `declared` are its own names, `wanted` those it refers to; `repeated` has the elements that declare one again.
+    `repeated` has the elements that declare a name again.
     """
 
     def __init__(self) -> None:
-        self.declared: dict[str, dict[str, Node]] = {namespace: {} for namespace in _namespaces()}
-        self.wanted: dict[str, dict[str, Node]] = {namespace: {} for namespace in _namespaces()}
+        self.by_slot: list[dict[str, Node]] = [{} for _ in range(2 * len(_namespaces()) + 2)]
         self.repeated: list[tuple[str, str, Node]] = []
+
+    def declared(self, namespace: str) -> dict[str, Node]:
+        return self.by_slot[1 + _namespaces().index(namespace)]
+
+    def wanted(self, namespace: str) -> dict[str, Node]:
+        return self.by_slot[1 + len(_namespaces()) + _namespaces().index(namespace)]
+
+    def all_declared(self) -> Iterator[tuple[str, dict[str, Node]]]:
+        """Every namespace in which something is declared, with the names."""
+        return (
+            (namespace, names)
+            for namespace, names in zip(_namespaces(), self.by_slot[1:], strict=False)
+            if names
+        )
 
     def repeat(self, namespace: str, name: str, element: Node) -> None:
         if namespace not in _MAY_REPEAT:
             self.repeated.append((namespace, name, element))
 
-    def want(self, namespace: str, name: str, element: Node) -> None:
-        self.wanted[namespace].setdefault(name, element)
-
     def dangling(self) -> Iterator[tuple[str, str, Node]]:
-        for namespace, wanted in self.wanted.items():
-            declared = self.declared[namespace]
-            if wanted and not wanted.keys() <= declared.keys():
-                yield from ((namespace, name, wanted[name]) for name in wanted if name not in declared)
+        """What is referred to and not declared: namespace, name and who refers to it."""
+        spaces = _namespaces()
+        for slot, wanted in enumerate(self.by_slot[1 + len(spaces) : -1], 1):
+            if wanted and not wanted.keys() <= (declared := self.by_slot[slot]).keys():
+                yield from ((spaces[slot - 1], name, wanted[name]) for name in wanted if name not in declared)
 
 
 @cache
@@ -111,17 +120,15 @@ def _slots(section: str) -> dict[str, dict[str, int]]:
     return table
 
 
-def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
+def rename(unit: Unit, prefix: str, top_class: str) -> Found:
     """Prefix a unit in place and give the names it has.
 
     This is the one walk over every element of every part: an attribute that holds no name costs one look into a
     dictionary, one that does is written and noted at once.
     """
-    found = _Found()
-    unheeded: dict[str, Node] = {}
-    by_slot = [unheeded, *found.declared.values(), *found.wanted.values(), unheeded]
-    note = [names.setdefault for names in by_slot]
-    last_declared = len(found.declared)
+    found = Found()
+    by_slot = found.by_slot
+    last_declared = len(_namespaces())
     for section in unit.root.iterchildren("*"):
         table = _slots(section.tag)
         if not table:
@@ -140,16 +147,19 @@ def rename(unit: Unit, prefix: str, top_class: str) -> _Found:
                     if prefix:
                         value = prefix + value
                         element.set(key, value)
-                    if note[slot](value, element) is not element and slot <= last_declared:
+                    known = by_slot[slot]
+                    if value not in known:
+                        known[value] = element
+                    elif slot <= last_declared:
                         found.repeat(_namespaces()[slot - 1], value, element)
-        if section.tag == "asset":
+        if section.tag in ("asset", "deformable"):
             _name_assets(section, prefix, found)
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
     # Nobody declares these two.
     for namespace, reserved, meant in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
-        if found.wanted[namespace].pop(prefix + reserved, None) is not None and prefix + reserved != meant:
+        if found.wanted(namespace).pop(prefix + reserved, None) is not None and prefix + reserved != meant:
             _put_right(unit, namespace, prefix + reserved, meant)
     return found
 
@@ -164,7 +174,7 @@ def _put_right(unit: Unit, namespace: str, name: str, meant: str) -> None:
                     element.set(key, meant)
 
 
-def _rename_special(found: _Found, element: Node, key: str, prefix: str, section: Node) -> None:
+def _rename_special(found: Found, element: Node, key: str, prefix: str, section: Node) -> None:
     """Values that are no plain name: empty, lists, prefixes for more names, and names typed by a sibling."""
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
     value = str(element.get(key))
@@ -175,29 +185,31 @@ def _rename_special(found: _Found, element: Node, key: str, prefix: str, section
         names = [each if each == WORLD else prefix + each for each in value.split()]
         for each in names:
             if each != WORLD:
-                found.want(namespace, each, element)
+                found.wanted(namespace).setdefault(each, element)
         name = " ".join(names)
     elif kind == REFERS_BY:
         target = object_namespace(element, namespace)
         if value == WORLD and target in (None, "body"):
             return
         if target:
-            found.want(target, name, element)
+            found.wanted(target).setdefault(name, element)
     if name != value:
         element.set(key, name)
 
 
-def _name_assets(section: Node, prefix: str, found: _Found) -> None:
+def _name_assets(section: Node, prefix: str, found: Found) -> None:
     """Where MuJoCo takes the name from the file, write it if a prefix must stand before it."""
-    for element in section.iterchildren(*NAMED_AFTER_FILE):
-        if not element.get("name"):
-            file = element.get("file")
-            if file:
-                name = prefix + stem(file)
-                if prefix:
-                    element.set("name", name)
-                if found.declared[element.tag].setdefault(name, element) is not element:
-                    found.repeat(element.tag, name, element)
+    for tag in NAMED_AFTER_FILE:
+        declared = found.declared(tag)
+        for element in section.iterchildren(tag):
+            if not element.get("name"):
+                file = element.get("file")
+                if file:
+                    name = prefix + stem(file)
+                    if prefix:
+                        element.set("name", name)
+                    if declared.setdefault(name, element) is not element:
+                        found.repeat(tag, name, element)
 
 
 def may_be_generated(name: str, root: Node) -> bool:

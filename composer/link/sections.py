@@ -20,11 +20,9 @@ def sections(linking: Linking) -> None:
                 _extension(linking, part, section)
             elif tag in _APPENDED:
                 target = linking.base.section(tag)
-                own = linking.base.origins.owners
-                file = part.unit.origins.owner(section, part.unit.file)
                 elements = list(section)
-                for element in elements:
-                    own.setdefault(element, file)
+                owner = part.unit.origins.owner(section, part.unit.file)
+                linking.base.origins.own_all(elements, owner)
                 target.extend(elements)
 
 

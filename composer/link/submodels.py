@@ -36,9 +36,9 @@ def _bundle(linking: Linking, unit: Unit, element: Node, file: str, directory: s
     if isinstance(known, bytes):
         _bundled_before(linking, unit, element, file, known)
         return
-    before = len(linking.sink.errors)
+    before = linking.sink.error_count
     sub = parse_file(Path(source), linking.sink)
-    if sub is None or len(linking.sink.errors) > before:
+    if sub is None or linking.sink.error_count > before:
         return
     if not element.get("name"):
         element.set("name", sub.model)

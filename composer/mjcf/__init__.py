@@ -20,27 +20,36 @@ from composer.mjcf.attachment import (
     get_frame_joints,
     get_freejoint,
 )
+from composer.mjcf.committing import commit_defaults
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, MjcfWarning
 from composer.mjcf.export import export_with_assets, export_with_assets_as_zip
 from composer.mjcf.names import SEPARATOR as PREFIX_SEPARATOR
-from composer.mjcf.parse import from_file, from_path, from_xml_string
+from composer.mjcf.parse import from_file, from_path, from_xml_string, from_zip
+from composer.mjcf.physics.binding import Binding
+from composer.mjcf.physics.physics import Physics
+from composer.mjcf.physics.spec import from_spec
 from composer.mjcf.root import RootElement
 
 __all__ = [
     "PREFIX_SEPARATOR",
     "Asset",
     "AttachmentFrame",
+    "Binding",
     "Element",
     "MjcfAttributeError",
     "MjcfError",
     "MjcfWarning",
+    "Physics",
     "RootElement",
+    "commit_defaults",
     "export_with_assets",
     "export_with_assets_as_zip",
     "from_file",
     "from_path",
+    "from_spec",
     "from_xml_string",
+    "from_zip",
     "get_attachment_frame",
     "get_frame_freejoint",
     "get_frame_joints",

@@ -111,6 +111,8 @@ def write(model: Model, node: Node, edit: Edit) -> None:
     _take_contents(model, edit)
     before = model.declared(node)
     model.forget(node)
+    lines = model.unit.origins.settings.setdefault(node, {}) if edit.texts else {}
+    lines.update(dict.fromkeys(edit.texts, call_site()))
     for name, text in edit.texts.items():
         if text is None:
             drop(node, name)

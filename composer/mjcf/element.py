@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, cast
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
@@ -99,6 +101,21 @@ class Element:
     def origin(self) -> Span:
         """The place it came from: in a file, or the line of the program that added it."""
         return self._model.span(self._node)
+
+    def origin_of(self, attribute: str) -> Span:
+        """The same of one attribute: where its value is written, or the line of the program that set it.
+
+        Raises `MjcfError` for one that such elements do not have, and where it is not set.
+        """
+        known = attribute_of(self._kind, attribute)
+        if known is None:
+            raise unknown_attribute(self._kind, attribute)
+        if self._alive()._node.get(known.name) is None:
+            raise failure(
+                "unknown-attribute", f"`{attribute}` of {self._described()} is not set", call_site()
+            )
+        origins, file = self._model.unit.origins, self._model.unit.file
+        return origins.span(self._node, file, known.name)
 
     # -- adding and removing ---------------------------------------------------------------------------------
 
@@ -283,12 +300,23 @@ class Element:
     def __copy__(self) -> Element:
         return self.__deepcopy__({})
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled with the whole composition: what is pickled together stays together."""
+        from composer.mjcf.pickled import reduced
+
+        return reduced(self)
+
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *map(spoken, self._kind.attributes), *self._kind.children})
 
     def __repr__(self) -> str:
         attributes = "".join(f' {name!s}="{value!s}"' for name, value in self._node.items())
         return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
+
+    def _repr_html_(self) -> str:
+        """The element and what is below it in its own model, for notebooks."""
+        text = etree.tostring(self._node, encoding="unicode", pretty_print=True, with_tail=False)
+        return f"<pre>{html.escape(text)}</pre>"
 
     # -- for this package ------------------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import posixpath
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import get_args
@@ -53,8 +53,19 @@ class Flat:
     warnings: list[Diagnostic]
 
 
-def flatten(model: Model, conflict: Policy) -> Flat:
-    """The composition below a model, linked. Raises `MjcfError` with what is wrong with it."""
+def copied(model: Model) -> Unit:
+    """A unit for the linker to use up."""
+    unit = model.unit.copied()
+    if unit.label == UNNAMED or not unit.label:
+        unit.label = re.sub(r"[^\w.-]+", "_", model.name)
+    return unit
+
+
+def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied) -> Flat:
+    """The composition below a model, linked. Raises `MjcfError` with what is wrong with it.
+
+    `copy` makes the units that are linked, of every model one.
+    """
     if conflict not in get_args(Policy):
         words = ", ".join(f"`{word}`" for word in get_args(Policy))
         raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`", call_site())
@@ -62,7 +73,7 @@ def flatten(model: Model, conflict: Policy) -> Flat:
     check_references(model, names)
     raise_errors(names)
     sink = _NamesChecked()
-    mounting = Mounting(model, _copy)
+    mounting = Mounting(model, copy)
     measure = _measure(sink) if mounting.parts else None
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         _prune(unit.root)
@@ -89,16 +100,26 @@ def tell(flat: Flat) -> None:
 def text(model: Model, conflict: Policy) -> str:
     """See `RootElement.to_xml_string`."""
     flat = flatten(model, conflict)
-    for use, name in _told_apart(flat.files):
-        use.element.set(use.attribute, name)
+    name_files(flat)
     tell(flat)
     return write(flat.unit.root).decode()
 
 
+def name_files(flat: Flat) -> None:
+    """Write the names that `contents` has into the model."""
+    for use, name in _told_apart(flat.files):
+        use.element.set(use.attribute, name)
+
+
 def assets(model: Model) -> dict[str, bytes]:
     """See `RootElement.assets`."""
+    return contents(flatten(model, "warning"))
+
+
+def contents(flat: Flat) -> dict[str, bytes]:
+    """The bytes of the files of a model by the names that `name_files` gives them."""
     found: dict[str, bytes] = {}
-    for use, name in _told_apart(flatten(model, "warning").files):
+    for use, name in _told_apart(flat.files):
         if name not in found:
             found[name] = Asset(path=Path(use.source)).contents if use.content is None else use.content
     return found
@@ -110,14 +131,6 @@ class _NamesChecked(Sink):
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code != "unknown-name":
             super().add(diagnostic)
-
-
-def _copy(model: Model) -> Unit:
-    """A unit for the linker to use up."""
-    unit = model.unit.copied()
-    if unit.label == UNNAMED or not unit.label:
-        unit.label = re.sub(r"[^\w.-]+", "_", model.name)
-    return unit
 
 
 def _prune(root: Node) -> None:

@@ -151,7 +151,7 @@ def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> 
     attributes["name"] = part.prefix + attributes.get("name", "")
     if joint.tag == "freejoint":
         return Joint("freejoint", attributes)
-    written = attributes.get("class") or _childclass(mounted.host)
+    written = attributes.get("class") or childclass_at(mounted.host)
     found = unit.classes.get(written)
     kind = attributes.get("type")
     if kind is None:
@@ -177,7 +177,7 @@ def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> 
     return Joint("joint", attributes)
 
 
-def _childclass(host: Node) -> str | None:
+def childclass_at(host: Node) -> str | None:
     """The class in force for what is added where a model hangs."""
     own = host.get("childclass")
     return str(own) if own and host.tag != "site" else childclass_of(host)

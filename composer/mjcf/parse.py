@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import posixpath
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO
 
+from composer.bundle.bundle import MODEL
 from composer.diagnostics.sink import Sink
 from composer.mjcf.asset import Files
 from composer.mjcf.call_site import call_site
@@ -68,6 +70,36 @@ def from_file(file_object: IO[str] | IO[bytes]) -> RootElement:
         return from_xml_string(data)
     path = Path(name)
     return _model(lambda sink: parse_text(data, sink, file=name, directory=path.parent, label=path.stem))
+
+
+def from_zip(path: str | os.PathLike[str]) -> RootElement:
+    """The model of a zip: a bundle of ours, an MJZ, or any zip with one model that no other in it names.
+
+    Nothing is unpacked to disk. Files come from the zip alone. Raises `MjcfError` as `from_path` does, and
+    for a zip that leads out of itself or is larger than can be meant.
+    """
+    from composer.bundle.read import ReadError, read
+
+    archive = Path(path)
+    if archive.is_dir():
+        raise failure("file-unreadable", f"`{archive}` is a folder, not a zip", call_site())
+    try:
+        bundle = read(archive)
+    except ReadError as error:
+        raise failure(error.code, error.message, call_site()) from None
+    folder, name = posixpath.split(bundle.model)
+    files = {posixpath.relpath(each, folder or "."): content for each, content in bundle.files.items()}
+    label = archive.stem if name == MODEL else posixpath.splitext(name)[0]
+    return _model(
+        lambda sink: parse_text(
+            bundle.files[bundle.model],
+            sink,
+            file=f"{archive}/{bundle.model}",
+            directory=archive / folder,
+            label=label,
+            contents=Files(files),
+        )
+    )
 
 
 def _model(parse: Callable[[Sink], Unit | None]) -> RootElement:

@@ -43,6 +43,7 @@ def discard(model: Model, node: Node) -> None:
         if view is not None:
             view._take_out()
         model.unit.origins.owners.pop(each, None)
+        model.unit.origins.settings.pop(each, None)
 
 
 def _names(target: Target) -> list[tuple[str, str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
@@ -12,9 +12,13 @@ from composer.mjcf.asset import Files
 from composer.mjcf.attachment import attach, detach, set_model_name
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element, view
+from composer.mjcf.errors import failure
 from composer.mjcf.kinds import WORLD_SECTION
 from composer.mjcf.model import UNNAMED, Model
 from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from composer.mjcf.physics.physics import Physics
 
 
 class RootElement(Element):
@@ -105,6 +109,25 @@ class RootElement(Element):
         """
         detach(self._model)
 
+    def include_copy(self, other: RootElement, override: bool = False) -> None:
+        """Take a copy of all that another model has into this one, without a prefix; the other stays as it is.
+
+        What is attached to the other is copied and attached here; files keep coming from where they are.
+        Raises `MjcfError` with everything that stands against it, and changes nothing, where names are
+        taken, where the two have different settings, or where a compiler setting or top default class of
+        one would give the elements of the other another meaning. With `override` the settings that the
+        other writes count. Keyframes come as they are: their lengths are those of the other alone.
+        """
+        from composer.mjcf.including import include_copy
+
+        if not isinstance(other, RootElement):
+            raise failure(
+                "wrong-type",
+                f"what is included is a `RootElement`, got `{type(other).__name__}`",
+                call_site(),
+            )
+        include_copy(self._model, other._model, override)
+
     def to_xml_string(self, *, conflict: Policy = "error") -> str:
         """The model with everything attached to it, as MJCF text; the model itself stays as it is.
 
@@ -122,6 +145,25 @@ class RootElement(Element):
         from composer.mjcf.flat import text
 
         return text(self._model, conflict)
+
+    def compile_model(self, *, conflict: Policy = "error") -> Physics:
+        """The model with everything attached to it, compiled by MuJoCo: its physics in the reference configuration.
+
+        Later edits do not reach it. `conflict` is that of `to_xml_string`. Raises `MjcfError` with what is
+        wrong with the model, at the place it comes from, also where it is MuJoCo that refuses it.
+        """
+        from composer.mjcf.physics.physics import Physics
+
+        return Physics.from_mjcf_model(self, conflict=conflict)
+
+    def to_spec(self, *, conflict: Policy = "error") -> Any:
+        """The model with everything attached to it as a `mujoco.MjSpec` of its own, its files in memory.
+
+        `conflict` is that of `to_xml_string`. Raises `MjcfError`.
+        """
+        from composer.mjcf.physics.spec import to_spec
+
+        return to_spec(self._model, conflict)
 
     @property
     def assets(self) -> dict[str, bytes]:

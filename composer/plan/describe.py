@@ -2,32 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from composer.plan.plan import AddElement, AppendElement, AttachPart, Plan, SetDefault, SetSingleton, Step
 from composer.recipe.element import Element
+from composer.recipe.fault import Path
 from composer.sources.source import Source
 
+if TYPE_CHECKING:
+    from composer.link.subtree import Subtree
 
-def describe(plan: Plan) -> str:
+Subtrees: TypeAlias = "Mapping[tuple[str, Path], Subtree]"
+"""What became of models of which one body is taken, by recipe and path in it."""
+_PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "default class": "default classes"}
+
+
+def describe(plan: Plan, subtrees: Subtrees | None = None) -> str:
     """One line a step, in the order in which they are done; nested recipes indented."""
-    return "\n".join(_lines(plan))
+    return "\n".join(_lines(plan, subtrees or {}))
 
 
-def _lines(plan: Plan, indent: str = "") -> Iterator[str]:
+def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
     yield f"{indent}{plan.name}: the model of {plan.file}"
     inner = indent + "  "
     if plan.base.model is None:
         yield f"{inner}start from an empty model"
     else:
-        yield f"{inner}start from {_model(plan.base.model)}"
+        yield f"{inner}start from {_model(plan.base.model)}{_body(plan.base.subtree)}"
+        yield from _left(subtrees.get((plan.file, ("base",))), inner + "  ")
         if isinstance(plan.base.model, Plan):
-            yield from _lines(plan.base.model, inner + "  ")
+            yield from _lines(plan.base.model, subtrees, inner + "  ")
     for part in plan.parts:
-        yield f"{inner}attach {part.prefix or '(no prefix)'}: {_model(part.model)}, {_place(part)}"
+        model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
+        yield f"{inner}attach {part.prefix or '(no prefix)'}: {model}, {_place(part)}"
+        yield from _left(subtrees.get((plan.file, part.at)), inner + "  ")
         if isinstance(part.model, Plan):
-            yield from _lines(part.model, inner + "  ")
+            yield from _lines(part.model, subtrees, inner + "  ")
     for step in plan.steps:
         yield inner + _step(step)
 
@@ -36,7 +47,26 @@ def _model(model: Source | Plan) -> str:
     if isinstance(model, Plan):
         return f"the recipe {model.file}"
     release = f" ({model.package} {model.version})" if model.package and model.version else ""
-    return f"{model.reference}{release}"
+    converted = ", URDF that MuJoCo converts" if model.format == "urdf" else ""
+    return f"{model.reference}{release}{converted}"
+
+
+def _body(name: str | None) -> str:
+    return "" if name is None else f", its body {name} alone"
+
+
+def _left(subtree: Subtree | None, indent: str) -> Iterator[str]:
+    """A line for each kind of what is left behind, and one for each thing that would have been cut in two."""
+    kinds: dict[str, list[str]] = {}
+    for each in subtree.left if subtree else ():
+        if each.lacks is None:
+            kinds.setdefault(each.what, []).append(each.name)
+    for kind, names in kinds.items():
+        count = f"{len(names)} {kind if len(names) == 1 else _PLURALS.get(kind, f'{kind}s')}"
+        known = ", ".join(name for name in names if name)
+        yield f"{indent}leaves {count}{f': {known}' if known else ''}"
+    for each in subtree.cut if subtree else ():
+        yield f"{indent}leaves the {each.called}, which needs {each.lacks}"
 
 
 def _place(part: AttachPart) -> str:
@@ -79,28 +109,43 @@ def _settings(element: Element, path: str = "") -> Iterator[str]:
         yield from _settings(child, f"{path}{child.tag}.")
 
 
-def as_data(plan: Plan) -> dict[str, Any]:
+def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
     """The plan as JSON takes it: name, sources with their references, steps in words."""
+    found = subtrees or {}
     return {
         "name": plan.name,
         "recipe": plan.file,
-        "base": _model_data(plan.base.model),
+        "base": _model_data(plan.base.model, found),
+        **_subtree_data(found.get((plan.file, ("base",)))),
         "parts": [
-            {"prefix": part.prefix, "model": _model_data(part.model), "place": _place(part)}
+            {
+                "prefix": part.prefix,
+                "model": _model_data(part.model, found),
+                **_subtree_data(found.get((plan.file, part.at))),
+                "place": _place(part),
+            }
             for part in plan.parts
         ],
         "steps": [_step(step) for step in plan.steps],
     }
 
 
-def _model_data(model: Source | Plan | None) -> Any:
+def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:
+    if subtree is None:
+        return {}
+    left = [{"kind": each.what, "name": each.name, "lacks": each.lacks} for each in subtree.left]
+    return {"subtree": {"body": subtree.body, "left": left}}
+
+
+def _model_data(model: Source | Plan | None, subtrees: Subtrees) -> Any:
     if model is None:
         return None
     if isinstance(model, Plan):
-        return as_data(model)
+        return as_data(model, subtrees)
     return {
         "reference": model.reference,
         "kind": model.kind,
+        "format": model.format,
         "package": model.package,
         "version": model.version,
         "licences": [path.name for path in model.licences],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from composer.context import Context, as_text
@@ -23,9 +24,11 @@ from composer.plan.plan import (
     SetSingleton,
     Step,
 )
+from composer.recipe.attach import Attachment
+from composer.recipe.base import Base
 from composer.recipe.element import Element
 from composer.recipe.recipe import Recipe
-from composer.recipe.validate import validate
+from composer.recipe.validate import validate_what_remains
 from composer.sources.error import SourceError
 from composer.sources.nearby import model_files, nearest
 from composer.sources.resolve import resolve
@@ -34,9 +37,14 @@ from composer.sources.source import Source
 
 def make_plan(recipe: Path, context: Context) -> Plan | None:
     """What a build of the recipe will do; None where it or what it refers to is at fault."""
-    before = len(context.sink.errors)
-    plan = _Planner(context).plan(context.folder / recipe, ())
-    return plan if len(context.sink.errors) == before else None
+    before = context.sink.error_count
+    plan = plan_what_remains(recipe, context)
+    return plan if context.sink.error_count == before else None
+
+
+def plan_what_remains(recipe: Path, context: Context) -> Plan | None:
+    """The plan without what is at fault, in which later stages can look for more; None without a base."""
+    return _Planner(context).plan(context.folder / recipe, ())
 
 
 class _Planner:
@@ -64,8 +72,7 @@ class _Planner:
         recipe, document = read
         inside = (*outer, (key, span))
         base = self._base(recipe, document, path, inside)
-        parts = tuple(self._parts(recipe, document, path, inside))
-        self._places(parts)
+        parts = self._without_rings(tuple(self._parts(recipe, document, path, inside)))
         if base is None:
             return None
         steps = tuple(_steps(recipe, document))
@@ -101,12 +108,15 @@ class _Planner:
                 help=f"a recipe names its models: `base: ./{path.with_suffix('.xml').name}`",
             )
             return None
-        before = len(self.sink.errors)
+        before = self.sink.error_count
         node = load(text, shown, self.sink)
-        if node is None or len(self.sink.errors) > before:
+        if node is None or self.sink.error_count > before:
             return None
-        found = validate(node, self.sink)
-        return (found, node) if found is not None and isinstance(node, Mapping) else None
+        found = validate_what_remains(node, self.sink)
+        if found is None:
+            return None
+        self.sink.forgive(found.lost)
+        return found.recipe, found.document
 
     def _unreadable(self, path: Path, shown: str, error: OSError) -> None:
         folder = path if path.is_dir() else path.parent
@@ -135,7 +145,8 @@ class _Planner:
             return LoadBase(None, "merge", None)
         span = locate(document, ("base", "model"))
         model = self._model(recipe.base.model, span, path, inside)
-        return None if model is None else LoadBase(model, recipe.base.keyframes, span)
+        model = self._with_packages(model, recipe.base, ("base",), document, path)
+        return None if model is None else LoadBase(model, recipe.base.keyframes, span, recipe.base.subtree)
 
     def _parts(
         self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]
@@ -154,9 +165,13 @@ class _Planner:
                     notes=(Note("the other part", taken[prefix]),),
                     help="give one of them another key, or another `prefix`",
                 )
+                continue
             taken[prefix] = span
             model = self._model(attachment.model, locate(document, (*at, "model")), path, inside, recipe)
-            if model is not None:
+            model = self._with_packages(model, attachment, at, document, path)
+            if model is None:
+                self.sink.forgive([own])
+            else:
                 yield AttachPart(prefix, model, attachment, at, span)
 
     def _model(
@@ -173,10 +188,6 @@ class _Planner:
             notes = tuple(Note(note) for note in error.notes)
             self.sink.error(error.code, error.message, span, notes=notes, help=error.help)
             return None
-        if source.format == "urdf":
-            self.sink.error("not-supported", f"URDF cannot be composed yet: `{reference}`", span,
-                            help="convert it to MJCF once, with MuJoCo's `compile` or `MjSpec`")  # fmt: skip
-            return None
         if source.format != "recipe":
             return source
         plan = self.plan(source.path, inside, span)
@@ -189,8 +200,39 @@ class _Planner:
             )
         return plan
 
-    def _places(self, parts: tuple[AttachPart, ...]) -> None:
-        """Parts that hang on one another in a ring hang on nothing."""
+    def _with_packages(
+        self,
+        model: Source | Plan | None,
+        asked: Base | Attachment,
+        at: tuple[str | int, ...],
+        document: Mapping,
+        path: Path,
+    ) -> Source | Plan | None:
+        """The model with the folders of the packages that its URDF refers to."""
+        if not asked.packages or model is None:
+            return model
+        if not isinstance(model, Source) or model.format != "urdf":
+            self.sink.error(
+                "unknown-key",
+                f"`packages` is for URDF, and `{asked.model}` is none",
+                locate(document, (*at, "packages"), key=True),
+                help="take `packages` out",
+            )
+            return model
+        found = {name: path.parent / folder for name, folder in asked.packages.items()}
+        for name, folder in found.items():
+            if not folder.is_dir():
+                self.sink.error(
+                    "file-not-found",
+                    f"the folder of the package `{name}` is not there: `{self.context.shown(folder)}`",
+                    locate(document, (*at, "packages", name)),
+                    help="the path is relative to the recipe, and leads to the folder that `package://"
+                    f"{name}` stands for",
+                )
+        return replace(model, packages=tuple(found.items()))
+
+    def _without_rings(self, parts: tuple[AttachPart, ...]) -> tuple[AttachPart, ...]:
+        """Tell parts that hang on one another in a ring, which hang on nothing; the others remain."""
         hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
         told: set[str] = set()
         for part in parts:
@@ -207,6 +249,9 @@ class _Planner:
                     part.span,
                     help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
                 )
+        if told:
+            self.sink.forgive(str(part.at[-1]) for part in parts if part.prefix in told)
+        return tuple(part for part in parts if part.prefix not in told)
 
 
 def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:

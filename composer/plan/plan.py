@@ -22,6 +22,7 @@ class LoadBase:
     model: Source | Plan | None
     keyframes: KeyPolicy
     span: Span | None
+    subtree: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,3 +95,20 @@ class Plan:
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
+
+    @property
+    def takes_subtrees(self) -> bool:
+        """Whether of some model, here or in a nested recipe, one body alone is wanted."""
+        if self.base.subtree is not None or any(part.attachment.subtree is not None for part in self.parts):
+            return True
+        models = (self.base.model, *(part.model for part in self.parts))
+        return any(isinstance(model, Plan) and model.takes_subtrees for model in models)
+
+    @property
+    def prefixes(self) -> frozenset[str]:
+        """The prefixes of all parts, those of nested recipes with what stands before them; `""` is the base."""
+        found = {"", *(part.prefix for part in self.parts)}
+        for prefix, model in [("", self.base.model), *((part.prefix, part.model) for part in self.parts)]:
+            if isinstance(model, Plan):
+                found |= {prefix + inner for inner in model.prefixes}
+        return frozenset(found)

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import (
     ConfigDict,
+    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
@@ -107,8 +108,12 @@ class Attachment(Model):
     root is kept where it may be; `weld` removes it."""
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
+    subtree: Annotated[str | None, Text("subtree")] = None
+    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
+    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
 
     @model_validator(mode="wrap")
     @classmethod

@@ -52,6 +52,12 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
         message = f"a step in {place} has none of {known}"
         reader.faults.append(Fault("missing-key", message, at, help=f"write for instance `{_example(kind)}`"))
         return None
+    if isinstance(value.get(tag), dict):
+        nested = value[tag]
+        message = f"`{tag}` of a step in {place} expects a name, got {kind_of(nested)}"
+        flat = f"write what the step has beside one another: `{_flat(nested)}`" if nested else None
+        reader.faults.append(Fault("wrong-type", message, (*at, tag), help=flat))
+        return None
     step = kind.children[tag]
     label = f"the `{tag}` step of {owner}"
     if tag not in value or MARKS[tag] == tag:
@@ -68,6 +74,10 @@ def _short(
             reader.faults.append(reader.unknown(step, name, value[name], (*at, name), owner, (), value))
     read = read_value(step.attributes[MARKS[tag]], value[tag], (*at, tag), owner, reader.faults)
     return None if read is None else Element(tag, {MARKS[tag]: read}, at=path_of(value))
+
+
+def _flat(step: dict[str, Any]) -> str:
+    return "{" + ", ".join(f"{name}: {value}" for name, value in step.items()) + "}"
 
 
 def _example(kind: ElementType) -> str:

@@ -7,8 +7,8 @@ from composer.recipe.fault import Path
 # The keys by the kind of mapping that they stand in. One that works is taken out here.
 UNSUPPORTED: dict[str, frozenset[str]] = {
     "recipe": frozenset("params extends edit variants matrix randomize check keyframe".split()),
-    "base": frozenset("with subtree drop edit packages".split()),
-    "attach": frozenset("with subtree drop edit packages replicate before after when".split()),
+    "base": frozenset("with drop edit".split()),
+    "attach": frozenset("with drop edit replicate before after when".split()),
     "add": frozenset({"id", "when"}),
     "element": frozenset({"when"}),
 }

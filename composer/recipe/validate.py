@@ -12,6 +12,7 @@ from composer.recipe import errors
 from composer.recipe.fault import Fault, Path
 from composer.recipe.raw import raw
 from composer.recipe.recipe import Recipe
+from composer.recipe.remains import Remains, remains
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 
@@ -22,13 +23,27 @@ def validate(node: Node, sink: Sink) -> Recipe | None:
     Names, files and model references are not looked up. No I/O.
     """
     if not isinstance(node, Mapping):
-        sink.error(
-            "wrong-type",
-            f"a recipe is a mapping, got {kind_of(to_python(node))}",
-            _start(node.span),
-            help="write `recipe: 1` as its first line, and the other keys below",
-        )
+        _no_mapping(node, sink)
         return None
+    recipe, faults = judge(node)
+    _tell(faults, node, sink)
+    return recipe
+
+
+def validate_what_remains(node: Node, sink: Sink) -> Remains | None:
+    """The same, but without what has faults in it, where that can be done without."""
+    if not isinstance(node, Mapping):
+        _no_mapping(node, sink)
+        return None
+    recipe, faults = judge(node)
+    if recipe is not None:
+        return Remains(recipe, node, frozenset())
+    _tell(faults, node, sink)
+    return remains(node, faults, judge)
+
+
+def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
+    """The recipe of a located tree, or None and everything that is wrong with it."""
     early: list[Fault] = []
     data = raw(node, early)
     recipe: Recipe | None = None
@@ -37,10 +52,19 @@ def validate(node: Node, sink: Sink) -> Recipe | None:
         recipe = Recipe.model_validate(data, context=Settings.of(data))
     except ValidationError as error:
         found = list(errors.faults(error, data))
+    if not early and not found:
+        return recipe, []
     version = [fault for fault in found if fault.code == "recipe-version"]
-    for fault in version or _one_each(early, found):
-        _tell(fault, node, sink)
-    return None if early or found else recipe
+    return None, version or list(_one_each(early, found))
+
+
+def _no_mapping(node: Node, sink: Sink) -> None:
+    sink.error(
+        "wrong-type",
+        f"a recipe is a mapping, got {kind_of(to_python(node))}",
+        _start(node.span),
+        help="write `recipe: 1` as its first line, and the other keys below",
+    )
 
 
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
@@ -52,21 +76,22 @@ def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
     yield from (fault for fault in found if fault.key or fault.at not in settled)
 
 
-def _tell(fault: Fault, node: Mapping, sink: Sink) -> None:
-    notes = [
-        Note(remark.message, None if remark.at is None else locate(node, remark.at, key=True))
-        for remark in fault.remarks
-    ]
-    message, span = fault.message, _span(node, fault.at, fault.key)
-    if fault.within is not None:
-        line, column, width = fault.within
-        text = find(node, fault.at)
-        if isinstance(text, Scalar) and text.block is not None:
-            line, column = line + text.block[0] - 1, column + text.block[1] - 1
-            span = Span(span.file, line, column, line, column + width)
-        else:
-            message = f"line {line} of the fragment: {message}"
-    sink.error(fault.code, message, span, notes=notes, help=fault.help)
+def _tell(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
+    for fault in faults:
+        notes = [
+            Note(remark.message, None if remark.at is None else locate(node, remark.at, key=True))
+            for remark in fault.remarks
+        ]
+        message, span = fault.message, _span(node, fault.at, fault.key)
+        if fault.within is not None:
+            line, column, width = fault.within
+            text = find(node, fault.at)
+            if isinstance(text, Scalar) and text.block is not None:
+                line, column = line + text.block[0] - 1, column + text.block[1] - 1
+                span = Span(span.file, line, column, line, column + width)
+            else:
+                message = f"line {line} of the fragment: {message}"
+        sink.error(fault.code, message, span, notes=notes, help=fault.help)
 
 
 def _span(node: Mapping, path: Path, key: bool) -> Span:

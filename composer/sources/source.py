@@ -24,7 +24,8 @@ class Source:
 
     `reference` is as it was written. `package` and `version` name the distribution that the file came with;
     there is no version where the file need not be the one that the distribution holds. `licences` are the
-    licence files that go with the model, sorted by name, and empty when none was found.
+    licence files that go with the model, sorted by name, and empty when none was found. `packages` are the
+    folders that `package://NAME` stands for in URDF, where the recipe gives them.
     """
 
     path: Path
@@ -33,6 +34,7 @@ class Source:
     package: str | None = None
     version: str | None = None
     licences: tuple[Path, ...] = ()
+    packages: tuple[tuple[str, Path], ...] = ()
 
     @property
     def format(self) -> Format:

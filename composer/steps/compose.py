@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -20,16 +21,25 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
+from composer.link.subtree import Subtree
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
-from composer.sources.source import Source
+from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
+from composer.steps.load import Loader
 from composer.steps.loose_ends import check_names
 from composer.steps.section import append, set_default, set_singleton
+from composer.steps.subtree import Wanted, wanted
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
+from composer.tree.watch import Watch, nobody
+
+if TYPE_CHECKING:
+    from composer.engine import Limits
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,35 +50,46 @@ class Composed:
     files: tuple[FileUse, ...]
 
 
-@dataclass(slots=True)
 class Composer:
-    """Composes plans; each source file is parsed once and copied for every further use."""
+    """Composes plans. `subtrees` has what became of the models of which only one body is taken, by recipe and path."""
 
-    context: Context
-    measure: Measure | None
-    parsed: dict[Path, Unit | None] = field(default_factory=dict)
-    uses: Counter[Path] = field(default_factory=Counter)
+    def __init__(
+        self, context: Context, measure: Measure | None, limits: Limits | None = None, watch: Watch = nobody
+    ) -> None:
+        self.context, self.measure, self.watch = context, measure, watch
+        self.loader = Loader(context, limits, watch)
+        self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
 
     def compose(self, plan: Plan) -> Composed | None:
-        """The model of a plan, or None where there were errors."""
-        self._count(plan)
-        return self._compose(plan)
+        """The model of a plan, or None where there were errors, those of earlier stages included."""
+        self._expect(plan, True)
+        composed = self._compose(plan, True)
+        return None if self.context.sink.has_errors else composed
 
-    def _count(self, plan: Plan) -> None:
-        for model in (plan.base.model, *(part.model for part in plan.parts)):
-            if isinstance(model, Plan):
-                self._count(model)
-            elif model is not None:
-                self.uses[model.path] += 1
+    def look(self, plan: Plan, stands: bool = True) -> None:
+        """Take the subtrees of a plan, and compose no more than they are taken of."""
+        self._expect(plan, stands)
+        for each in wanted(plan, stands):
+            if each.body is not None:
+                self._guarded(plan, partial(self._unit, plan, each))
+            elif isinstance(each.model, Plan):
+                self.look(each.model, each.stands)
 
-    def _compose(self, plan: Plan) -> Composed | None:
-        base = self._unit(plan.base.model, plan.base.span) if plan.base.model is not None else _empty(plan)
-        units = [self._unit(step.model, locate(plan.document, (*step.at, "model"))) for step in plan.parts]
-        given = [unit for unit in units if unit is not None]
-        if base is None or len(given) < len(units):
-            return None
+    def _expect(self, plan: Plan, stands: bool) -> None:
+        for each in wanted(plan, stands):
+            if isinstance(each.model, Plan):
+                self._expect(each.model, each.stands)
+            elif each.model is not None:
+                self.loader.expect(each.model, each.stands)
+
+    def _compose(self, plan: Plan, stands: bool) -> Composed | None:
+        """The model of a plan; `stands` says that it is fixed in the world of what is made in the end."""
+        return self._guarded(plan, partial(self._composed, plan, stands))
+
+    def _guarded(self, plan: Plan, work: Callable[[], Result | None]) -> Result | None:
+        """What the work gives; None where it stumbles over a source that says what MJCF does not have."""
         try:
-            return self._joined(plan, base, given)
+            return work()
         except STUMBLES:
             if malformed(self._anew(plan), self.context.sink):
                 return None
@@ -79,13 +100,32 @@ class Composer:
             )
             return None
 
+    def _composed(self, plan: Plan, stands: bool) -> Composed | None:
+        base, *units = [self._unit(plan, each) for each in wanted(plan, stands)]
+        if base is None:
+            return None
+        given = [unit for unit in units if unit is not None]
+        if len(given) == len(units):
+            return self._joined(plan, base, given)
+        self._joined(self._without_lost(plan, units), base, given)
+        return None
+
+    def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
+        """The plan of the parts that there are, in which more faults can be found."""
+        kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
+        self.context.sink.forgive(
+            step.prefix.removesuffix(plan.separator) for step in plan.parts if step not in kept
+        )
+        return replace(plan, parts=tuple(kept))
+
     def _joined(self, plan: Plan, base: Unit, units: list[Unit]) -> Composed | None:
         """The parts hung on the base, and the recipe's own elements in it."""
-        before = len(self.context.sink.errors)
+        before = self.context.sink.error_count
         base.root.set("model", plan.name)
         if plan.base.keyframes == "none":
             for section in list(base.root.iterchildren("keyframe")):
                 base.root.remove(section)
+        self.watch([base, *units], plan)
         making = Making(
             plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
             "radian", base.settings.eulerseq, plan.path.parent, base.file, base.origins,
@@ -95,44 +135,53 @@ class Composer:
         linking = Linking(
             base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
             isolate_base=frozenset(_top_tags(plan)),
-            measure=self.measure,
+            measure=self.measure, watch=self.watch,
         )  # fmt: skip
+        self.watch(linking.units, linking)
         making.model_angle = model_angle(linking)
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making)
         if not link(linking):
             return None
         _carry_out(plan, linking, making)
-        if len(self.context.sink.errors) > before:
+        if self.context.sink.error_count > before:
             return None
         finish(linking)
-        if len(self.context.sink.errors) > before:
+        if self.context.sink.error_count > before:
             return None
         flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
         return Composed(flat, tuple(linking.files))
 
     def _anew(self, plan: Plan) -> Iterator[Unit]:
         """The sources of a plan as their files have them."""
-        for model in (plan.base.model, *(part.model for part in plan.parts)):
-            if isinstance(model, Plan):
-                yield from self._anew(model)
-            elif model is not None:
-                unit = parse_file(model.path, Sink(), file=self.context.shown(model.path))
+        for each in wanted(plan, True):
+            if isinstance(each.model, Plan):
+                yield from self._anew(each.model)
+            elif each.model is not None and each.model.format == "mjcf":
+                unit = parse_file(each.model.path, Sink(), file=self.context.shown(each.model.path))
                 if unit is not None:
                     yield unit
 
-    def _unit(self, model: Source | Plan, span: Span | None) -> Unit | None:
-        if isinstance(model, Plan):
-            composed = self._compose(model)
-            return composed.model if composed else None
-        if model.path not in self.parsed:
-            shown = self.context.shown(model.path)
-            self.parsed[model.path] = parse_file(model.path, self.context.sink, file=shown, span=span)
-        unit = self.parsed[model.path]
-        self.uses[model.path] -= 1
-        if unit is None or self.uses[model.path] <= 0:
+    def _unit(self, plan: Plan, wanted: Wanted) -> Unit | None:
+        """The base or a part of a plan, cut down to what is wanted of it."""
+        if wanted.model is None:
+            return _empty(plan)
+        unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
+        if unit is None or wanted.body is None:
             return unit
-        return unit.copied()
+        subtree = wanted.take(unit, self.context.sink, self.measure)
+        if subtree is None:
+            return None
+        self.watch([unit], subtree)
+        self.subtrees[plan.file, wanted.at] = subtree
+        return unit
+
+    def _whole(self, wanted: Wanted, span: Span) -> Unit | None:
+        if isinstance(wanted.model, Plan):
+            composed = self._compose(wanted.model, wanted.stands)
+            return composed.model if composed else None
+        assert wanted.model is not None
+        return self.loader.unit(wanted.model, span, wanted.stands)
 
 
 def _top_tags(plan: Plan) -> Iterator[str]:
@@ -160,6 +209,7 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
             set_default(step, linking, making)
         elif isinstance(step, AppendElement):
             append(step, linking, making)
+        linking.watch(linking.units, step)
     if making.pending:
         classes = linking.base.classes
 
@@ -167,8 +217,12 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
             return joint_type(joint, classes)
 
         settle_joints(making, kind)
+        linking.watch(linking.units, settle_joints)
     check_names(linking, making)
+    linking.watch(linking.units, check_names)
     for part in plan.parts:
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
         add_file(linking, making.directory, node, attribute, name)
+    if making.files:
+        linking.watch(linking.units, add_file)

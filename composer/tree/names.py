@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
 
 from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
+from composer.tree.files import NAMED_AFTER_FILE, stem
 
 DECLARES, REFERS, REFERS_BY, LISTS, GENERATES = range(5)
 Action = tuple[int, str]
@@ -71,3 +73,27 @@ def naming_table(section: str) -> dict[str, dict[str, Action]]:
 def object_namespace(element: Node, type_attribute: str) -> str | None:
     """The namespace that a `objtype`-like attribute names, or None where it is absent or unknown."""
     return GRAMMAR.objtypes.get(str(element.get(type_attribute, "")))
+
+
+def references(top: Node, section: str) -> Iterator[tuple[str, str]]:
+    """Namespace and name of what an element of a section, and every element in it, refers to."""
+    table = naming_table(section)
+    for node in top.iter("*"):
+        for key, (kind, namespace) in table.get(str(node.tag), {}).items():
+            value = str(node.get(key) or "")
+            if kind == REFERS and value:
+                yield namespace, value
+            elif kind == LISTS:
+                yield from ((namespace, each) for each in value.split())
+            elif kind == REFERS_BY and value and (target := object_namespace(node, namespace)):
+                yield target, value
+
+
+def declaration(node: Node, section: str) -> tuple[str, str] | None:
+    """Namespace and name that an element of a section declares or is given after its file, if it has a name."""
+    for key, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
+        if kind == DECLARES and (value := node.get(key)):
+            return namespace, str(value)
+    if node.tag in NAMED_AFTER_FILE and section in ("asset", "deformable") and (file := node.get("file")):
+        return str(node.tag), stem(str(file))
+    return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,14 +22,21 @@ class Origins:
 
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies.
     `owners` holds the elements themselves, so that their identity is stable. `texts` has, by the name that messages
-    use, where the text of a file is; it is read when a fault in that file is told.
+    use, where the text of a file is; it is read when a fault in that file is told. `settings` has the attributes that
+    a program has set, each with its line.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
     texts: dict[str, Path | bytes | str | SourceText | None] = field(default_factory=dict)
+    settings: dict[Node, dict[str, Span]] = field(default_factory=dict)
 
     def own(self, element: Node, owner: str | Span | Place) -> None:
         self.owners[element] = owner
+
+    def own_all(self, elements: Iterable[Node], owner: str | Span | Place) -> None:
+        """The same owner for all that have none of their own yet."""
+        for element in elements:
+            self.owners.setdefault(element, owner)
 
     def owner(self, element: Node, default_file: str) -> str | Span | Place:
         """The place in a recipe that wrote the element, or the file that it is written in."""
@@ -48,6 +55,8 @@ class Origins:
 
         With `attribute` that is the value of that one, or with `key` its name, if it is written there.
         """
+        if attribute is not None and (found := self.settings.get(element, {}).get(attribute)) is not None:
+            return found
         return self.span_by(self.owner(element, default_file), element, attribute, key)
 
     def span_by(
@@ -58,31 +67,46 @@ class Origins:
             return owner
         if not isinstance(owner, str):
             return owner(attribute)
-        line = line_of(element)
+        written = {str(name): str(value) for name, value in element.items()}
+        return self.in_file(owner, line_of(element), str(element.tag), written, attribute, key)
+
+    def in_file(
+        self,
+        file: str,
+        line: int | None,
+        tag: str,
+        written: Mapping[str, str],
+        attribute: str | None = None,
+        key: bool = False,
+    ) -> Span:
+        """The start tag of the element that ends on that line of a file, or what it has of an attribute."""
         if line is None:
-            return Span(owner, 1, 1)
-        text = self.text(owner)
+            return Span(file, 1, 1)
+        text = self.text(file)
         found = None
         if text is not None:
-            written = {str(name): str(value) for name, value in element.items()}
             if attribute is not None:
-                found = text.attribute(str(element.tag), line, written, attribute, key=key)
-            found = found or text.element(str(element.tag), line, written)
+                found = text.attribute(tag, line, written, attribute, key=key)
+            found = found or text.element(tag, line, written)
         if found is None:
-            return Span(owner, line, 1)
-        return Span(owner, found.line, found.column, found.line, found.end_column)
+            return Span(file, line, 1)
+        return Span(file, found.line, found.column, found.line, found.end_column)
 
     def adopt(self, other: Origins) -> None:
         """Take over what is known of elements that have moved here from another tree."""
         self.owners.update(other.owners)
         self.texts.update(other.texts)
+        self.settings.update(other.settings)
 
     def carried(self, old: Node, new: Node) -> Origins:
         """The same knowledge for `new`, a deep copy of `old`."""
-        if not self.owners:
+        if not self.owners and not self.settings:
             return Origins(texts=self.texts)
         owners = {copy: self.owners[node] for node, copy in _side_by_side(old, new) if node in self.owners}
-        return Origins(owners, self.texts)
+        settings = {
+            copy: dict(self.settings[node]) for node, copy in _side_by_side(old, new) if node in self.settings
+        }
+        return Origins(owners, self.texts, settings)
 
     def text(self, file: str) -> SourceText | None:
         """The text of a file, read when it is first asked for; None where there is none to be had."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
 
-@dataclass(frozen=True, slots=True)
-class Settings:
+class Settings(NamedTuple):
     """The compiler settings of one source, as text; the defaults are MuJoCo's.
 
     Of several `<compiler>` elements the last written value of each attribute counts.
@@ -41,7 +40,7 @@ class Settings:
         return self.texturedir if self.texturedir is not None else self.assetdir or ""
 
 
-_KNOWN = frozenset(field.name for field in fields(Settings))
+_KNOWN = frozenset(Settings._fields)
 
 
 def read_settings(root: Node) -> Settings:

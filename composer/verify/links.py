@@ -96,7 +96,7 @@ def _skin(model: Model, index: int) -> Iterator[Link]:
 
 
 def _flex(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "flex_matid", "material", index)
+    yield from _flex_materials(model, index)
     for array, first, number in (
         ("flex_vertbodyid", "flex_vertadr", "flex_vertnum"),
         ("flex_nodebodyid", "flex_nodeadr", "flex_nodenum"),
@@ -105,6 +105,17 @@ def _flex(model: Model, index: int) -> Iterator[Link]:
         bodies = getattr(model, array)[start : start + int(getattr(model, number)[index])].tolist()
         for place, body in enumerate(bodies):
             yield Link(f"{array}[{place}]", "body", body, World.EITHER)
+
+
+def _flex_materials(model: Model, index: int) -> Iterator[Link]:
+    """Since MuJoCo 4 an element of a flex has a material, before that the flex."""
+    if len(model.flex_matid) != model.nflexelem:
+        yield from _one(model, "flex_matid", "material", index)
+        return
+    first = int(model.flex_elemadr[index])
+    materials = model.flex_matid[first : first + int(model.flex_elemnum[index])].tolist()
+    for place, material in enumerate(materials):
+        yield Link(f"flex_matid[{place}]", "material", material)
 
 
 _WRAP_JOINT, _WRAP_PULLEY, _WRAP_SITE = 1, 2, 3

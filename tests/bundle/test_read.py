@@ -145,3 +145,15 @@ def test_too_many_files_are_refused(tmp_path: Path, make: object) -> None:
 
 def test_a_folder_that_is_too_large_is_refused(tmp_path: Path) -> None:
     assert "holds more than 100 bytes" in refusal(folder(tmp_path / "a", FILES), ReadLimits(bytes=100))
+
+
+def test_the_one_model_that_no_other_names(tmp_path: Path) -> None:
+    files = {
+        "robot/arm.xml": b'<!-- an arm --><mujoco><include file="parts/hand.xml"/></mujoco>',
+        "robot/parts/hand.xml": b"<mujoco/>",
+        "package.xml": b"<package/>",
+    }
+    assert read(archive(tmp_path / "a.zip", files)).model == "robot/arm.xml"
+    assert "several other models: `a.xml`, `b.xml`" in refusal(
+        archive(tmp_path / "c.zip", {"a.xml": b"<mujoco/>", "b.xml": b"<mujoco/>"})
+    )

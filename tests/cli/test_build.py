@@ -346,3 +346,35 @@ def _ended(process: str) -> bool:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
     except (FileNotFoundError, ProcessLookupError):
         return True
+
+
+# -- equal assets ---------------------------------------------------------------------------------------------
+
+
+def test_equal_assets_of_several_parts_become_one(folder: Path) -> None:
+    (folder / "two.yaml").write_text(
+        "recipe: 1\nattach:\n  left: {model: ./models/arm.xml}\n  both: {model: ./nested.yaml, pos: [1, 0, 0]}\n"
+    )
+    (folder / "nested.yaml").write_text("recipe: 1\nattach:\n  right: {model: ./models/arm.xml}\n")
+    merged = {"mesh": {"both/right/cover": "left/cover"}}
+    result = run("build", "two.yaml", "--dedup", "-o", "out/")
+    assert result.exit_code == 0, result.stderr
+    assert "merged 1 mesh into" in result.stdout
+    assert json.loads((folder / "out" / "manifest.json").read_text())["merged"] == merged
+    assert mujoco.MjModel.from_xml_path(str(folder / "out" / "model.xml")).nmesh == 1
+    told = run("build", "two.yaml", "--dedup", "--json", "-o", "two.mjb")
+    assert json.loads(told.stdout)["merged"] == merged
+    alone = run("build", "two.yaml", "--dedup", "--no-verify", "-o", "-")
+    assert alone.stdout.count("<mesh ") == 1 and "merged 1 mesh" in alone.stderr
+
+
+def test_nothing_is_merged_unasked(folder: Path) -> None:
+    (folder / "two.yaml").write_text(
+        "recipe: 1\nattach:\n  left: {model: ./models/arm.xml}\n  right: {model: ./models/arm.xml}\n"
+    )
+    told = run("build", "two.yaml", "--json", "--no-verify", "-o", "out/")
+    assert "merged" not in json.loads(told.stdout)
+    assert json.loads((folder / "out" / "manifest.json").read_text())["merged"] == {}
+    assert (folder / "out" / "model.xml").read_text().count("<mesh ") == 2
+    alone = run("build", "cell.yaml", "--dedup", "--json", "--no-verify", "-o", "out/")
+    assert "merged" not in json.loads(alone.stdout)

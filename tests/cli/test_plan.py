@@ -64,3 +64,50 @@ def test_what_cannot_be_planned(folder: Path) -> None:
     result = run("plan", "cell.yaml")
     assert result.exit_code == 1 and result.stdout == ""
     assert "error[source-not-found]" in result.stderr and "write `./models/tool.xml`" in result.stderr
+
+
+def test_a_subtree_and_what_it_leaves(folder: Path) -> None:
+    (folder / "pair.yaml").write_text(
+        "recipe: 1\nbase: {model: ./models/arm.xml, subtree: link}\n"
+        "attach:\n  cell: {model: ./cell.yaml, subtree: tool/palm}\n"
+    )
+    result = run("plan", "pair.yaml")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout == (
+        "pair: the model of pair.yaml\n"
+        "  start from ./models/arm.xml, its body link alone\n"
+        "    leaves 1 body: base\n"
+        "    leaves 1 geom\n"
+        "    leaves 1 mesh: cover\n"
+        "  attach cell/: the recipe cell.yaml, its body tool/palm alone, in the world\n"
+        "    leaves 2 bodies: base, link\n"
+        "    leaves 2 geoms: rod\n"
+        "    leaves 1 joint: shoulder\n"
+        "    leaves 1 site: flange\n"
+        "    leaves 1 sensor: angle\n"
+        "    leaves 1 mesh: cover\n"
+        "    cell: the model of cell.yaml\n"
+        "      start from ./models/arm.xml\n"
+        "      attach tool/: ./models/tool.xml, on the site flange\n"
+        "      add jointpos angle to sensor\n"
+    )
+    told = json.loads(run("plan", "pair.yaml", "--json").stdout)
+    assert told["subtree"]["body"] == "link"
+    assert told["parts"][0]["subtree"]["left"][0] == {"kind": "body", "name": "base", "lacks": None}
+
+
+def test_a_subtree_that_cuts_something(folder: Path) -> None:
+    arm = folder / "models" / "arm.xml"
+    exclude = '<contact><exclude name="near" body1="base" body2="link"/></contact></mujoco>'
+    arm.write_text(arm.read_text().replace("</mujoco>", exclude))
+    (folder / "cell.yaml").write_text("recipe: 1\nbase: {model: ./models/arm.xml, subtree: link}\n")
+    result = run("plan", "cell.yaml")
+    assert result.exit_code == 0 and "warning[subtree-cut]" in result.stderr
+    assert result.stdout.splitlines()[-1] == "    leaves the exclude `near`, which needs the body `base`"
+
+
+def test_a_subtree_that_is_not_there(folder: Path) -> None:
+    (folder / "cell.yaml").write_text("recipe: 1\nbase: {model: ./models/arm.xml, subtree: lnik}\n")
+    result = run("plan", "cell.yaml")
+    assert result.exit_code == 1 and "did you mean `subtree: link`?" in result.stderr
+    assert "its body lnik alone" in result.stdout

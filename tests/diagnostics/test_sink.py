@@ -54,3 +54,15 @@ def test_what_it_gives_out_is_a_copy() -> None:
     sink.error("bad-name", "x")
     sink.diagnostics.clear()
     assert len(sink.diagnostics) == 1
+
+
+def test_what_lacks_a_lost_name_is_not_told_but_counts() -> None:
+    sink = Sink()
+    sink.error("unknown-key", "`left` is wrong")
+    sink.forgive(["left", "cup"])
+    sink.error("unknown-name", "there is no site `left/tip`")
+    sink.error("unknown-name", "there is no body `cup`")
+    sink.error("unknown-name", "there is no body `cups`")
+    sink.warning("option-conflict", "`right/` wants more")
+    assert [each.message for each in sink.diagnostics] == ["`left` is wrong", "there is no body `cups`"]
+    assert sink.error_count == 4

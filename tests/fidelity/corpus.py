@@ -31,7 +31,7 @@ class Composition:
     """A base with its parts. `refused` says why it has to be refused; empty for what must build.
 
     `expected` are the counts and facts that the composed model must show, for feature cases; `left_open` are
-    the paths of facts that are nobody's to decide.
+    the paths of facts that are nobody's to decide. Only what is `compared` is asked of MuJoCo's own attach too.
     """
 
     id: str
@@ -40,6 +40,7 @@ class Composition:
     refused: str = ""
     expected: Mapping[str, Any] = field(default_factory=dict)
     left_open: tuple[str, ...] = ()
+    compared: bool = True
 
 
 def pairs(corpus: Path) -> list[Composition]:

@@ -116,6 +116,8 @@ def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdic
     if composition.expected:
         verdict.facts = _facts(composition, composed)
     verdict.options = [str(found) for found in option_differences(alone[composition.parent], composed)]
+    if not composition.compared:
+        return
     try:
         rival = attached(composition)
     except ValueError as error:

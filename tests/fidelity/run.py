@@ -1,4 +1,4 @@
-"""The whole fidelity table: `python tests/fidelity/run.py [--pairs] [--cases] [--robots N] [--roundtrip]`.
+"""The whole fidelity table: `python tests/fidelity/run.py [--pairs] [--cases] [--robots N] [--settings N] [--roundtrip]`.
 
 Needs MJCOMPOSE_CORPUS. Exits with 1 where anything is not as it should be. Without a choice of sets it runs
 the pairs and the feature cases.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import tempfile
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -22,6 +23,7 @@ from fidelity.building import stand_in  # noqa: E402
 from fidelity.corpus import Composition  # noqa: E402
 from fidelity.judging import Verdict, judge  # noqa: E402
 from fidelity.roundtrip import Trip, travel  # noqa: E402
+from fidelity.settings import with_settings  # noqa: E402
 
 from composer.verify.keyframes import Roots  # noqa: E402
 
@@ -35,8 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     corpus = Path(folder).resolve()
     pages: list[str] = []
     fine = True
-    for title, compositions in _chosen(options, corpus):
-        fine &= _judge_all(title, compositions, options, pages)
+    with tempfile.TemporaryDirectory() as written:
+        for title, compositions in _chosen(options, corpus, Path(written)):
+            fine &= _judge_all(title, compositions, options, pages)
     if options.roundtrip:
         fine &= _travel_all(corpus, options, pages)
     if options.markdown:
@@ -51,6 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--pairs", action="store_true", help="the corpus's pairs")
     parser.add_argument("--cases", action="store_true", help="the corpus's feature cases")
     parser.add_argument("--robots", type=int, default=0, metavar="N", help="all ordered pairs of N robots")
+    parser.add_argument(
+        "--settings", type=int, default=0, metavar="N", help="N models with compiler settings"
+    )
     parser.add_argument("--roundtrip", action="store_true", help="parse, write and compile every model")
     parser.add_argument("--only", metavar="TEXT", help="only what has this in its name")
     parser.add_argument("--stand-in", action="store_true", help="MuJoCo's own attach in place of mjcompose")
@@ -59,8 +65,8 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _chosen(options: argparse.Namespace, corpus: Path) -> list[tuple[str, list[Composition]]]:
-    any_set = options.pairs or options.cases or options.robots or options.roundtrip
+def _chosen(options: argparse.Namespace, corpus: Path, written: Path) -> list[tuple[str, list[Composition]]]:
+    any_set = options.pairs or options.cases or options.robots or options.roundtrip or options.settings
     chosen = []
     if options.pairs or not any_set:
         chosen.append(("Pairs", corpora.pairs(corpus)))
@@ -68,6 +74,8 @@ def _chosen(options: argparse.Namespace, corpus: Path) -> list[tuple[str, list[C
         chosen.append(("Feature cases", corpora.cases(corpus)))
     if options.robots:
         chosen.append(("Robots", list(corpora.robots(corpus, options.robots))))
+    if options.settings:
+        chosen.append(("Settings", list(with_settings(corpus, written, options.settings))))
     return [(title, [c for c in found if (options.only or "") in c.id]) for title, found in chosen]
 
 

@@ -18,11 +18,15 @@ from composer.pipeline import build
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/recipe.yaml"))
 # Something is told of these, and the model is built all the same.
-TOLD = {"conflict_merge", "conflict_warning"}
+TOLD = {"conflict_merge", "conflict_warning", "fusestatic_on_body", "subtree"}
+# MuJoCo writes what is read of these, and an older one writes it in another way.
+WRITTEN_BY_MUJOCO = {"urdf"}
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_model(case: str, tmp_path: Path) -> None:
+    if case in WRITTEN_BY_MUJOCO and not hasattr(mujoco.MjSpec, "fuse_static"):
+        pytest.skip("the model was written by a newer MuJoCo")
     context = Context(environment={}, folder=HERE / case)
     built = build(HERE / case / "recipe.yaml", context, verified=False)
     assert built is not None, [each.message for each in context.sink.diagnostics]
@@ -47,4 +51,4 @@ def test_every_folder_is_a_case() -> None:
     folders = {path.name for path in HERE.iterdir() if path.is_dir() and path.name != "__pycache__"}
     assert folders == set(CASES)
     assert len(CASES) >= 15
-    assert folders >= TOLD
+    assert folders >= TOLD | WRITTEN_BY_MUJOCO

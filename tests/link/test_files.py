@@ -91,7 +91,7 @@ def test_every_kind_of_file_is_bundled(workshop: Workshop) -> None:
     content = {"d/a.obj": obj(), "h.bin": hills(), "s.skn": skin("b", "world"), "f.obj": obj(0.3)}
     content |= {f"{side}.png": png(at) for at, side in enumerate("rludfb")}
     linked = workshop.link(BASE, Piece(part, files=content))
-    linked.check(ignore=("matid", "flex_matid"))
+    linked.check()
     assert sorted(linked.bundled()) == sorted(f"assets/part/{name}" for name in content)
     workshop.link(part, BASE, files=content).check()
 

@@ -409,8 +409,8 @@ def test_the_walk_by_itself_renames_in_place(workshop: Workshop) -> None:
     found = rename(unit, "p/", "p/")
     assert unit.root.find("worldbody/body").attrib == {"name": "p/b", "childclass": "p/"}
     assert unit.root.find("default/default/geom").get("material") == "p/m"
-    assert list(found.declared["material"]) == ["p/m"]
-    assert MAIN not in found.declared["default"]
+    assert list(found.declared("material")) == ["p/m"]
+    assert MAIN not in found.declared("default")
     assert [*found.dangling()] == []
 
 

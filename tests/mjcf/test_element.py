@@ -254,6 +254,24 @@ def test_the_origin_is_a_place_in_a_file_or_a_line_of_the_program(arm: mjcf.Root
     assert added.origin.file == __file__
 
 
+def test_the_origin_of_an_attribute(arm: mjcf.RootElement) -> None:
+    joint = arm.find("joint", "shoulder")
+    assert joint is not None
+    name = joint.origin_of("name")
+    assert (name.file, name.line) == (joint.origin.file, 14) and name.column > joint.origin.column
+    joint.damping = 3
+    place = joint.origin_of("damping")
+    assert place.file == __file__ and place.line > joint.origin.line
+    assert joint.origin_of("name") == name
+    assert copy.deepcopy(arm).find("joint", "shoulder").origin_of("damping") == place  # type: ignore[union-attr]
+    added = arm.worldbody.add("geom", size=[1])
+    assert added.origin_of("size") == added.origin
+    with pytest.raises(mjcf.MjcfError, match="`armature` of .* is not set"):
+        joint.origin_of("armature")
+    with pytest.raises(mjcf.MjcfError, match="did you mean `damping`"):
+        joint.origin_of("dampin")
+
+
 def test_a_removed_element_is_of_no_use(body: mjcf.Element) -> None:
     geom = body.add("geom", name="g", size=[1])
     body.remove()
@@ -270,12 +288,11 @@ def test_a_removed_element_is_of_no_use(body: mjcf.Element) -> None:
             attempt()
 
 
-def test_an_element_is_neither_copied_nor_pickled_alone(body: mjcf.Element) -> None:
+def test_an_element_is_not_copied_alone_and_pickled_with_its_model(body: mjcf.Element) -> None:
     for copied in (copy.copy, copy.deepcopy):
         with pytest.raises(mjcf.MjcfError, match="without its model"):
             copied(body)
-    with pytest.raises(TypeError):
-        pickle.dumps(body)
+    assert pickle.loads(pickle.dumps(body)).root.to_xml_string() == body.root.to_xml_string()
 
 
 def test_a_value_in_a_file_that_mujoco_refuses_is_told_where_it_stands() -> None:
@@ -288,3 +305,13 @@ def test_a_value_in_a_file_that_mujoco_refuses_is_told_where_it_stands() -> None
 def test_attributes_and_children_are_completed(body: mjcf.Element) -> None:
     assert {"pos", "childclass", "geom", "add"} <= set(dir(body))
     assert "dclass" in dir(body.add("geom"))
+
+
+def test_a_notebook_shows_it_as_text() -> None:
+    model = mjcf.RootElement()
+    model.worldbody.add("body", name="b").add("geom", size=[1])
+    shown = model.find("body", "b")._repr_html_()
+    assert (
+        shown.startswith("<pre>&lt;body name=&quot;b&quot;&gt;\n")
+        and "&lt;geom size=&quot;1&quot;/&gt;" in shown
+    )

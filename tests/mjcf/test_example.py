@@ -16,9 +16,13 @@ def test_the_pendulum() -> None:
     pendulum.add("joint", name="hinge", type="hinge", axis=[0, 1, 0])
     pendulum.add("geom", name="bob", type="sphere", size=[0.05], rgba=[1, 0, 0, 1])
     model.actuator.add("motor", name="motor", joint="hinge", gear=[1])
-    compiled = mujoco.MjModel.from_xml_string(model.to_xml_string())
-    assert compiled.nu == compiled.njnt == 1
-    assert model.find("joint", name="hinge") is pendulum.joint[0]
+    physics = model.compile_model()
+    hinge_joint = model.find("joint", name="hinge")
+    joint_data = physics.bind(hinge_joint)
+    assert physics.model.nu == physics.model.njnt == 1
+    assert hinge_joint is pendulum.joint[0]
+    joint_data.qpos = 0.5
+    assert physics.data.qpos.tolist() == joint_data.qpos.tolist() == [0.5]
 
 
 def test_editing_a_robot(
@@ -45,6 +49,8 @@ def test_editing_a_robot(
         if body.name:
             body.add("site", name=f"{body.name}_site", pos=[0, 0, 0])
             model.sensor.add("accelerometer", name=f"{body.name}_sensor", site=f"{body.name}_site")
+    mjcf.commit_defaults(model)
+    assert model.find("joint", "elbow_joint").damping == 2
 
     model.asset.add("mesh", name="custom_mesh", file="path/to/mesh.stl")
     model.worldbody.add("body", name="custom_body").add(

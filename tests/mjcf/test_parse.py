@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import io
+import re
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,6 +10,7 @@ import mujoco
 import pytest
 
 from composer import mjcf
+from composer.mjcf import MjcfError
 
 Compiled = Callable[[mjcf.RootElement], mujoco.MjModel]
 
@@ -89,3 +92,66 @@ def test_what_is_no_model_is_told(tmp_path: Path) -> None:
         mjcf.from_path(3)  # type: ignore[arg-type]
     with pytest.raises(mjcf.MjcfError, match="`xml_string` expects"):
         mjcf.from_xml_string(None)  # type: ignore[arg-type]
+
+
+def _zip(path: Path, files: dict[str, bytes | str]) -> Path:
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return path
+
+
+def test_a_zip_of_ours_comes_back(folder: Path, tmp_path: Path) -> None:
+    arm, gripper = (mjcf.from_path(folder / each / f"{each}.xml") for each in ("arm", "gripper"))
+    arm.find("site", "flange").attach(gripper)
+    mjcf.export_with_assets_as_zip(arm, tmp_path / "both.zip")
+    model = mjcf.from_zip(tmp_path / "both.zip")
+    assert model.model == "arm"
+    assert sorted(map(len, model.assets.values())) == sorted(map(len, arm.assets.values()))
+    assert mujoco.MjModel.from_xml_string(model.to_xml_string(), model.assets).nmesh == 2
+
+
+def test_a_zip_of_mujocos_comes_back(tmp_path: Path) -> None:
+    spec = mujoco.MjSpec.from_string(
+        '<mujoco model="m"><worldbody><geom name="g" size="1"/></worldbody></mujoco>'
+    )
+    spec.compile()
+    if not hasattr(spec, "to_zip"):
+        pytest.skip("this MuJoCo writes no zips")
+    spec.to_zip(str(tmp_path / "m.zip"))
+    assert mjcf.from_zip(tmp_path / "m.zip").find("geom", "g") is not None
+
+
+def test_any_zip_with_one_model(folder: Path, tmp_path: Path) -> None:
+    arm = (folder / "arm" / "arm.xml").read_text()
+    whole = {
+        "robot/arm.xml": arm.replace("<worldbody>", '<include file="parts/more.xml"/><worldbody>'),
+        "robot/parts/more.xml": '<mujoco><worldbody><site name="more"/></worldbody></mujoco>',
+        "robot/meshes/shell.stl": (folder / "arm" / "meshes" / "shell.stl").read_bytes(),
+        "robot/package.xml": "<package/>",
+    }
+    model = mjcf.from_zip(_zip(tmp_path / "robot.zip", whole))
+    assert model.find("site", "more") is not None
+    assert model.find("mesh", "shell").file.contents == whole["robot/meshes/shell.stl"]
+    assert model.find("site", "flange").origin.file == f"{tmp_path}/robot.zip/robot/arm.xml"
+
+
+def test_zips_that_cannot_be_read(tmp_path: Path) -> None:
+    model = "<mujoco/>"
+    for files, message in (
+        ({"a.xml": model, "b.xml": model}, "and several other models: `a.xml`, `b.xml`"),
+        ({"readme.txt": "hello"}, "has neither `model.xml` nor `z.xml`"),
+        ({"../model.xml": model}, "is no bundle"),
+        ({"model.xml": "<mujoco><worldbdy/></mujoco>"}, "`<worldbdy>` cannot stand in `<mujoco>`"),
+    ):
+        with pytest.raises(MjcfError, match=re.escape(message)):
+            mjcf.from_zip(_zip(tmp_path / "z.zip", files))
+    with pytest.raises(MjcfError, match="there is no file or folder"):
+        mjcf.from_zip(tmp_path / "nowhere.zip")
+    with pytest.raises(MjcfError, match="is a folder, not a zip"):
+        mjcf.from_zip(tmp_path)
+    lost = mjcf.from_zip(
+        _zip(tmp_path / "z.zip", {"model.xml": '<mujoco><asset><mesh file="x.stl"/></asset></mujoco>'})
+    )
+    with pytest.raises(MjcfError, match="z.zip/x.stl"):
+        lost.assets  # noqa: B018

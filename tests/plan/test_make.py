@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 
 from composer.context import Context
+from composer.plan.describe import as_data, describe
 from composer.plan.make import make_plan
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.sources.source import Source
 
 ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoco>'
 
@@ -121,3 +123,39 @@ def test_faults_of_all_models_are_told_at_once(tmp_path: Path) -> None:
         "recipe.yaml:2:7",
         "recipe.yaml:3:21",
     ]
+
+
+URDF = "recipe: 1\nbase: {model: ./arm.urdf, packages: {arm: ./meshes}}\nattach: {a: {model: ./arm.urdf}}\n"
+
+
+def test_packages_of_urdf(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    plan = planned(tmp_path, URDF, arm__urdf="<robot/>")
+    base, part = plan.base.model, plan.parts[0].model
+    assert isinstance(base, Source) and isinstance(part, Source)
+    assert base.packages == (("arm", tmp_path / "meshes"),) and part.packages == ()
+
+
+def test_packages_that_are_not_there(tmp_path: Path) -> None:
+    plan, context = tried(tmp_path, URDF, arm__urdf="<robot/>")
+    assert plan is None
+    assert [(each.code, each.span and each.span.column) for each in context.sink.errors] == [
+        ("file-not-found", 43)
+    ]
+
+
+def test_packages_of_a_recipe(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    text = URDF.replace("arm.urdf", "inner.yaml", 1)
+    plan, context = tried(tmp_path, text, arm__urdf="<robot/>", inner__yaml="recipe: 1\n")
+    assert plan is None
+    assert [(each.code, each.span and each.span.column) for each in context.sink.errors] == [
+        ("unknown-key", 29)
+    ]
+
+
+def test_urdf_is_said_to_be_converted(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    plan = planned(tmp_path, URDF, arm__urdf="<robot/>")
+    assert "start from ./arm.urdf, URDF that MuJoCo converts" in describe(plan)
+    assert as_data(plan)["parts"][0]["model"]["format"] == "urdf"

@@ -8,7 +8,7 @@ import pytest
 
 from composer.context import Context
 from composer.plan.make import make_plan
-from composer.steps import compose as module
+from composer.steps import load as module
 from composer.steps.compose import Composer
 
 Compose = Callable[..., Any]

@@ -63,3 +63,14 @@ def test_lines_stay_what_they_are_where_the_text_is_mended() -> None:
     unit = parse_text(text, Sink(), file="a.xml", directory=Path(), label="a")
     assert unit is not None
     assert unit.origins.span(unit.root[0][0], unit.file) == Span("a.xml", 7, 5, 7, 10)
+
+
+def test_what_a_program_has_set_is_on_its_line() -> None:
+    unit = parse_text(TEXT, Sink(), file="a.xml", directory=Path(), label="a")
+    assert unit is not None
+    geom, line = unit.root[0][0], Span("program.py", 7, 1)
+    unit.origins.settings[geom] = {"size": line}
+    copied = unit.copied()
+    for one in (unit, copied):
+        assert one.origins.span(one.root[0][0], one.file, "size") == line
+        assert one.origins.span(one.root[0][0], one.file, "name") == Span("a.xml", 4, 13, 4, 17)

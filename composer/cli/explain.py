@@ -1,0 +1,52 @@
+"""`mjcompose explain`: where an element or an attribute of a model came from, and what changed it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import click
+
+from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, source_reader
+
+
+@click.command()
+@click.argument("model", type=click.Path(path_type=Path))
+@click.argument("query")
+@click.argument("attribute", required=False)
+@reporting_options
+def command(model: Path, query: str, attribute: str | None, form: str, as_json: bool) -> None:
+    r"""Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
+
+    \b
+    QUERY says which thing:
+      'geom gripper/pad'            a kind and a name; the name alone where that is enough
+      'geom gripper/pad friction'   one attribute: its value and every default class that may give it
+      'geom gripper/**'             all that the glob fits; a kind alone means all of it
+      'geom#3'                      without a name: by its number in MuJoCo
+      'option timestep'             a setting
+      'gripper.xml:12'              what became of the element on that line
+    """
+    from composer.context import Context
+    from composer.explain.explain import explain
+    from composer.explain.explanation import as_data
+    from composer.explain.query import read
+    from composer.explain.text import render
+
+    form = "json" if as_json else form
+    context = Context()
+    asked = read(query, attribute, context.sink)
+    if asked is None:
+        report(context, form)
+        sys.exit(USAGE)
+    explained = explain(model, asked, context)
+    if explained is None or context.sink.has_errors:  # warnings are for those who check or build
+        report(context, form)
+    if explained is None:
+        sys.exit(FINDINGS)
+    if form == "json":
+        click.echo(json.dumps(as_data(explained), indent=2, ensure_ascii=False))
+    else:
+        click.echo(render(explained, source_reader(context.folder)))
+    sys.exit(FINDINGS if context.sink.has_errors else 0)

@@ -1,0 +1,148 @@
+"""URDF to MJCF by MuJoCo itself, with every digit and nothing compiled into the numbers that was not asked for."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from composer.engine.limits import Limits
+from composer.engine.run import call, without_folder
+from composer.engine.session import Session
+
+PACKAGE = "package://"
+
+
+@dataclass(frozen=True, slots=True)
+class Converted:
+    """The MJCF text of a URDF file, or why there is none.
+
+    `meshes` are the files that MuJoCo asks for, as it looks for them: below the URDF's folder and `folder` (its
+    `meshdir`) unless absolute, or still `package://…` where the package is not known. Empty where it was not
+    read so far. `warnings` are about the reading alone: those about the model come again when it is compiled.
+    `error` and `crash` are as in `Compiled`.
+
+    In `text` each link is a body, with a `<frame>` of its name in it. One that MuJoCo fused with its parent is a
+    frame that holds that one (from MuJoCo 4.0 on; an older one leaves nothing of it).
+    """
+
+    text: str | None
+    meshes: tuple[str, ...] = ()
+    folder: str = ""
+    warnings: tuple[str, ...] = ()
+    error: str | None = None
+    crash: str | None = None
+
+
+def convert_urdf(
+    path: Path, packages: Mapping[str, Path], *, stands: bool = True, limits: Limits | None = None
+) -> Converted:
+    """Convert a file; `packages` has the folders that `package://NAME` stands for.
+
+    Whether it `stands` in the world decides about the root link: as long as it does, MuJoCo fuses it with the
+    world, which has no inertia; what shall move or hang on something keeps it as a body.
+    Needs all meshes, for MuJoCo saves only what compiles. Never raises for what the file holds.
+    """
+    argument = {
+        "path": str(path.absolute()),
+        "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},
+        "stands": stands,
+    }
+    with Session(limits) as session:
+        read = call(session, read_meshes, (), argument)
+        converted = call(session, convert, (), argument) if read.ok and not read.value["error"] else read
+    meshes, folder = (read.value["meshes"], read.value["folder"]) if read.ok else ([], "")
+    error = converted.value["error"] if converted.ok else converted.error
+    return Converted(
+        converted.value.get("text") if converted.ok else None,
+        tuple(meshes),
+        folder,
+        tuple(without_folder(text, path.parent) for text in read.warnings),
+        error and without_folder(error, path.parent),
+        converted.crash,
+    )
+
+
+def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
+    """Runs in the child: what MuJoCo reads, with none of it compiled."""
+    try:
+        spec = _read(mujoco, argument)
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        return {"error": _told(error), "meshes": [], "folder": ""}
+    return {"error": None, "meshes": [mesh.file for mesh in spec.meshes], "folder": spec.meshdir}
+
+
+def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
+    """Runs in the child: the text, or why there is none."""
+    try:
+        return {"error": None, "text": _saved(mujoco, _read(mujoco, argument), argument["stands"])}
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        return {"error": _told(error)}
+
+
+def _told(error: Exception) -> str:
+    return str(error).strip() or type(error).__name__
+
+
+def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
+    """The spec of the file, its packages resolved."""
+    spec = mujoco.MjSpec.from_file(argument["path"])
+    for mesh in spec.meshes:
+        mesh.file = _found(mesh.file, argument["packages"])
+    return spec
+
+
+def _found(file: str, packages: Mapping[str, str]) -> str:
+    name, _, inside = file.removeprefix(PACKAGE).partition("/")
+    return f"{packages[name]}/{inside}" if file.startswith(PACKAGE) and name in packages else file
+
+
+def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
+    """The text of a spec.
+
+    What the compiler would do to the whole model is done here, where it is still a model of its own: in a
+    composition it would reach the other parts. Numbers are saved as they were read.
+    """
+    compiler = spec.compiler
+    compiler.saveinertial = False
+    if not (hasattr(compiler, "savecompiled") and hasattr(spec, "fuse_static")):
+        return _saved_as_compiled(mujoco, spec, stands)
+    for body in spec.bodies[1:]:
+        body.add_frame(name=body.name)  # is carried along by what becomes of the body
+    for root in () if stands else spec.worldbody.bodies:
+        root.fuse = 0
+    if compiler.discardvisual:
+        spec.discard_visual()
+    if compiler.fusestatic:
+        spec.fuse_static()
+    compiler.discardvisual = compiler.fusestatic = False
+    compiler.savecompiled = compiler.savecanonical = False
+    return str(spec.to_xml())
+
+
+def _saved_as_compiled(mujoco: Any, spec: Any, stands: bool) -> str:
+    """The text of a spec by an older MuJoCo, which saves compiled values: right but for rounding.
+
+    Inertia is written out, for what was inferred before links were fused cannot be inferred from what is left.
+    """
+    _save_all_digits(mujoco)
+    spec.compiler.saveinertial = True
+    if not stands:
+        spec.compiler.fusestatic = False  # nothing less keeps the root
+    text = re.sub(r' inertiafromgeom="\w+"', "", spec.to_xml())
+    if spec.compiler.settotalmass > 0:  # of which what is saved knows nothing
+        text = text.replace("<compiler ", f'<compiler settotalmass="{spec.compiler.settotalmass!r}" ', 1)
+    return text
+
+
+def _save_all_digits(mujoco: Any) -> None:
+    """An older MuJoCo saves six digits, unless its library is told otherwise."""
+    folder = Path(mujoco.__file__).parent
+    for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll"):
+        for library in folder.glob(pattern):
+            ctypes.CDLL(str(library))._mjPRIVATE__set_xml_precision(17)
+            return
+    raise ValueError("this version of MuJoCo saves rounded numbers only")

@@ -1,0 +1,80 @@
+"""One concrete recipe: variants chosen, parameters set, conditions decided, expressions evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as Map
+from dataclasses import dataclass
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest, exists_note
+from composer.document.node import Mapping, Node
+from composer.expand.parameter import Parameter
+from composer.expand.params import read_params, settle
+from composer.expand.substitute import Substitution
+from composer.expand.variants import Axes, choose, merged, read_axes
+from composer.expand.when import Condition
+from composer.expr.value import Value
+
+# Of these nothing is left in a concrete recipe.
+SETTLED = ("extends", "params", "variants", "matrix")
+
+
+@dataclass(frozen=True, slots=True)
+class Concrete:
+    """A recipe without parameters and variants, and what it was made with.
+
+    `scope` has the values by name, those of variants as text; `lost` what was left out because it is wrong.
+    """
+
+    document: Mapping
+    scope: Map[str, Value]
+    parameters: Map[str, Parameter]
+    variants: Map[str, str]
+    lost: frozenset[str] = frozenset()
+
+
+def expand(document: Mapping, given: Map[str, Node], sink: Sink) -> Concrete:
+    """The recipe with the values of `given`, defaults for the rest; what has a fault is told and left out."""
+    axes = read_axes(document, sink)
+    chosen = choose(axes, given, sink)
+    document = merged(document, axes, chosen, sink)
+    declared = document.entries.get("params")
+    parameters = read_params(declared[1] if declared else None, sink)
+    _check_names(document, axes, parameters, given, sink)
+    scope: dict[str, Value] = {**settle(parameters, given, sink), **chosen}
+    rest = Mapping(
+        {name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span
+    )
+    substitution = Substitution(scope, parameters, sink)
+    substituted = substitution.of(Condition(scope, axes, sink).kept(rest))
+    assert isinstance(substituted, Mapping)
+    return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost))
+
+
+def _check_names(
+    document: Mapping, axes: Axes, parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink
+) -> None:
+    for name in axes.keys() & parameters.keys():
+        variants = document.entries["variants"][1]
+        assert isinstance(variants, Mapping)
+        note = Note("the parameter", parameters[name].span)
+        sink.error(
+            "name-clash",
+            f"`{name}` is a variant and a parameter",
+            variants.entries[name][0].span,
+            notes=(note,),
+        )
+    declared = document.entries.get("params")
+    tried = declared[1].entries if declared and isinstance(declared[1], Mapping) else {}
+    for name, node in given.items():
+        if name not in axes and name not in tried:
+            known = [*axes, *parameters]
+            near = closest(name, known)
+            sink.error(
+                "unknown-name",
+                f"the recipe has no parameter or variant `{name}`",
+                node.span,
+                notes=(exists_note("name", known, name),),
+                help=f"did you mean `{near[0]}`?" if near else None,
+            )

@@ -1,0 +1,190 @@
+"""The section `matrix`: which combinations of variants and parameters are built, and what each is called."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, exists_note
+from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.expand.expand import expand
+from composer.expand.plain import plain, same
+from composer.expand.substitute import tell
+from composer.expr.error import ExpressionError
+from composer.expr.template import Template
+from composer.expr.value import Value, shown
+
+KEYS = ("axes", "exclude", "include", "name")
+MAX_CELLS = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One combination: its name, and the value of every axis of the matrix that it sets, by name."""
+
+    name: str
+    given: dict[str, Node]
+    span: Span
+
+    def values(self) -> dict[str, Value | None]:
+        return {name: plain(node) for name, node in self.given.items()}
+
+
+def cells(document: Mapping, name: str, sink: Sink) -> list[Cell]:
+    """All cells of a recipe called `name`, in order: the last axis changes fastest, `include` comes last.
+
+    Without a matrix there is none. Names are unique; that and every value is checked here, before anything is built.
+    """
+    found = document.entries.get("matrix")
+    if found is None:
+        return []
+    before = sink.error_count
+    matrix = _Matrix(document, found, sink)
+    combinations = list(matrix.combinations())
+    if sink.error_count > before:
+        return []
+    made = [Cell(matrix.name_of(name, given), given, span) for given, span in combinations]
+    _check_unique(made, matrix, sink)
+    return made if sink.error_count == before else []
+
+
+class _Matrix:
+    def __init__(self, document: Mapping, entry: tuple[Key, Node], sink: Sink) -> None:
+        self.document, self.sink = document, sink
+        self.key, node = entry
+        self.node = node if isinstance(node, Mapping) else Mapping({}, node.span)
+        if not isinstance(node, Mapping):
+            self._wrong("`matrix` is a mapping", node)
+        for each, _ in self.node.entries.values():
+            if each.name not in KEYS:
+                near = closest(each.name, KEYS)
+                help = f"did you mean `{near[0]}`?" if near else None
+                notes = (exists_note("key", KEYS),)
+                sink.error(
+                    "unknown-key", f"`matrix` has no key `{each.name}`", each.span, notes=notes, help=help
+                )
+        self.axes = self._axes()
+
+    def _wrong(self, message: str, node: Node) -> None:
+        help = "write `matrix: {axes: {gripper: [small, large]}}`"
+        self.sink.error("wrong-type", message, node.span, help=help)
+
+    def _axes(self) -> dict[str, tuple[Node, ...]]:
+        entry = self.node.entries.get("axes")
+        if entry is None:
+            self.sink.error("missing-key", "`matrix` lacks `axes`", self.key.span,
+                            help="write `matrix: {axes: {gripper: [small, large]}}`")  # fmt: skip
+            return {}
+        if not isinstance(entry[1], Mapping):
+            self._wrong("`axes` is a mapping from variants and parameters to lists of values", entry[1])
+            return {}
+        axes: dict[str, tuple[Node, ...]] = {}
+        for key, values in entry[1].entries.values():
+            if not isinstance(values, Sequence) or not values.items:
+                self._wrong(f"axis `{key.name}` is a list of values", values)
+                continue
+            axes[key.name] = values.items
+            for value in values.items:  # each alone: is there such a name, and may it have that value?
+                expand(self.document, {key.name: value}, self.sink)
+        return axes
+
+    def combinations(self) -> Iterator[tuple[dict[str, Node], Span]]:
+        size = 1
+        for values in self.axes.values():
+            size *= len(values)
+        if size > MAX_CELLS:
+            self.sink.error(
+                "out-of-range", f"the matrix has {size} cells; there may be {MAX_CELLS}", self.key.span
+            )
+            return
+        excluded = list(self._entries("exclude"))
+        hit = [False] * len(excluded)
+        for values in itertools.product(*self.axes.values()) if self.axes else ():
+            given = dict(zip(self.axes, values, strict=True))
+            out = False
+            for index, entry in enumerate(excluded):
+                if all(_same(given[key.name], node) for key, node in entry.entries.values()):
+                    out = hit[index] = True
+            if not out:
+                yield given, self.key.span
+        for entry, seen in zip(excluded, hit, strict=True):
+            if not seen:
+                self.sink.error("unknown-name", "no cell of the matrix is like this one to be excluded", entry.span,
+                                help="its values are those of the axes, as they are written there")  # fmt: skip
+        for entry in self._entries("include"):
+            given = {key.name: node for key, node in entry.entries.values()}
+            expand(self.document, given, self.sink)
+            yield given, entry.span
+
+    def _entries(self, name: str) -> Iterator[Mapping]:
+        found = self.node.entries.get(name)
+        if found is None:
+            return
+        if not isinstance(found[1], Sequence):
+            self._wrong(f"`{name}` is a list of mappings from axes to values", found[1])
+            return
+        for item in found[1].items:
+            if not isinstance(item, Mapping) or not item.entries:
+                self._wrong(f"an item of `{name}` is a mapping from axes to values", item)
+            elif name == "include" or self._are_axes(item):
+                yield item
+
+    def _are_axes(self, item: Mapping) -> bool:
+        wrong = [key for key, _ in item.entries.values() if key.name not in self.axes]
+        for key in wrong:
+            near = closest(key.name, self.axes)
+            self.sink.error("unknown-name", f"the matrix has no axis `{key.name}`", key.span,
+                            notes=(exists_note("axis", list(self.axes), key.name),),
+                            help=f"did you mean `{near[0]}`?" if near else None)  # fmt: skip
+        return not wrong
+
+    def name_of(self, name: str, given: dict[str, Node]) -> str:
+        scope = dict(expand(self.document, given, Sink()).scope)
+        entry = self.node.entries.get("name")
+        if entry is None:
+            return "-".join(
+                [name, *(shown(scope[axis]) for axis in (*self.axes, *(given.keys() - self.axes.keys())))]
+            )
+        node = entry[1]
+        if not isinstance(node, Scalar) or not isinstance(node.value, str):
+            self._wrong("`name` of the matrix is text", node)
+            return name
+        try:
+            return str(Template.parse(node.value).value({**scope, "name": name}))
+        except ExpressionError as error:
+            tell(error, node, ["name", *scope], self.sink)
+            return name
+
+
+def _same(a: Node, b: Node) -> bool:
+    if isinstance(a, Scalar) and isinstance(b, Scalar) and a.text == b.text:
+        return True
+    first, second = plain(a), plain(b)
+    return first is not None and second is not None and same(first, second)
+
+
+def _check_unique(made: list[Cell], matrix: _Matrix, sink: Sink) -> None:
+    seen: dict[str, Cell] = {}
+    for cell in made:
+        other = seen.setdefault(cell.name, cell)
+        if other is not cell:
+            entry = matrix.node.entries.get("name")
+            differing = [
+                axis
+                for axis in cell.given
+                if not _same(cell.given[axis], other.given.get(axis, cell.given[axis]))
+            ]
+            sink.error(
+                "name-clash",
+                f"two cells of the matrix are called `{cell.name}`",
+                entry[1].span if entry else cell.span,
+                notes=(Note(f"they differ in {', '.join(f'`{axis}`' for axis in differing)}"),)
+                if differing
+                else (),
+                help=f"put `${{{differing[0]}}}` into the name" if differing else "take one of the two out",
+            )
+            return

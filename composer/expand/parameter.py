@@ -1,0 +1,136 @@
+"""One parameter: its type, its default, and which values it can have."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest
+from composer.expr.value import Value, kind, shown
+
+TYPES = ("bool", "int", "float", "string", "vector")
+_ANGLE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(deg|rad)")
+
+
+class Refusal(NamedTuple):
+    """Why a value cannot be that of a parameter: code, message and what to do."""
+
+    code: str
+    message: str
+    help: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """`low` and `high` bound numbers and every component of a vector; `default` None is one that must be given.
+
+    `unit` is for readers, but for `deg` and `rad`: a value that is `${name}` alone then is an angle with that unit.
+    """
+
+    name: str
+    type: str
+    default: Value | None
+    span: Span
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[Value, ...] = ()
+    length: int | None = None
+    unit: str | None = None
+    doc: str = ""
+
+    @property
+    def is_angle(self) -> bool:
+        return self.unit in ("deg", "rad")
+
+    def read(self, value: Value) -> Value | Refusal:
+        """The value as it is kept, an angle with a unit as a number in the parameter's; or why it cannot be."""
+        if self.is_angle and isinstance(value, str):
+            converted = _in_unit(value, str(self.unit))
+            if converted is not None:
+                value = converted
+        if not _has_type(value, self.type):
+            help = "declare it as `{type: float, …}` to have any number" if self.type == "int" else None
+            return Refusal(
+                "wrong-type", f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_told(value)}", help
+            )
+        if self.choices and value not in self.choices:
+            near = closest(shown(value), [shown(each) for each in self.choices])
+            listed = ", ".join(f"`{shown(each)}`" for each in self.choices)
+            help = f"did you mean `{near[0]}`?" if near else None
+            return Refusal(
+                "out-of-range", f"parameter `{self.name}` is one of {listed}, got {_told(value)}", help
+            )
+        if isinstance(value, tuple) and self.length is not None and len(value) != self.length:
+            return Refusal(
+                "wrong-length", f"parameter `{self.name}` has {self.length} numbers, got {len(value)}"
+            )
+        for number in value if isinstance(value, tuple) else (value,):
+            if isinstance(number, bool) or not isinstance(number, (int, float)):
+                continue
+            if self.low is not None and number < self.low:
+                return Refusal(
+                    "out-of-range",
+                    f"parameter `{self.name}` is at least {shown(self.low)}, got {shown(number)}",
+                )
+            if self.high is not None and number > self.high:
+                return Refusal(
+                    "out-of-range",
+                    f"parameter `{self.name}` is at most {shown(self.high)}, got {shown(number)}",
+                )
+        return value
+
+
+_NOUNS = {
+    "bool": "`true` or `false`",
+    "int": "a whole number",
+    "float": "a number",
+    "string": "text",
+    "vector": "a list of numbers",
+}
+
+
+def _has_type(value: Value, type: str) -> bool:
+    if type == "bool" or isinstance(value, bool):
+        return type == "bool" and isinstance(value, bool)
+    if type == "int":
+        return isinstance(value, int)
+    if type == "float":
+        return isinstance(value, (int, float))
+    if type == "string":
+        return isinstance(value, str)
+    return isinstance(value, tuple) and all(_has_type(each, "float") for each in value)
+
+
+def _told(value: Value) -> str:
+    text = shown(value)
+    return f"{kind(value)} `{text}`" if len(text) <= 40 else kind(value)
+
+
+def inferred(default: Value) -> tuple[str, Value, str | None]:
+    """Type, value and unit of a parameter of which only the default is known.
+
+    >>> inferred(1), inferred("90deg"), inferred("left")
+    (('float', 1, None), ('float', 90.0, 'deg'), ('string', 'left', None))
+    """
+    if isinstance(default, bool):
+        return "bool", default, None
+    if isinstance(default, (int, float)):
+        return "float", default, None
+    if isinstance(default, tuple):
+        return "vector", default, None
+    angle = _ANGLE.fullmatch(default)
+    return ("float", float(angle[1]), angle[2]) if angle else ("string", default, None)
+
+
+def _in_unit(text: str, unit: str) -> float | None:
+    import math
+
+    angle = _ANGLE.fullmatch(text)
+    if angle is None:
+        return None
+    value = float(angle[1])
+    if angle[2] == unit:
+        return value
+    return math.radians(value) if unit == "rad" else math.degrees(value)

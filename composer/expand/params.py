@@ -1,0 +1,139 @@
+"""The section `params`: what can be set from outside, and what it is now."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping as Map
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest, exists_note
+from composer.document.node import Key, Mapping, Node, Scalar
+from composer.expand.name import is_usable
+from composer.expand.parameter import TYPES, Parameter, Refusal, inferred
+from composer.expand.plain import plain
+from composer.expr.template import is_template
+from composer.expr.value import Value
+
+KEYS = ("type", "default", "min", "max", "choices", "length", "unit", "doc")
+
+
+def read_params(node: Node | None, sink: Sink) -> dict[str, Parameter]:
+    """The parameters that are declared, but for those that are wrong."""
+    if node is None:
+        return {}
+    if not isinstance(node, Mapping):
+        help = "write `params: {reach: {default: 0.45, unit: m}}`"
+        sink.error("wrong-type", "`params` is a mapping from names to parameters", node.span, help=help)
+        return {}
+    found: dict[str, Parameter] = {}
+    for key, value in node.entries.values():
+        if is_usable(key, "a parameter", sink):
+            parameter = _read(key, value, sink)
+            if parameter is not None:
+                found[key.name] = parameter
+    return found
+
+
+def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
+    before = sink.error_count
+    written = node.entries if isinstance(node, Mapping) else {"default": (key, node)}
+    for name, (each, _) in written.items():
+        if name not in KEYS:
+            near = closest(name, KEYS)
+            notes = (exists_note("key", KEYS, name),)
+            help = f"did you mean `{near[0]}`?" if near else None
+            sink.error(
+                "unknown-key",
+                f"parameter `{key.name}` has no key `{name}`",
+                each.span,
+                notes=notes,
+                help=help,
+            )
+
+    def part(name: str) -> tuple[Value | None, Node | None]:
+        found = written.get(name)
+        return (plain(found[1]), found[1]) if found is not None else (None, None)
+
+    default, at = part("default")
+    if at is not None and default is None:
+        sink.error("wrong-type", f"the default of `{key.name}` is a value or a list of numbers", at.span)
+    if isinstance(default, str) and at is not None and is_template(default):
+        help = "a default is written out; use the parameter where the value is needed"
+        sink.error("wrong-type", f"the default of `{key.name}` cannot be an expression", at.span, help=help)
+    type, at_type = part("type")
+    choices, at_choices = part("choices")
+    if at_choices is not None and (not isinstance(choices, tuple) or not choices):
+        sink.error("wrong-type", f"`choices` of `{key.name}` is a list of values", at_choices.span)
+        choices = None
+    sample = default if default is not None else choices[0] if isinstance(choices, tuple) else None
+    guess, value, unit = inferred(sample) if sample is not None else (None, None, None)
+    if at_type is not None and type not in TYPES:
+        near = closest(str(type), TYPES)
+        help = f"did you mean `{near[0]}`?" if near else "`choices: […]` lists the values of a choice"
+        sink.error("wrong-keyword", f"`type` of `{key.name}` is none of the types", at_type.span,
+                   notes=(exists_note("type", TYPES),), help=help)  # fmt: skip
+    if type is None and guess is None:
+        sink.error("missing-key", f"parameter `{key.name}` has neither `default` nor `type`", key.span,
+                   help="write `{default: …}`, or `{type: float}` for one that must be given")  # fmt: skip
+    low, high, length = (_number(part(name)[1], name, key.name, sink) for name in ("min", "max", "length"))
+    if low is not None and high is not None and low > high:
+        at_high = part("max")[1]
+        assert at_high is not None
+        sink.error("out-of-range", f"`max` of `{key.name}` is below its `min`", at_high.span)
+    own_unit, own_doc = part("unit")[0], part("doc")[0]
+    if sink.error_count > before:
+        return None
+    if type == "string":
+        value, unit = sample, None
+    parameter = Parameter(
+        key.name, str(type or guess), None if default is None else value, key.span, low, high,
+        choices if isinstance(choices, tuple) else (),
+        int(length) if length is not None else len(value) if isinstance(value, tuple) else None,
+        str(own_unit) if own_unit is not None else unit, str(own_doc or ""),
+    )  # fmt: skip
+    if default is None:
+        return parameter
+    settled = parameter.read(default)
+    if isinstance(settled, Refusal):
+        assert at is not None
+        sink.error(settled.code, settled.message, at.span, help=settled.help)
+        return None
+    return parameter
+
+
+def _number(node: Node | None, what: str, name: str, sink: Sink) -> float | None:
+    if node is None:
+        return None
+    value = node.value if isinstance(node, Scalar) else None
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
+        sink.error("wrong-type", f"`{what}` of `{name}` is a number", node.span)
+        return None
+    return value
+
+
+def settle(parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink) -> dict[str, Value]:
+    """The value of every parameter: what is given, else its default. Of one with a fault there is none."""
+    scope: dict[str, Value] = {}
+    for name, parameter in parameters.items():
+        node = given.get(name)
+        if node is None:
+            if parameter.default is not None:
+                scope[name] = parameter.default
+            else:
+                help = f"build with `--set {name}=…`, or write `with: {{{name}: …}}` where the recipe is used"
+                message = f"parameter `{name}` has no default and must be given"
+                sink.error("missing-key", message, parameter.span, help=help)
+            continue
+        value = plain(node)
+        answer = (
+            Refusal("wrong-type", f"parameter `{name}` is a value")
+            if value is None
+            else parameter.read(value)
+        )
+        if isinstance(answer, Refusal):
+            note = Note("the parameter is declared here", parameter.span)
+            sink.error(answer.code, answer.message, node.span, notes=(note,), help=answer.help)
+        else:
+            scope[name] = answer
+    return scope

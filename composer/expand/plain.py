@@ -1,0 +1,37 @@
+"""Located nodes as values of expressions, and back."""
+
+from __future__ import annotations
+
+from composer.diagnostics.span import Span
+from composer.document.node import Node, Scalar, Sequence
+from composer.expr.value import Value, shown
+
+
+def plain(node: Node) -> Value | None:
+    """The value of a scalar or a list of them; None for nothing, mappings, and what no expression can be."""
+    if isinstance(node, Scalar):
+        return node.value
+    if isinstance(node, Sequence):
+        items = tuple(plain(item) for item in node.items)
+        return (
+            None if any(item is None for item in items) else tuple(item for item in items if item is not None)
+        )
+    return None
+
+
+def node_of(value: Value, span: Span) -> Node:
+    """A node that says the value, at a place."""
+    if isinstance(value, tuple):
+        return Sequence(tuple(node_of(each, span) for each in value), span)
+    return Scalar(value, span, shown(value), not isinstance(value, str))
+
+
+def same(a: Value, b: Value) -> bool:
+    """Whether two values are equal; `true` is not 1.
+
+    >>> same(1, 1.0), same(True, 1), same((1, 2), (1.0, 2))
+    (True, False, True)
+    """
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(same, a, b))
+    return isinstance(a, bool) == isinstance(b, bool) and a == b

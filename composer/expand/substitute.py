@@ -1,0 +1,95 @@
+"""Expressions to their values, everywhere in a recipe where they are known before anything is built."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as Map
+from typing import TYPE_CHECKING
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, exists_note
+from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.expand.plain import node_of
+from composer.expr.error import ExpressionError
+from composer.expr.evaluate import UnknownName
+from composer.expr.template import Template, is_template
+from composer.expr.value import Value, shown
+
+if TYPE_CHECKING:
+    from composer.expand.parameter import Parameter
+
+Path = tuple[str | int, ...]
+
+
+class Substitution:
+    """`lost` has the keys and texts of what had to be left out because an expression in it is wrong."""
+
+    def __init__(self, scope: Map[str, Value], parameters: Map[str, Parameter], sink: Sink) -> None:
+        self.scope, self.parameters, self.sink = scope, parameters, sink
+        self.lost: set[str] = set()
+
+    def of(self, node: Node, path: Path = ()) -> Node | None:
+        """The node with values for its expressions; None where there is none for it itself."""
+        if path and _is_deferred(path):
+            return node
+        if isinstance(node, Scalar):
+            return self._scalar(node)
+        if isinstance(node, Sequence):
+            items = [self.of(item, (*path, index)) for index, item in enumerate(node.items)]
+            return Sequence(tuple(item for item in items if item is not None), node.span)
+        entries: dict[str, tuple[Key, Node]] = {}
+        for name, (key, value) in node.entries.items():
+            found = self.of(value, (*path, name))
+            if found is None:
+                self.lost.add(name)
+            else:
+                entries[name] = (key, found)
+        return Mapping(entries, node.span)
+
+    def _scalar(self, node: Scalar) -> Node | None:
+        if not isinstance(node.value, str) or not is_template(node.value):
+            return node
+        try:
+            template = Template.parse(node.value)
+            value = template.value(self.scope)
+        except ExpressionError as error:
+            self.lost.add(node.text)
+            tell(error, node, [*self.scope], self.sink)
+            return None
+        alone = self.parameters.get(template.is_one_name or "")
+        if alone is not None and alone.is_angle and isinstance(value, (int, float)):
+            value = f"{shown(value)}{alone.unit}"
+        return node_of(value, node.span)
+
+
+def tell(error: ExpressionError, node: Scalar, known: list[str], sink: Sink) -> None:
+    """An expression's fault, at its place in the scalar."""
+    span = within(node, error.start, error.end)
+    if not isinstance(error, UnknownName):
+        sink.error("expression", error.message, span, help=error.help)
+        return
+    near = closest(error.name, known)
+    help = f"did you mean `{near[0]}`?" if near else f"declare it: `params: {{{error.name}: …}}`"
+    notes = (exists_note("parameter", known, error.name),)
+    sink.error("unknown-name", f"there is no parameter `{error.name}`", span, notes=notes, help=help)
+
+
+def within(node: Scalar, start: int, end: int) -> Span:
+    """The place of some characters of a scalar's text; of all of it where the file has it in other words."""
+    span = node.span
+    if span.end_line not in (None, span.line) or span.end_column is None:
+        return span
+    quotes = span.end_column - span.column - len(node.text)
+    if quotes not in (0, 2):
+        return span
+    first = span.column + quotes // 2
+    return Span(span.file, span.line, first + start, span.line, first + max(end, start + 1))
+
+
+def _is_deferred(path: Path) -> bool:
+    """Edits and conditions on elements know more than the recipe does: what is in the element now."""
+    if path[-1] == "where":
+        return True
+    return path in (("edit",), ("base", "edit")) or (
+        len(path) == 3 and path[0] == "attach" and path[2] == "edit"
+    )

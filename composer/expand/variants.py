@@ -1,0 +1,91 @@
+"""The section `variants`: named pieces of recipe, of which one of each axis is merged over the recipe."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as Map
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest, exists_note
+from composer.document.merge import merge
+from composer.document.node import Mapping, Node, Scalar
+from composer.expand.name import is_usable
+
+# What belongs to the recipe as a whole and to no piece of it.
+_NO_PIECE = ("recipe", "extends", "variants", "matrix", "separator")
+
+Axes = dict[str, Mapping]
+
+
+def read_axes(document: Mapping, sink: Sink) -> Axes:
+    """Each axis with its pieces by value, but for what is wrong."""
+    found = document.entries.get("variants")
+    if found is None:
+        return {}
+    help = "write `variants: {gripper: {small: {…}, large: {…}}}`"
+    if not isinstance(found[1], Mapping):
+        sink.error(
+            "wrong-type", "`variants` is a mapping from axes to their values", found[1].span, help=help
+        )
+        return {}
+    axes: Axes = {}
+    for key, values in found[1].entries.values():
+        if not is_usable(key, "a variant", sink):
+            continue
+        if not isinstance(values, Mapping) or not values.entries:
+            message = f"variant `{key.name}` is a mapping from its values to pieces of recipe"
+            sink.error("wrong-type", message, key.span, help=help)
+            continue
+        axes[key.name] = values
+        for value, piece in values.entries.values():
+            if not isinstance(piece, Mapping):
+                message = f"`{value.name}` of variant `{key.name}` is a piece of recipe, a mapping"
+                sink.error(
+                    "wrong-type",
+                    message,
+                    value.span,
+                    help=f"write `{value.name}: {{}}` for one that changes nothing",
+                )
+                continue
+            for name in _NO_PIECE:
+                if name in piece.entries:
+                    sink.error("unknown-key", f"`{name}` cannot stand in a variant", piece.entries[name][0].span,
+                               help="write it at the top of the recipe")  # fmt: skip
+    return axes
+
+
+def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
+    """The value of every axis: what is given, else the first."""
+    chosen: dict[str, str] = {}
+    for axis, values in axes.items():
+        node = given.get(axis)
+        if node is None:
+            chosen[axis] = next(iter(values.entries))
+            continue
+        value = node.text if isinstance(node, Scalar) else ""
+        if value in values.entries:
+            chosen[axis] = value
+            continue
+        near = closest(value, values.entries)
+        sink.error(
+            "unknown-name",
+            f"variant `{axis}` has no value `{value}`",
+            node.span,
+            notes=(exists_note("value", list(values.entries), value),),
+            help=f"did you mean `{near[0]}`?" if near else None,
+        )
+    return chosen
+
+
+def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> Mapping:
+    """The chosen pieces over the recipe, in the order of their axes."""
+    for axis, value in chosen.items():
+        piece = axes[axis].entries[value][1]
+        if isinstance(piece, Mapping):
+            document = merge(document, _permitted(piece), sink)
+    return document
+
+
+def _permitted(piece: Mapping) -> Mapping:
+    return Mapping(
+        {name: entry for name, entry in piece.entries.items() if name not in _NO_PIECE}, piece.span
+    )

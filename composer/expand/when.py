@@ -1,0 +1,131 @@
+"""`when`: what belongs to some builds only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from collections.abc import Mapping as Map
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest, exists_note
+from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.expand.plain import plain, same
+from composer.expand.substitute import tell
+from composer.expand.variants import Axes
+from composer.expr.error import ExpressionError
+from composer.expr.template import Template, is_template
+from composer.expr.value import Value
+
+WHEN = "when"
+# How deep below the top of a recipe the items are that may have it: `sensor.NAME`, `asset.mesh.NAME`, `add[0]`.
+_DEPTH = {
+    **dict.fromkeys(("attach", "add", "edit", "check", "keyframe"), 2),
+    **dict.fromkeys(("sensor", "actuator", "equality", "tendon", "default"), 2),
+    **dict.fromkeys(("asset", "contact", "custom", "deformable", "extension"), 3),
+    **dict.fromkeys(("option", "size", "visual", "statistic", "compiler"), 1),
+}  # fmt: skip
+_MAX_DEPTH = 3
+
+
+class Condition:
+    """Decides what belongs to this build by the values of variants and parameters."""
+
+    def __init__(self, scope: Map[str, Value], axes: Axes, sink: Sink) -> None:
+        self.scope, self.axes, self.sink = scope, axes, sink
+
+    def kept(self, document: Mapping) -> Mapping:
+        """The recipe of this build, without any `when`."""
+        found = self._kept(document, ())
+        assert isinstance(found, Mapping)
+        return found
+
+    def _kept(self, node: Node, path: tuple[str | int, ...]) -> Node | None:
+        section = path[0] if path else ""
+        own_edits = len(path) == 4 and section == "attach" and path[2] == "edit"
+        if (
+            (len(path) == _DEPTH.get(str(section)) or own_edits)
+            and isinstance(node, Mapping)
+            and WHEN in node.entries
+        ):
+            if not self.holds(node.entries[WHEN][1]):
+                return None
+            node = Mapping({name: each for name, each in node.entries.items() if name != WHEN}, node.span)
+        if len(path) > _MAX_DEPTH:
+            return node
+        if isinstance(node, Mapping):
+            entries = {
+                name: (key, self._kept(value, (*path, name))) for name, (key, value) in node.entries.items()
+            }
+            return Mapping(dict(_present(entries)), node.span)
+        if isinstance(node, Sequence):
+            items = [self._kept(item, (*path, index)) for index, item in enumerate(node.items)]
+            return Sequence(tuple(item for item in items if item is not None), node.span)
+        return node
+
+    def holds(self, node: Node) -> bool:
+        if isinstance(node, Mapping):
+            found = [self._is_one_of(key, value) for key, value in node.entries.values()]
+            return all(found)
+        if isinstance(node, Scalar):
+            if isinstance(node.value, bool):
+                return node.value
+            if isinstance(node.value, str) and is_template(node.value):
+                return self._true(node)
+        self.sink.error(
+            "wrong-type",
+            "`when` is a mapping from variants and parameters to values, or one boolean expression",
+            node.span,
+            help='write `when: {gripper: hand}` or `when: "${payload > 1}"`',
+        )
+        return True
+
+    def _true(self, node: Scalar) -> bool:
+        try:
+            value = Template.parse(str(node.value)).value(self.scope)
+        except ExpressionError as error:
+            tell(error, node, [*self.scope], self.sink)
+            return True
+        if not isinstance(value, bool):
+            self.sink.error("wrong-type", "`when` needs `true` or `false`", node.span)
+            return True
+        return value
+
+    def _is_one_of(self, key: Key, node: Node) -> bool:
+        if key.name not in self.scope:
+            near = closest(key.name, self.scope)
+            self.sink.error(
+                "unknown-name",
+                f"there is no variant or parameter `{key.name}`",
+                key.span,
+                notes=(exists_note("name", list(self.scope), key.name),),
+                help=f"did you mean `{near[0]}`?" if near else None,
+            )
+            return True
+        axis = self.axes.get(key.name)
+        have = self.scope[key.name]
+        holds = False
+        for each in node.items if isinstance(node, Sequence) and not isinstance(have, tuple) else (node,):
+            if axis is not None:
+                text = each.text if isinstance(each, Scalar) else ""
+                if text not in axis.entries:
+                    self._no_value(key.name, text, axis, each)
+                holds |= text == have
+            else:
+                value = plain(each)
+                holds |= value is not None and same(value, have)
+        return holds
+
+    def _no_value(self, axis: str, text: str, values: Mapping, node: Node) -> None:
+        near = closest(text, values.entries)
+        self.sink.error(
+            "unknown-name",
+            f"variant `{axis}` has no value `{text}`",
+            node.span,
+            notes=(exists_note("value", list(values.entries), text),),
+            help=f"did you mean `{near[0]}`?" if near else None,
+        )
+
+
+def _present(entries: Map[str, tuple[Key, Node | None]]) -> Iterator[tuple[str, tuple[Key, Node]]]:
+    for name, (key, value) in entries.items():
+        if value is not None:
+            yield name, (key, value)

@@ -1,0 +1,1 @@
+"""Where everything in a model came from, and what changed it on the way."""

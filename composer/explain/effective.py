@@ -1,0 +1,169 @@
+"""The value of an attribute that is in effect: written on the element, given by a class, or MuJoCo's own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Literal
+
+from composer.grammar import GRAMMAR, ElementType
+from composer.grammar.attribute import Attribute
+from composer.grammar.format import to_text
+from composer.tree.classes import MAIN, ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """One place that may give an attribute, the nearest first.
+
+    `writer` is the element that writes it there, `text` what it writes; None where that level says nothing. `taken`
+    says which of its numbers are in effect: a shorter list leaves the last ones to the levels behind it.
+    """
+
+    kind: Literal["element", "class", "mujoco"]
+    name: str | None
+    writer: Node | None = None
+    text: str | None = None
+    taken: range = range(0)
+
+
+@dataclass(frozen=True, slots=True)
+class InForce:
+    """The class that is in force for an element, and the element that says so: by `class` or by `childclass`."""
+
+    name: str
+    attribute: Literal["class", "childclass"] | None = None
+    writer: Node | None = None
+
+
+def class_in_force(element: Node) -> InForce:
+    """Its own class, else the childclass around it, else the top class."""
+    own = element.get("class")
+    if own:
+        return InForce(str(own), "class", element)
+    around = childclass_of(element)
+    if around is None:
+        return InForce(MAIN)
+    holder = next(each for each in element.iterancestors() if each.get("childclass") == around)
+    return InForce(around, "childclass", holder)
+
+
+def chain(element: Node, classes: Classes) -> list[DefaultClass]:
+    """The classes that reach an element, the nearest first."""
+    found: DefaultClass | None = classes.get(class_in_force(element).name)
+    steps = []
+    while found is not None:
+        steps.append(found)
+        found = found.parent
+    return steps
+
+
+def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Classes) -> list[Level]:
+    """Every level that an attribute may come from, the element first and MuJoCo's own default last."""
+    found = [Level("element", None, element, element.get(attribute.name))]
+    if kind.takes_class and attribute.in_default:
+        for step in chain(element, classes):
+            writer = _writer(step, element, attribute)
+            found.append(
+                Level("class", step.name, writer, None if writer is None else writer.get(attribute.name))
+            )
+    found.append(Level("mujoco", None, None, default_text(attribute)))
+    return list(_taken(found, attribute))
+
+
+def value(steps: list[Level]) -> str | None:
+    """The value in effect, put together where a class gives only its first numbers."""
+    words = [word for step in steps if step.text is not None for word in _words(step)]
+    return " ".join(words) if words else next((step.text for step in steps if step.taken), None)
+
+
+def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[Attribute, Level]]:
+    """Every attribute that some class gives to an element, and the nearest level that does."""
+    seen = set(map(str, element.keys()))
+    turned = not seen.isdisjoint(ORIENTATIONS)
+    for step in chain(element, classes) if kind.takes_class else ():
+        orientation = False
+        for writer in reversed(_holders(step, element)):
+            for name in map(str, writer.keys()):
+                attribute = kind.attributes.get(name)
+                if attribute is None or name in seen:
+                    continue
+                if writer.tag != element.tag and kind.family == "actuator" and name not in _common():
+                    continue
+                if name in ORIENTATIONS:
+                    if turned:
+                        continue
+                    orientation = True
+                seen.add(name)
+                yield attribute, Level("class", step.name, writer, str(writer.get(name)))
+        turned |= orientation
+
+
+def default_text(attribute: Attribute) -> str | None:
+    """MuJoCo's default as text, as far as the grammar knows one."""
+    default = attribute.default
+    return None if default is None or default == () else to_text(attribute, default)
+
+
+def _taken(steps: list[Level], attribute: Attribute) -> Iterator[Level]:
+    longest = attribute.max_length if attribute.is_number else None
+    joins = longest is not None and longest > 1 and attribute.min_length != longest
+    at = 0
+    for step in steps:
+        if step.text is None or (at > 0 and not joins):
+            yield step
+            continue
+        count = max(len(step.text.split()), 1)
+        yield Level(step.kind, step.name, step.writer, step.text, range(at, max(at, count)))
+        at = max(at, count)
+
+
+def _words(step: Level) -> list[str]:
+    assert step.text is not None
+    words = step.text.split()
+    return words[step.taken.start : step.taken.stop] if step.taken else []
+
+
+def _writer(step: DefaultClass, element: Node, attribute: Attribute) -> Node | None:
+    """The element of a class that gives the attribute; of several the last."""
+    for holder in reversed(_holders(step, element, attribute)):
+        if holder.get(attribute.name) is not None:
+            return holder
+    return None
+
+
+def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = None) -> list[Node]:
+    """The elements of a class that reach this one. All actuators share their defaults, but for what is their own."""
+    parent = element.getparent()
+    tag = default_tag(element)
+    if parent is None or parent.tag != "actuator":
+        return step.elements.get(tag, [])
+    common = attribute is None or attribute.name in _common()
+    tags = _actuators() if common else (tag,)
+    return sorted((each for name in tags for each in step.elements.get(name, ())), key=_position)
+
+
+def _position(node: Node) -> list[int]:
+    """Where a node stands in its document, for sorting."""
+    at: list[int] = []
+    parent = node.getparent()
+    while parent is not None:
+        at.insert(0, parent.index(node))
+        node, parent = parent, parent.getparent()
+    return at
+
+
+@cache
+def _actuators() -> tuple[str, ...]:
+    paths = GRAMMAR.families["actuator"]
+    return tuple(path.rpartition("/")[2] for path in paths)
+
+
+@cache
+def _common() -> frozenset[str]:
+    """What any actuator of a class gives to all: the attributes of a motor, which has none of its own."""
+    return frozenset(GRAMMAR.element("actuator/motor").attributes)

@@ -1,0 +1,69 @@
+"""Answer a query about a model: compose it once more, looking on, and read the answer off what was seen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.bundle.collect import collect
+from composer.context import Context
+from composer.explain import query
+from composer.explain.explanation import (
+    Explained,
+)
+from composer.explain.trace import Trace
+from composer.explain.traced import Traced
+from composer.plan.make import make_plan
+from composer.steps.compose import Composer
+from composer.steps.measure import measure_with
+from composer.tree.parse import parse_file
+
+if TYPE_CHECKING:
+    pass
+
+
+def explain(path: Path, asked: query.Asked, context: Context) -> Explained | None:
+    """What the model of a recipe, or an MJCF file, has to say to a query; None where `context.sink` says why not."""
+    traced = trace(path, context)
+    return None if traced is None else traced.answer(asked, context)
+
+
+def trace(path: Path, context: Context) -> Traced | None:
+    """The model, put together under observation. Compiles nothing but parts that MuJoCo has to measure."""
+    watch = Trace()
+    if path.suffix.lower() == ".xml":
+        unit = parse_file(context.folder / path, context.sink, file=context.shown(context.folder / path))
+        if unit is None:
+            return None
+        watch([unit], path)
+        return Traced(unit, watch, "/", context.folder)
+    if path.suffix.lower() in (".zip", ".mjz", ".mjb") or (context.folder / path).is_dir():
+        _no_recipe(path, context)
+        return None
+    plan = make_plan(path, context)
+    composed = None if plan is None else Composer(context, measure_with(context), watch=watch).compose(plan)
+    if plan is None or composed is None:
+        return None
+    collect(composed.model, composed.files, context.sink, context.shown)
+    watch([composed.model], collect)
+    return Traced(composed.model, watch, plan.separator, context.folder)
+
+
+def _no_recipe(path: Path, context: Context) -> None:
+    """A bundle tells of what recipe it is, but has neither that nor the files of the parts."""
+    from composer.bundle.bundle import MANIFEST
+    from composer.bundle.manifest import from_json
+    from composer.bundle.read import ReadError, read
+
+    recipe = None
+    try:
+        if (content := read(context.folder / path).files.get(MANIFEST)) is not None:
+            recipe = from_json(content).recipe
+    except (ReadError, ValueError):
+        pass
+    built = f"`mjcompose explain {recipe.path}`" if recipe is not None else "the recipe that it was built of"
+    context.sink.error(
+        "source-kind",
+        f"`{context.shown(context.folder / path)}` has the model as it is, not where its elements came from",
+        help=f"ask the recipe: {built}" if recipe is not None else f"ask {built}",
+    )

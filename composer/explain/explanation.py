@@ -1,0 +1,120 @@
+"""What is told of an element or of one attribute: plain data, for text and for JSON."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from composer.diagnostics.span import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Something in words, and the place where it is written."""
+
+    words: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """An attribute that is not as it was: values as MJCF text, None where it is not written."""
+
+    attribute: str | None
+    before: str | None
+    after: str | None
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """An attribute that a default class gives to an element."""
+
+    attribute: str
+    value: str
+    by: str
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class ClassStep:
+    """A default class that reaches an element."""
+
+    name: str
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """One of several elements; `value` is that of an attribute, or its start tag."""
+
+    label: str
+    value: str | None
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
+class ElementExplained:
+    """An element of the model, and how it came to be as it is.
+
+    `written` are the places that it was read from or made at, more than one where several were joined; `end_line`
+    is the last line of the start tag of the first. `parts` has the parts it belongs to, the innermost first. `sets`
+    is what a default class says of each kind of element.
+    """
+
+    label: str
+    text: str
+    holder: str | None
+    written: tuple[Reason, ...]
+    end_line: int | None
+    parts: tuple[Reason, ...]
+    changes: tuple[Changed, ...]
+    in_force: Reason | None
+    classes: tuple[ClassStep, ...]
+    given: tuple[Given, ...]
+    sets: tuple[Listed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LevelExplained:
+    """One place that an attribute may come from.
+
+    Where it `wins` its text is in effect, or only `part_of_it`: a list that is shorter leaves its last numbers to the
+    next level that has them.
+    """
+
+    kind: Literal["element", "class", "mujoco"]
+    name: str
+    text: str | None
+    wins: bool
+    part_of_it: str | None
+    span: Span | None
+    changes: tuple[Changed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AttributeExplained:
+    """One attribute of an element: the value in effect, and every level that it may come from, nearest first.
+
+    `about` is what the grammar says of the attribute. `rows` tells the numbers of a keyframe by what they belong to.
+    """
+
+    label: str
+    attribute: str
+    value: str | None
+    levels: tuple[LevelExplained, ...]
+    in_force: Reason | None
+    about: str | None
+    rows: tuple[Listed, ...]
+    notes: tuple[str, ...]
+
+
+Explained = ElementExplained | AttributeExplained | tuple[Listed, ...]
+
+
+def as_data(explained: Explained) -> dict[str, Any]:
+    """The explanation as JSON takes it; `explains` says which of the three it is."""
+    if isinstance(explained, tuple):
+        return {"explains": "list", "found": [asdict(each) for each in explained]}
+    kind = "element" if isinstance(explained, ElementExplained) else "attribute"
+    return {"explains": kind, **asdict(explained)}

@@ -1,0 +1,210 @@
+"""What is asked for: `geom gripper/pad`, a name alone, `geom#3`, `option timestep`, `arm.xml:12`."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest
+from composer.explain.glob import is_glob, matcher
+from composer.grammar import GRAMMAR, ElementType
+from composer.mjcf.kinds import kind_of, naming_attribute, query, tags_of
+from composer.tree.names import WORLD
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+_NUMBERED = re.compile(r"(.+)#(\d+)")
+_LINE = re.compile(r"(.+\.\w+):(\d+)(?::\d+)?")
+# What people say for the elements of a section.
+_MEANT = {"keyframe": "key", "class": "default"}
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A query, read: `kinds` are the paths in the grammar that fit (None: any), then what narrows them down."""
+
+    text: str
+    kinds: frozenset[str] | None
+    name: str | None = None
+    number: int | None = None
+    line: tuple[str, int] | None = None
+    attribute: str | None = None
+
+
+def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
+    """The query that was typed; None where it has no meaning, which is told."""
+    words = text.split()
+    if not words:
+        sink.error("unknown-name", "there is nothing to explain: the query is empty",
+                   help="write for example `geom gripper/pad`, or `option timestep`")  # fmt: skip
+        return None
+    numbered = _NUMBERED.fullmatch(words[0])
+    line = _LINE.fullmatch(words[0])
+    kinds = _kinds(numbered[1] if numbered else words[0])
+    if numbered and kinds is None:
+        unknown_kind(numbered[1], sink)
+        return None
+    if numbered:
+        asked, rest = Asked(text, kinds, number=int(numbered[2])), words[1:]
+    elif line and kinds is None:
+        asked, rest = Asked(text, None, line=(line[1], int(line[2]))), words[1:]
+    elif kinds is None and len(words) > 1 and _is_word(words[0]) and not _is_attribute(words[1]):
+        unknown_kind(words[0], sink)
+        return None
+    elif kinds is None:
+        asked, rest = Asked(text, None, name=words[0]), words[1:]
+    elif _is_one(kinds):
+        asked, rest = _inside(text, words)
+    elif len(words) > 1:
+        asked, rest = Asked(text, kinds, name=words[1]), words[2:]
+    else:
+        asked, rest = Asked(text, kinds), []
+    rest = [*rest, *([attribute] if attribute is not None else [])]
+    if len(rest) > 1:
+        sink.error("unknown-name", f"`{' '.join(rest)}` is more than the name of one attribute",
+                   help="a query is KIND NAME ATTRIBUTE, quoted as one: 'geom gripper/pad friction'")  # fmt: skip
+        return None
+    return Asked(asked.text, asked.kinds, asked.name, asked.number, asked.line, rest[0] if rest else None)
+
+
+def find(asked: Asked, root: Node, separator: str) -> list[Node]:
+    """The elements of a model that a query means, in the order of the model; lines are not looked up here."""
+    found = [node for node in ordered(root) if asked.kinds is None or _counts(kind_of(node)) in asked.kinds]
+    if asked.number is not None:
+        return found[asked.number : asked.number + 1]
+    if asked.name is None:
+        return found
+    if asked.name == WORLD and (asked.kinds is None or "body" in asked.kinds):
+        return list(root.iterchildren("worldbody"))
+    if is_glob(asked.name):
+        fits = matcher(asked.name, separator)
+        return [node for node in found if asked.name == "**" or fits(name_of(node) or "")]
+    return [node for node in found if name_of(node) == asked.name]
+
+
+def _counts(kind: ElementType) -> str:
+    """The path that an element counts under: the world is the first body."""
+    return "body" if kind.path == "worldbody" else kind.path
+
+
+def ordered(root: Node) -> Iterator[Node]:
+    """Every element; those of bodies as MuJoCo counts them, body by body."""
+    yield root
+    for section in root.iterchildren("*"):
+        if section.tag != "worldbody":
+            yield from section.iter("*")
+    worlds = list(root.iterchildren("worldbody"))
+    for world in worlds:
+        yield from _own(world)
+    for world in worlds:
+        for body in world.iter("body"):
+            yield from _own(body)
+
+
+def _own(holder: Node) -> Iterator[Node]:
+    """A body and what stands in it, up to the bodies below it."""
+    yield holder
+    waiting: list[Iterator[Node]] = [holder.iterchildren("*")]
+    while waiting:
+        child = next(waiting[-1], None)
+        if child is None:
+            waiting.pop()
+        elif child.tag != "body":
+            yield child
+            waiting.append(child.iterchildren("*"))
+
+
+def name_of(node: Node) -> str | None:
+    """The name by which a query means an element."""
+    naming = naming_attribute(kind_of(node))
+    value = None if naming is None else node.get(naming.name)
+    return str(value) if value else None
+
+
+def labels(root: Node) -> dict[Node, str]:
+    """How a query may mean each element and no other."""
+    counts: Counter[str] = Counter()
+    found: dict[Node, str] = {}
+    for node in ordered(root):
+        kind = kind_of(node)
+        word, name = _word(kind), name_of(node)
+        if kind.path == "worldbody":
+            found[node] = "body world"
+        elif node.getparent() is root and kind.path != "default":
+            found[node] = kind.tag  # a section
+        elif name is not None and name.split() == [name]:
+            found[node] = f"{word} {name}"
+        elif _is_one(frozenset({kind.path})):
+            found[node] = word
+        else:
+            found[node] = f"{word}#{counts[word]}"
+        for alike in _words(kind):
+            counts[alike] += 1
+    return found
+
+
+@cache
+def _word(kind: ElementType) -> str:
+    """The tag, or the whole path where a tag alone means other elements."""
+    wanted = _kinds(kind.tag)
+    return kind.tag if wanted is not None and kind.path in wanted else kind.path
+
+
+@cache
+def _words(kind: ElementType) -> tuple[str, ...]:
+    """Every word that counts an element: `joint` counts free joints too."""
+    words = dict.fromkeys([_word(kind), *([kind.family] if kind.family else [])])
+    if kind.path == "worldbody":
+        words = dict.fromkeys(["body"])
+    return tuple(word for word in words if _counts(kind) in (_kinds(word) or ()))
+
+
+def _kinds(word: str) -> frozenset[str] | None:
+    """The paths in the grammar that a word means: a tag, a family, a section, a path."""
+    word = _MEANT.get(word, word)
+    if word in GRAMMAR.paths:
+        family = GRAMMAR.families.get(word)
+        if family is None or "/" in word:
+            wanted = query(word, None).paths if "/" not in word else frozenset({word})
+            return wanted or frozenset({word})
+    wanted = query(word, None).paths
+    return wanted or None
+
+
+def _is_one(kinds: frozenset[str]) -> bool:
+    """Whether the query means a thing of which a model has one: a section of settings, or what stands in it."""
+    return all(GRAMMAR.element(path).family is None and _settings(path) for path in kinds)
+
+
+def _settings(path: str) -> bool:
+    top = path.split("/")[0]
+    return top in ("mujoco", "compiler", "option", "size", "statistic", "visual") and path != "mujoco/include"
+
+
+def _inside(text: str, words: list[str]) -> tuple[Asked, list[str]]:
+    """`option flag gravity`: the words lead into a section of settings as far as there are elements."""
+    path, rest = words[0], words[1:]
+    while rest and f"{path}/{rest[0]}" in GRAMMAR.paths:
+        path, rest = f"{path}/{rest[0]}", rest[1:]
+    return Asked(text, _kinds(path) or frozenset({path})), rest
+
+
+def _is_word(word: str) -> bool:
+    return re.fullmatch(r"[a-z_]+", word) is not None
+
+
+def _is_attribute(word: str) -> bool:
+    return any(word in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
+
+
+def unknown_kind(word: str, sink: Sink) -> None:
+    """Tell that MJCF has no element of that name."""
+    near = closest(word, tags_of())
+    help = f"did you mean `{near[0]}`?" if near else None
+    sink.error("unknown-element", f"MJCF has no element `{word}`", help=help)

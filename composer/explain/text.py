@@ -1,0 +1,197 @@
+"""An explanation as text for a reader."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Iterator
+from itertools import groupby
+
+from composer.diagnostics.span import Span
+from composer.explain.explanation import (
+    AttributeExplained,
+    Changed,
+    ElementExplained,
+    Explained,
+    LevelExplained,
+    Listed,
+)
+
+ReadSource = Callable[[str], str | None]
+_WIDE = 100
+_VALUE = 46
+_PATH = 48
+_MOST_LINES = 5
+
+
+def render(explained: Explained, read_source: ReadSource | None = None) -> str:
+    """The explanation, without a final line break; source lines are shown where `read_source` has them."""
+    if isinstance(explained, ElementExplained):
+        lines = _element(explained, read_source)
+    elif isinstance(explained, AttributeExplained):
+        lines = _attribute(explained, read_source)
+    else:
+        lines = _list(explained)
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _element(it: ElementExplained, read_source: ReadSource | None) -> Iterator[str]:
+    yield it.label
+    yield from textwrap.wrap(it.text, _WIDE, initial_indent="  ", subsequent_indent="      ",
+                             break_long_words=False, break_on_hyphens=False)  # fmt: skip
+    if it.holder:
+        yield f"  in {it.holder}"
+    yield ""
+    yield "where it comes from"
+    for number, each in enumerate(it.written):
+        yield f"  {each.words}{_in_full(each.span, ' ' if each.words == 'read from' else ', ')}"
+        yield from _source(each.span, it.end_line if number == 0 else None, read_source)
+    yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
+    if it.sets:
+        yield ""
+        yield "what it sets"
+        yield from _table([(each.label, _cut(each.value or ""), _at(each.reason.span)) for each in it.sets])
+    if it.changes:
+        yield ""
+        yield "what changed it"
+        yield from _changes(it.changes)
+    if it.classes:
+        yield ""
+        yield "default classes, the nearest first"
+        if it.in_force is not None:
+            yield f"  in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
+        yield from _classes(it)
+
+
+def _classes(it: ElementExplained) -> Iterator[str]:
+    width = max((len(each.attribute) for each in it.given), default=0)
+    values = max((len(_cut(each.value)) for each in it.given), default=0)
+    names = max(len(step.name) for step in it.classes)
+    for step in it.classes:
+        made = (
+            ""
+            if step.reason.words == "read from"
+            else f"{step.reason.words}{', ' if step.reason.span else ''}"
+        )
+        yield f"  {step.name:<{names}}  {made}{_at(step.reason.span)}"
+        for each in it.given:
+            if each.by == step.name:
+                yield f"      {each.attribute:<{width}}  {_cut(each.value):<{values}}  {_at(each.span)}"
+
+
+def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterator[str]:
+    yield f"{it.attribute} of {it.label}"
+    shown = it.value if it.value is not None else "not set"
+    yield from textwrap.wrap(shown, _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
+    if it.about:
+        yield f"  # {it.about}"
+    yield ""
+    yield "where it comes from"
+    yield from _table([_level(each) for each in it.levels])
+    winner = next((each for each in it.levels if each.wins and each.span is not None), None)
+    if winner is not None and winner.span is not None:
+        yield f"  {winner.span.file}:{winner.span.line}"
+        yield from _source(winner.span, None, read_source)
+    if it.rows:
+        yield ""
+        yield "number by number"
+        yield from _table(
+            [(row.label, row.value or "", row.reason.words + _at(row.reason.span)) for row in it.rows]
+        )
+    first = next((each for each in it.levels if each.kind == "class"), None)
+    if it.in_force is not None and first is not None:
+        yield ""
+        yield f"class {first.name} is in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
+    for each in it.levels:
+        if each.changes:
+            yield ""
+            where = "on the element" if each.kind == "element" else f"in the class {each.name}"
+            yield f"what changed it {where}"
+            yield from _changes(each.changes, name=False)
+    for note in it.notes:
+        yield ""
+        yield f"note: {note}"
+
+
+def _level(each: LevelExplained) -> tuple[str, str, str, str]:
+    name = f"class {each.name}" if each.kind == "class" else each.name
+    said = "none" if each.kind == "mujoco" and each.text is None else _value(each.text)
+    verdict = ""
+    if each.wins:
+        verdict = "in effect" if each.part_of_it is None else f"in effect: {each.part_of_it}"
+    elif each.text is not None and each.kind != "mujoco":
+        verdict = "overridden"
+    return name, said, verdict, _at(each.span)
+
+
+def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:
+    for reason, alike in groupby(
+        changes, key=lambda each: f"{each.reason.words}{_at(each.reason.span, ', ')}"
+    ):
+        yield f"  {reason}"
+        rows = [each for each in alike if each.attribute is not None]
+        width = max((len(str(each.attribute)) for each in rows), default=0) if name else 0
+        for each in rows:
+            called = f"{each.attribute:<{width}}  " if name else ""
+            yield f"      {called}{_value(each.before)} → {_value(each.after)}"
+
+
+def _value(text: str | None) -> str:
+    return "-" if text is None else _cut(text) or '""'
+
+
+def _list(found: Iterable[Listed]) -> Iterator[str]:
+    rows = []
+    for each in found:
+        words = "" if each.reason.words == "read from" else each.reason.words
+        row = (
+            each.label,
+            *((_cut(each.value),) if each.value is not None else ()),
+            words,
+            _at(each.reason.span),
+        )
+        rows.append(row)
+    yield from _table(rows, indent="")
+
+
+def _table(rows: list[tuple[str, ...]], indent: str = "  ") -> Iterator[str]:
+    widths: dict[int, int] = {}
+    for row in rows:
+        for column, cell in enumerate(row[:-1]):
+            widths[column] = max(widths.get(column, 0), len(cell))
+    for row in rows:
+        cells = [cell.ljust(widths[column]) for column, cell in enumerate(row[:-1])]
+        yield indent + "  ".join([*(cell for cell in cells if cell), row[-1]])
+
+
+def _source(span: Span | None, last: int | None, read_source: ReadSource | None) -> Iterator[str]:
+    text = read_source(span.file) if span is not None and read_source is not None else None
+    if text is None or span is None:
+        return
+    lines = text.split("\n")
+    end = min(max(last or span.line, span.line), len(lines), span.line + _MOST_LINES - 1)
+    margin = len(str(end))
+    for number in range(span.line, end + 1):
+        line = lines[number - 1].rstrip()
+        yield f"    {number:>{margin}} | {line if len(line) <= _WIDE else line[: _WIDE - 1] + '…'}"
+
+
+def _in_full(span: Span | None, before: str) -> str:
+    return "" if span is None else f"{before}{span.file}:{span.line}"
+
+
+def _at(span: Span | None, before: str = "") -> str:
+    """File and line; of a long path the end, as the whole is told once."""
+    if span is None:
+        return ""
+    file = span.file
+    if len(file) > _PATH and file.count("/") > 2:
+        file = "…/" + "/".join(file.rsplit("/", 2)[1:])
+    return f"{before}{file}:{span.line}"
+
+
+def _cut(text: str) -> str:
+    text = " ".join(text.split())
+    if len(text) <= _VALUE:
+        return text
+    half = (_VALUE - 3) // 2
+    return f"{text[:half].rstrip()} … {text[-half:].lstrip()}"

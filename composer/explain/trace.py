@@ -1,0 +1,231 @@
+"""What happens to every element while a model is put together: compared after each pass and step, by identity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from composer.diagnostics.span import Span
+from composer.link.linking import Linking, Part
+from composer.tree.line import line_of
+from composer.tree.origin import Origins, Place
+from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+Owner = str | Span | Place
+TAG = "<tag>"
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """What was done, as the `Watch` is told it, and the tree and part in which it made a change."""
+
+    done: object
+    unit: Unit
+    part: Part | None = None
+    linking: Linking | None = None
+
+    @property
+    def name(self) -> str:
+        """The name of a pass or another function; that of the class of a step."""
+        return str(getattr(self.done, "__name__", type(self.done).__name__))
+
+    @property
+    def is_pass(self) -> bool:
+        return callable(self.done)
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A new value of an attribute, or of `TAG`; None where it is not written. `owner`: where the new one stands."""
+
+    attribute: str
+    before: str | None
+    after: str | None
+    cause: Cause
+    owner: Owner
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A new parent."""
+
+    before: Node | None
+    after: Node | None
+    cause: Cause
+
+
+@dataclass(eq=False, slots=True)
+class Life:
+    """All that is known of one element: how it was when first seen, what changed, and what became of it.
+
+    `made_by` is None for what was read from a file; `home` is the root of the tree that it was last seen in. `parts`
+    has the parts that it belongs to, the innermost first; `sources` are the elements whose place it takes.
+    """
+
+    node: Node
+    root: Node
+    owner: Owner
+    line: int | None
+    tag: str
+    attributes: dict[str, str]
+    parent: Node | None
+    home: Node
+    made_by: Cause | None
+    changes: list[Change | Move] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
+    sources: list[Life] = field(default_factory=list)
+    gone: Cause | None = None
+    items: list[tuple[str, str]] = field(default_factory=list)
+    last_tag: str = ""
+    last_parent: Node | None = None
+
+    def span(self, origins: Origins, attribute: str | None = None, owner: Owner | None = None) -> Span:
+        """Where it is first written, or the value of an attribute there."""
+        owner = self.owner if owner is None else owner
+        if isinstance(owner, Span):
+            return owner
+        if not isinstance(owner, str):
+            return owner(attribute)
+        return origins.in_file(owner, self.line, self.tag, self.attributes, attribute)
+
+    @property
+    def name(self) -> str | None:
+        """What it was called when first seen."""
+        return self.attributes.get("class" if self.tag == "default" else "name")
+
+    def of(self, attribute: str) -> list[Change]:
+        """What happened to one attribute."""
+        return [each for each in self.changes if isinstance(each, Change) and each.attribute == attribute]
+
+
+class Trace:
+    """A `Watch` that remembers. Holds every node, so that identity lasts."""
+
+    def __init__(self) -> None:
+        self.lives: dict[Node, Life] = {}
+        self.gone: list[Life] = []
+        self._members: dict[Node, set[Node]] = {}
+        self._linkings: dict[Node, Linking] = {}
+        self._parts: dict[Node, Part] = {}
+
+    def __call__(self, units: Iterable[Unit], done: object) -> None:
+        units = list(units)
+        if isinstance(done, Linking):
+            self._announce(done)
+        linking = self._linkings.get(units[0].root) if units else None
+        causes = {
+            unit.root: Cause(done, unit, self._parts.get(unit.root), linking) for unit in units
+        }  # fmt: skip
+        before = {node for unit in units for node in self._members.get(unit.root, ())}
+        now: set[Node] = set()
+        born: list[Life] = []
+        for unit in units:
+            cause = causes[unit.root]
+            members = self._members[unit.root] = set(unit.root.iter("*"))
+            now |= members
+            for node in unit.root.iter("*"):
+                life = self.lives.get(node)
+                if life is None:
+                    born.append(self._born(node, cause))
+                else:
+                    self._compare(life, causes.get(life.home, cause), unit)
+                    life.home = unit.root
+        lost = [self.lives[node] for node in before - now]
+        for life in lost:
+            life.gone = causes.get(life.home)
+        self.gone += [life for life in lost if life.gone is not None]
+        for life in born:
+            if life.made_by is not None and life.made_by.is_pass and life.tag != "default":
+                self._succeed(life, lost)
+
+    def life(self, node: Node) -> Life:
+        return self.lives[node]
+
+    def written(self, unit: Unit, tag: str, attribute: str) -> Life | None:
+        """The element of that tag by which a unit, as it was read, sets an attribute."""
+        found = None
+        for life in self.lives.values():
+            if life.root is unit.root and life.tag == tag and attribute in life.attributes:
+                found = life
+        return found
+
+    def _announce(self, linking: Linking) -> None:
+        self._linkings[linking.base.root] = linking
+        for part in linking.parts:
+            self._parts[part.unit.root] = part
+            for node in part.unit.root.iter("*"):
+                self.lives[node].parts.append(part)
+
+    def _born(self, node: Node, cause: Cause) -> Life:
+        owner = cause.unit.origins.owner(node, cause.unit.file)
+        made = cause if cause.linking is not None else None
+        items = _items(node)
+        parent = node.getparent()
+        root = cause.unit.root
+        life = Life(
+            node, root, owner, line_of(node), str(node.tag), dict(items), parent, root, made,
+            items=items, last_tag=str(node.tag), last_parent=parent,
+        )  # fmt: skip
+        self.lives[node] = life
+        part = cause.part or (_carried(life, cause.linking) if cause.linking is not None else None)
+        if part is not None and made is not None and made.is_pass:
+            life.made_by = Cause(cause.done, part.unit, part, cause.linking)
+            life.parts.append(part)
+        return life
+
+    def _compare(self, life: Life, cause: Cause, unit: Unit) -> None:
+        items, tag = _items(life.node), str(life.node.tag)
+        if items != life.items or tag != life.last_tag:
+            owner = unit.origins.owner(life.node, unit.file)
+            if tag != life.last_tag:
+                life.changes.append(Change(TAG, life.last_tag, tag, cause, owner))
+                life.last_tag = tag
+            life.changes += _differences(dict(life.items), dict(items), cause, owner)
+            life.items = items
+        parent = life.node.getparent()
+        if parent is not life.last_parent:
+            life.changes.append(Move(life.last_parent, parent, cause))
+            life.last_parent = parent
+
+    def _succeed(self, life: Life, lost: list[Life]) -> None:
+        """What a pass writes anew takes the place of elements: those of its tag and name that are no more."""
+        assert life.made_by is not None
+        for old in lost:
+            if old.tag == life.tag and dict(old.items).get("name") == life.name:
+                life.sources.append(old)
+        if life.tag == "key" and life.made_by.linking is not None:
+            for part in life.made_by.linking.parts:
+                own = (self.lives.get(key) for key in part.unit.root.iter("key"))
+                wanted = (life.name, life.name and life.name.removeprefix(part.prefix))
+                life.sources += [key for key in own if key is not None and key.name in wanted]
+        if len(life.sources) == 1:
+            life.changes += _differences(
+                dict(life.sources[0].items), life.attributes, life.made_by, life.owner
+            )
+
+
+def _items(node: Node) -> list[tuple[str, str]]:
+    return [(str(name), str(value)) for name, value in node.items()]
+
+
+def _differences(
+    before: dict[str, str], after: dict[str, str], cause: Cause, owner: Owner
+) -> Iterator[Change]:
+    for name in {**before, **after}:
+        if before.get(name) != after.get(name):
+            yield Change(name, before.get(name), after.get(name), cause, owner)
+
+
+def _carried(life: Life, linking: Linking) -> Part | None:
+    """The part for whose sake the linker made an element of the model: what it hangs on."""
+    for part in linking.parts:
+        carries = {"frame": "childclass", "default": "class"}.get(life.tag, "")
+        if part.top_class and life.attributes.get(carries) == part.top_class:
+            return part
+        if part.span is not None and life.owner == part.span:
+            return part
+    return None

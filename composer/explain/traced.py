@@ -1,0 +1,338 @@
+"""A model that was put together under observation, and what it answers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.context import Context
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
+from composer.explain import query
+from composer.explain.cause import REWRITES, Causes, place
+from composer.explain.effective import chain as class_chain
+from composer.explain.effective import class_in_force, given, levels, value
+from composer.explain.explanation import (
+    AttributeExplained,
+    Changed,
+    ClassStep,
+    ElementExplained,
+    Explained,
+    Given,
+    LevelExplained,
+    Listed,
+    Reason,
+)
+from composer.explain.missing import no_attribute, not_found
+from composer.explain.rows import VECTORS, rows
+from composer.explain.trace import TAG, Change, Life, Move, Trace
+from composer.mjcf.kinds import kind_of
+from composer.tree.classes import MAIN, ORIENTATIONS, Classes
+from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from composer.grammar.attribute import Attribute
+
+
+@dataclass(eq=False)
+class Traced:
+    """A model, and all that happened to its elements."""
+
+    model: Unit
+    watch: Trace
+    separator: str
+    folder: Path
+    lines: dict[str, list[str]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.classes = Classes(self.model.root)
+        self.causes = Causes(self.watch)
+        self.labels = query.labels(self.model.root)
+        self.declared = {
+            str(each.get("class") or MAIN): each
+            for section in self.model.root.iterchildren("default")
+            for each in section.iter("default")
+        }
+
+    def answer(self, asked: query.Asked, context: Context) -> Explained | None:
+        """The answer to a query; None where there is none, which is told."""
+        found = (
+            self._on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
+        )
+        if not found:
+            not_found(asked, self.model.root, context.sink, self._left_out(asked))
+            return None
+        if asked.attribute is not None:
+            fitting = [node for node in found if asked.attribute in kind_of(node).attributes]
+            if not fitting:
+                no_attribute(found[0], asked.attribute, context.sink)
+                return None
+            found = fitting
+        several = asked.name is None and asked.number is None and asked.line is None and len(found) > 1
+        if len(found) > 1 or several:
+            return tuple(self._listed(node, asked.attribute) for node in found)
+        if asked.attribute is not None:
+            return self.attribute(found[0], asked.attribute)
+        return self.element(found[0])
+
+    # -- one element -------------------------------------------------------------------------------------------
+
+    def element(self, node: Node) -> ElementExplained:
+        """Everything about one element."""
+        life, kind = self.watch.life(node), kind_of(node)
+        reached = kind.takes_class
+        return ElementExplained(
+            label=self.labels[node],
+            text=_start_tag(node),
+            holder=self._holder(node),
+            written=tuple(self._written(life)),
+            end_line=life.line if isinstance(life.owner, str) else None,
+            parts=tuple(self._parts(life)),
+            changes=tuple(self._changes(life)),
+            in_force=self._in_force(node) if reached else None,
+            classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes)) if reached else (),
+            given=tuple(
+                Given(attribute.name, str(level.text), str(level.name), self._written_at(level.writer, attribute.name))
+                for attribute, level in given(node, kind, self.classes)
+            ) if reached else (),
+            sets=tuple(self._sets(node)) if node.tag == "default" else (),
+        )  # fmt: skip
+
+    def attribute(self, node: Node, name: str) -> AttributeExplained:
+        """Everything about one attribute."""
+        kind = kind_of(node)
+        attribute = kind.attributes[name]
+        steps = levels(node, kind, attribute, self.classes)
+        told = []
+        for step in steps:
+            words = {"element": f"<{node.tag}>", "mujoco": "MuJoCo's default"}.get(step.kind, str(step.name))
+            whole = step.text is not None and len(step.taken) == len(step.text.split())
+            told.append(
+                LevelExplained(
+                    step.kind, words, step.text, bool(step.taken),
+                    None if whole or not step.taken or step.text is None
+                    else " ".join(step.text.split()[step.taken.start : step.taken.stop]),
+                    self._level_span(step.kind, step.name, step.writer, name),
+                    () if step.writer is None or (step.text is None and step.kind != "element")
+                    else tuple(self._changes(self.watch.life(step.writer), name)),
+                )
+            )  # fmt: skip
+        return AttributeExplained(
+            label=self.labels[node],
+            attribute=name,
+            value=value(steps),
+            levels=tuple(told),
+            in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
+            about=attribute.doc or None,
+            rows=tuple(self._rows(node, name)) if node.tag == "key" and name in VECTORS else (),
+            notes=tuple(self._notes(node, attribute)),
+        )
+
+    def _listed(self, node: Node, attribute: str | None) -> Listed:
+        text, life = None, self.watch.life(node)
+        written = list(self._written(life))
+        reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
+        if attribute is not None:
+            kind = kind_of(node)
+            steps = levels(node, kind, kind.attributes[attribute], self.classes)
+            text = value(steps)
+            winner = next((step for step in steps if step.taken), steps[-1])
+            words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(
+                winner.kind, f"class {winner.name}"
+            )
+            reason = Reason(words, self._level_span(winner.kind, winner.name, winner.writer, attribute))
+        return Listed(self.labels[node], text, reason)
+
+    def _rows(self, key: Node, vector: str) -> Iterator[Listed]:
+        for holder, numbers, source in rows(self.model, key, vector, self.watch):
+            span = None if source is None else self._span(source, vector)
+            reason = Reason("the reference configuration" if source is None else "", span)
+            yield Listed(self.labels[holder], numbers, reason)
+
+    def _sets(self, node: Node) -> Iterator[Listed]:
+        for child in node.iterchildren("*"):
+            for name, text in child.items() if child.tag != "default" else ():
+                reason = Reason("", self._written_at(child, str(name)))
+                yield Listed(f"{child.tag!s} {name!s}", str(text), reason)
+
+    # -- what it came from -------------------------------------------------------------------------------------
+
+    def _written(self, life: Life) -> Iterator[Reason]:
+        if life.made_by is not None:
+            told = self.causes.made(life)
+            yield Reason(told.words, told.span or (None if life.sources else self._span(life)))
+            for source in life.sources:
+                yield Reason("read from", self._span(source))
+        elif life.line is None and isinstance(life.owner, str):
+            yield Reason(f"begun by the recipe `{life.owner}`, which has no base")
+        else:
+            yield Reason("read from", self._span(life))
+
+    def _span(self, life: Life, attribute: str | None = None) -> Span | None:
+        if isinstance(life.owner, str) and life.line is None:
+            return None
+        return life.span(self.model.origins, attribute)
+
+    def _parts(self, life: Life) -> Iterator[Reason]:
+        for part in life.parts:
+            yield Reason(f"`{part.called}` {place(part)}", part.span)
+
+    def _holder(self, node: Node) -> str | None:
+        for above in node.iterancestors():
+            if above.tag == "worldbody":
+                return "body world"
+            if query.name_of(above) is not None:
+                return self.labels[above]
+        return None
+
+    def _on_line(self, file: str, line: int) -> list[Node]:
+        found = []
+        for node in query.ordered(self.model.root):
+            for life in (self.watch.life(node), *self.watch.life(node).sources):
+                span = self._span(life)
+                if span is None or (span.file != file and not span.file.endswith(f"/{file}")):
+                    continue
+                last = life.line if isinstance(life.owner, str) else None
+                if span.line <= line <= (last or span.line) and node not in found:
+                    found.append(node)
+        return found
+
+    # -- what changed it ---------------------------------------------------------------------------------------
+
+    def _changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
+        for source in life.sources if len(life.sources) == 1 else ():
+            yield from self._changes(source, only)
+        yield from self._as_the_recipe_has_it(life, only)
+        for change in life.changes:
+            if isinstance(change, Move):
+                told = self.causes.move(change, life) if only is None else None
+                if told is not None:
+                    yield Changed(None, None, None, told)
+            elif only in (None, change.attribute) and change.cause.name != "settle_joints":
+                yield self._changed(change, life)
+
+    def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[Changed]:
+        """What a recipe writes in other words than MJCF: angles in their own unit above all."""
+        if life.made_by is None or life.made_by.is_pass or not callable(life.owner):
+            return
+        settled = {each.attribute: each.after or "" for each in life.changes
+                   if isinstance(each, Change) and each.cause.name == "settle_joints"}  # fmt: skip
+        element = life.owner(None)
+        for name, text in {**life.attributes, **settled}.items():
+            span = life.owner(name)
+            if only not in (None, name) or span == element:
+                continue
+            recipe = self._slice(span)
+            if recipe is not None and not _same_words(recipe, text):
+                yield Changed(name, recipe, text, Reason("written in the recipe's own unit or form", span))
+
+    def _slice(self, span: Span) -> str | None:
+        """The text of a span, where that stands on one line."""
+        if span.end_column is None or span.end_line != span.line:
+            return None
+        if span.file not in self.lines:
+            try:
+                self.lines[span.file] = (self.folder / span.file).read_text(encoding="utf-8").splitlines()
+            except (OSError, UnicodeDecodeError):
+                self.lines[span.file] = []
+        lines = self.lines[span.file]
+        return (
+            lines[span.line - 1][span.column - 1 : span.end_column - 1] if span.line <= len(lines) else None
+        )
+
+    def _changed(self, change: Change, life: Life) -> Changed:
+        name = "tag" if change.attribute == TAG else change.attribute
+        return Changed(name, change.before, change.after, self.causes.change(change, life))
+
+    # -- its classes -------------------------------------------------------------------------------------------
+
+    def _in_force(self, node: Node) -> Reason | None:
+        force = class_in_force(node)
+        if force.attribute is None or force.writer is None:
+            return Reason("as the top class: no other is named")
+        if force.attribute == "class":
+            return Reason("by its own `class`", self._written_at(force.writer, "class"))
+        made = self.watch.life(force.writer).made_by
+        if made is not None and made.is_pass and made.part is not None and force.writer.tag == "frame":
+            return Reason(f"as the class of the part `{made.part.called}`", made.part.span)
+        where = self.labels[force.writer]
+        return Reason(f"by `childclass` of `{where}`", self._written_at(force.writer, "childclass"))
+
+    def _class_step(self, name: str) -> ClassStep:
+        node = self.declared.get(name)
+        if node is None:
+            return ClassStep(name, Reason("the top class, which sets nothing"))
+        return ClassStep(name, next(self._written(self.watch.life(node))))
+
+    def _level_span(self, kind: str, name: str | None, writer: Node | None, attribute: str) -> Span | None:
+        if writer is not None:
+            return self._written_at(writer, attribute)
+        node = self.declared.get(str(name)) if kind == "class" else None
+        return None if node is None else next(self._written(self.watch.life(node))).span
+
+    def _written_at(self, node: Node | None, attribute: str) -> Span | None:
+        """Where the value of an attribute stands: in the file it was read from, or where it was set."""
+        if node is None:
+            return None
+        life = self.watch.life(node)
+        if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
+            return self.causes.made(life).span
+        if len(life.sources) == 1:
+            return self._span(life.sources[0], attribute)
+        for change in reversed(life.of(attribute)):
+            if change.cause.name not in REWRITES:
+                return self.causes.change(change, life).span or self._span(life)
+        return self._span(life, attribute)
+
+    def _notes(self, node: Node, attribute: Attribute) -> Iterator[str]:
+        name = attribute.name
+        if name in ORIENTATIONS:
+            for other in ORIENTATIONS:
+                if other != name and node.get(other):
+                    yield f"`{other}` is written on the element: of several orientations one counts"
+
+    # -- what is not there -------------------------------------------------------------------------------------
+
+    def _left_out(self, asked: query.Asked) -> Iterator[Note]:
+        for life in self.watch.gone:
+            named = dict(life.items).get("name")
+            if asked.name is None or named is None or life.node in self._replaced():
+                continue
+            prefixes = [part.prefix for part in life.parts]
+            called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
+            if asked.name in called | {
+                "".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))
+            }:
+                told = self.causes.gone(life)
+                yield Note(f"there was a {life.tag} `{named}`: {told.words}", self._span(life))
+
+    def _replaced(self) -> set[Node]:
+        return {source.node for life in self.watch.lives.values() for source in life.sources}
+
+
+def _start_tag(node: Node) -> str:
+    attributes = "".join(f' {name!s}="{_escaped(str(text))}"' for name, text in node.items())
+    return f"<{node.tag!s}{attributes}{'' if len(node) else '/'}>"
+
+
+def _same_words(recipe: str, text: str) -> bool:
+    """Whether a recipe and MJCF write the same value, each in its way."""
+    ours = re.sub(r"""[][,"']""", " ", recipe).split()
+    theirs = text.split()
+    return len(ours) == len(theirs) and all(map(_same, ours, theirs))
+
+
+def _same(ours: str, theirs: str) -> bool:
+    try:
+        return ours == theirs or float(ours) == float(theirs)
+    except ValueError:
+        return False
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")

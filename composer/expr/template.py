@@ -1,0 +1,93 @@
+"""Text with `${…}` in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from composer.expr.error import ExpressionError
+from composer.expr.evaluate import evaluate, names
+from composer.expr.parse import parse
+from composer.expr.tree import Expression, Name
+from composer.expr.value import Value, shown
+
+OPENING = "${"
+
+
+def is_template(text: str) -> bool:
+    """Whether there is an expression in the text."""
+    return OPENING in text
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """Pieces of text, and expressions, each with where it begins."""
+
+    pieces: tuple[str | tuple[int, Expression], ...]
+
+    @classmethod
+    def parse(cls, text: str) -> Template:
+        """Raises `ExpressionError` with characters of the whole text.
+
+        >>> Template.parse("pad_${side}_${n + 1}").value({"side": "left", "n": 2})
+        'pad_left_3'
+        >>> Template.parse("${2 * reach}").value({"reach": 0.25})
+        0.5
+        """
+        pieces: list[str | tuple[int, Expression]] = []
+        at = 0
+        while (start := text.find(OPENING, at)) >= 0:
+            end = _closing(text, start)
+            if start > at:
+                pieces.append(text[at:start])
+            inside = start + len(OPENING)
+            try:
+                pieces.append((inside, parse(text[inside:end])))
+            except ExpressionError as error:
+                raise error.moved(inside) from None
+            at = end + 1
+        if at < len(text):
+            pieces.append(text[at:])
+        return cls(tuple(pieces))
+
+    def value(self, scope: Mapping[str, Value]) -> Value:
+        """What the text says with these names: a value of any type where it is one expression, else text."""
+        values = [piece if isinstance(piece, str) else _evaluated(piece, scope) for piece in self.pieces]
+        if len(values) == 1:
+            return values[0]
+        return "".join(shown(value) for value in values)
+
+    def names(self) -> Iterator[Name]:
+        """The names in the expressions, with their characters in the whole text."""
+        for piece in self.pieces:
+            if not isinstance(piece, str):
+                at, tree = piece
+                yield from (Name(each.name, each.start + at, each.end + at) for each in names(tree))
+
+    @property
+    def is_one_name(self) -> str | None:
+        """The name, if the text is `${name}` and nothing more."""
+        piece = self.pieces[0] if len(self.pieces) == 1 else ""
+        return piece[1].name if not isinstance(piece, str) and isinstance(piece[1], Name) else None
+
+
+def _evaluated(piece: tuple[int, Expression], scope: Mapping[str, Value]) -> Value:
+    at, tree = piece
+    try:
+        return evaluate(tree, scope)
+    except ExpressionError as error:
+        raise error.moved(at) from None
+
+
+def _closing(text: str, start: int) -> int:
+    """Where the brace is that closes the one at `start`; one inside quotes closes nothing."""
+    quote = ""
+    for at in range(start + len(OPENING), len(text)):
+        character = text[at]
+        if quote:
+            quote = "" if character == quote else quote
+        elif character in "'\"":
+            quote = character
+        elif character == "}":
+            return at
+    raise ExpressionError("`${` is never closed", start, len(text), "put `}` behind the expression")

@@ -1,0 +1,142 @@
+"""What the elements outside the body tree concern when a model is parted in two: one side, the other, or both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+from pathlib import Path
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from composer.tree.files import join, written_path
+from composer.tree.names import GENERATORS, WORLD, declaration, references, word
+from composer.tree.skin_file import BadSkin, rename_bones
+from composer.tree.unit import Unit
+
+# Whoever needs one of these takes it along: they concern no side.
+SUPPORTING = frozenset({"default", "mesh", "material", "texture", "hfield", "model", "instance", "key"})
+_SECTIONS = ("contact", "deformable", "tendon", "equality", "actuator", "sensor", "custom", "asset")
+
+
+class Side(Enum):
+    """What an element refers to: things inside the subtree, outside of it, both, or neither."""
+
+    INSIDE = "inside"
+    OUTSIDE = "outside"
+    BOTH = "both"
+    NEITHER = "neither"
+
+
+class Verdict(NamedTuple):
+    """The side of an element and, as messages name it, the first thing outside that it refers to."""
+
+    side: Side
+    lacks: str = ""
+
+
+class Concern:
+    """Judges elements by the names they refer to, by way of other elements too (a sensor of an actuator of a joint)."""
+
+    def __init__(self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node]) -> None:
+        self._unit = unit
+        self._inside = _Names(inside)
+        self._outside = _Names(outside)
+        self._verdicts: dict[Node, Verdict] = {}
+        self._others: dict[tuple[str, str], tuple[Node, str]] = {}
+        for section in unit.root.iterchildren(*_SECTIONS):
+            tag = str(section.tag)
+            for element in section.iterchildren("*"):
+                declared = declaration(element, tag)
+                if declared is not None and declared[0] not in SUPPORTING:
+                    self._others.setdefault(declared, (element, tag))
+
+    def of(self, element: Node, section: str) -> Verdict:
+        """The side of an element of that section."""
+        known = self._verdicts.get(element)
+        if known is not None:
+            return known
+        self._verdicts[element] = Verdict(Side.NEITHER)  # for elements that refer to one another in a ring
+        within, without, lacks = False, False, ""
+        bones: list[str] | None = []
+        if element.tag == "skin" and element.get("file"):
+            bones = self._bones(element)
+            within = bones is None  # it is told when its file is read
+        for namespace, name in (*references(element, section), *(("body", bone) for bone in bones or ())):
+            verdict = self._of_name(namespace, name)
+            within = within or verdict.side in (Side.INSIDE, Side.BOTH)
+            without = without or verdict.side in (Side.OUTSIDE, Side.BOTH)
+            lacks = lacks or verdict.lacks
+        side = (
+            (Side.BOTH if without else Side.INSIDE) if within else (Side.OUTSIDE if without else Side.NEITHER)
+        )
+        verdict = self._verdicts[element] = Verdict(side, lacks)
+        return verdict
+
+    def leave(self, element: Node) -> None:
+        """An element of the tree does not come along after all."""
+        declared = declaration(element, "worldbody")
+        if declared is not None:
+            self._inside.names.discard(declared)
+            self._outside.names.add(declared)
+
+    def _of_name(self, namespace: str, name: str) -> Verdict:
+        if namespace in SUPPORTING or (namespace == "body" and name == WORLD):
+            return Verdict(Side.NEITHER)
+        key = namespace, name
+        if key in self._inside.names:
+            return Verdict(Side.INSIDE)
+        if key in self._outside.names:
+            return Verdict(Side.OUTSIDE, f"the {word(namespace)} `{name}`")
+        other = self._others.get(key)
+        if other is not None:
+            verdict = self.of(*other)
+            if verdict.side in (Side.OUTSIDE, Side.BOTH):
+                return verdict._replace(lacks=f"the {word(namespace)} `{name}`")
+            return verdict
+        inside, outside = self._inside.makes(name), self._outside.makes(name)
+        if outside > inside:
+            return Verdict(Side.OUTSIDE, f"the {word(namespace)} `{name}`")
+        return Verdict(Side.INSIDE if inside else Side.NEITHER)
+
+    def _bones(self, skin: Node) -> list[str] | None:
+        """The bodies that a skin file names; None where it cannot be read."""
+        unit = self._unit
+        path = written_path(unit.settings, skin, str(skin.get("file")))
+        content = unit.contents.get(path, Path(join(str(unit.directory), path)))
+        bones: list[str] = []
+
+        def note(name: str) -> str:
+            bones.append(name)
+            return name
+
+        try:
+            rename_bones(content if isinstance(content, bytes) else content.read_bytes(), note)
+        except (OSError, BadSkin):
+            return None
+        return bones
+
+
+class _Names:
+    """The names of one side of the body tree, and how those begin that MuJoCo makes."""
+
+    def __init__(self, elements: Iterable[Node]) -> None:
+        self.names: set[tuple[str, str]] = set()
+        self._numbered: set[str] = set()
+        self._begun: set[str] = set()
+        for element in elements:
+            declared = declaration(element, "worldbody")
+            if declared is not None:
+                self.names.add(declared)
+                if next(element.iterancestors("replicate"), None) is not None:
+                    self._numbered.add(declared[1])
+            if element.tag in GENERATORS and element.tag != "replicate":
+                self._begun.add(str(element.get("name") or element.get("prefix") or ""))
+
+    def makes(self, name: str) -> int:
+        """How much of the name is that of something here of which MuJoCo makes more; 0 for nothing at all."""
+        starts = [start for start in self._begun if name.startswith(start)]
+        starts += [
+            start for start in self._numbered if name.startswith(start) and name[len(start) :][-1:].isdigit()
+        ]
+        return max((len(start) + 1 for start in starts), default=0)

@@ -1,0 +1,314 @@
+"""One body of a unit with exactly what it needs: everything else is left behind and listed.
+
+This is done to a unit by itself, before it is linked to anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, exists_note
+from composer.link.concern import Concern, Side
+from composer.link.inertia import MEASURED, write_inertias
+from composer.link.keyframes import VECTORS, cut_row, keys_of, layout_of
+from composer.link.linking import KeyPolicy, Linking, Measure
+from composer.link.needs import drop_unneeded
+from composer.tree.classes import childclass_of
+from composer.tree.names import declaration, word
+from composer.tree.unit import Unit
+
+# What holds for a model as a whole and not for a body of it. `option` and `size` say how the body is to be read.
+_OF_THE_WHOLE = ("statistic", "visual")
+_CONCERNING = ("contact", "deformable", "tendon", "equality", "actuator", "sensor", "custom", "asset")
+_ALSO_SETTLED = ("inertiafromgeom", "inertiagrouprange")
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """One thing that is left behind: what it is, its name, and what it lacks if it reaches into the subtree."""
+
+    what: str
+    name: str
+    lacks: str | None = None
+    span: Span | None = None
+
+    @property
+    def called(self) -> str:
+        return f"{self.what} `{self.name}`" if self.name else f"{self.what} without a name"
+
+
+@dataclass(frozen=True, slots=True)
+class Subtree:
+    """What became of a unit: the body that is left of it, and what is not."""
+
+    body: str
+    left: tuple[Left, ...]
+
+    @property
+    def cut(self) -> tuple[Left, ...]:
+        """What concerns the subtree as well, and would have been cut in two."""
+        return tuple(each for each in self.left if each.lacks is not None)
+
+
+def take_subtree(
+    unit: Unit,
+    name: str,
+    sink: Sink,
+    *,
+    span: Span | None = None,
+    keyframes: KeyPolicy = "merge",
+    measure: Measure | None = None,
+) -> Subtree | None:
+    """Leave of `unit` the body `name` and what it needs; None where that cannot be, which goes to `sink`.
+
+    The body keeps its pose relative to its parent, which becomes the world. What concerns also something outside of
+    it is left behind as a whole. `measure` is asked for what only MuJoCo knows of the whole unit.
+    """
+    before = sink.error_count
+    body = _find(unit, name, sink, span)
+    if body is None:
+        return None
+    linking = Linking(unit, [], sink, measure=measure)
+    _settle_mass(linking)
+    rows = _rows(linking, keyframes)
+    if sink.error_count > before:
+        return None
+    inside = list(body.iter("*"))
+    kept = set(inside)
+    outside = [
+        each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept
+    ]
+    concern = Concern(unit, inside, outside)
+    left = [*_named(outside, unit), *_cut_in_the_tree(concern, unit, inside)]
+    _make_root(unit, body)
+    left += _leave_sections(unit, concern)
+    left += _leave_keys(unit, rows)
+    left += (Left(word(namespace), each) for namespace, each in drop_unneeded(unit))
+    unit.forget_classes()
+    return Subtree(name, tuple(left))
+
+
+def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
+    """The body of that name, unless MuJoCo makes several of it."""
+    bodies = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("body")]
+    body = next((each for each in bodies if each.get("name") == name), None)
+    if body is None:
+        names = [str(each.get("name")) for each in bodies if each.get("name")]
+        near = closest(name, names)
+        sink.error(
+            "unknown-name",
+            f"`{unit.label}` has no body `{name}` to take",
+            span,
+            notes=(exists_note("body", names, name),),
+            help=f"did you mean `subtree: {near[0]}`?" if near else None,
+        )
+        return None
+    copies = next(body.iterancestors("replicate"), None)
+    if copies is not None:
+        sink.error(
+            "not-supported",
+            f"the body `{name}` cannot be taken alone: it stands in a `<replicate>`, which makes several of it",
+            span,
+            notes=(Note("the `<replicate>`", unit.origins.span(copies, unit.file)),),
+            help="take a body around the `<replicate>`",
+        )
+        return None
+    return body
+
+
+def _settle_mass(linking: Linking) -> None:
+    """`settotalmass` scales the whole unit: what it gives each body becomes explicit before bodies are left."""
+    unit = linking.base
+    if float(unit.settings.settotalmass) <= 0:
+        return
+    write_inertias(linking, unit)
+    for compiler in unit.root.iterchildren("compiler"):
+        for setting in (*MEASURED, *_ALSO_SETTLED):
+            compiler.attrib.pop(setting, "")
+    unit.forget_settings()
+
+
+# -- the body tree ----------------------------------------------------------------------------------------------
+
+
+def _named(elements: Iterable[Node], unit: Unit) -> Iterator[Left]:
+    """What of the body tree is left; frames and what only shapes others does not count."""
+    for element in elements:
+        if element.tag in ("worldbody", "frame", "replicate"):
+            continue
+        declared = declaration(element, "worldbody")
+        if declared is not None or element.tag in (
+            "body",
+            "geom",
+            "joint",
+            "freejoint",
+            "site",
+            "light",
+            "camera",
+        ):
+            tag = str(element.tag)
+            yield Left("joint" if tag == "freejoint" else tag, declared[1] if declared else "")
+
+
+def _cut_in_the_tree(concern: Concern, unit: Unit, inside: list[Node]) -> Iterator[Left]:
+    """Cameras and lights of the subtree that look at a body outside of it."""
+    for element in inside:
+        if element.tag not in ("camera", "light"):
+            continue
+        side, lacks = concern.of(element, "worldbody")
+        if side is Side.OUTSIDE:
+            yield _cut(element, "worldbody", lacks, unit)
+            concern.leave(element)
+            parent = element.getparent()
+            assert parent is not None
+            parent.remove(element)
+
+
+def _cut(element: Node, section: str, lacks: str, unit: Unit) -> Left:
+    declared = declaration(element, section)
+    return Left(
+        _what(element, section), declared[1] if declared else "", lacks, unit.origins.span(element, unit.file)
+    )
+
+
+def _what(element: Node, section: str) -> str:
+    """The word for an element: that of its namespace where its tag says nothing (`joint` of an equality)."""
+    declared = declaration(element, section)
+    if section in ("contact", "worldbody"):
+        return str(element.tag)
+    if section in ("tendon", "equality", "actuator", "sensor"):
+        return section
+    return word(declared[0]) if declared else str(element.tag)
+
+
+def _make_root(unit: Unit, body: Node) -> None:
+    """Put the body, inside the frames between it and its parent, alone into the world."""
+    inherited = childclass_of(body)
+    if inherited and not body.get("childclass"):
+        body.set("childclass", inherited)
+    owner = unit.origins.owner(body, unit.file)
+    top = body
+    while (frame := top.getparent()) is not None and frame.tag == "frame":
+        for other in list(frame):
+            if other is not top:
+                frame.remove(other)
+        top = frame
+    worldbodies = list(unit.root.iterchildren("worldbody"))
+    world = next(each for each in top.iterancestors("worldbody"))
+    for other in worldbodies:
+        if other is not world:
+            unit.root.remove(other)
+    parent = top.getparent()
+    assert parent is not None
+    parent.remove(top)
+    for other in list(world):
+        world.remove(other)
+    world.append(top)
+    unit.origins.own(top, owner)
+
+
+# -- what stands outside of it ----------------------------------------------------------------------------------
+
+
+def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
+    """Every element of the other sections that does not concern the subtree alone."""
+    going: list[tuple[Node, Left]] = []
+    for section in list(unit.root.iterchildren("*")):
+        tag = str(section.tag)
+        if tag in _OF_THE_WHOLE:
+            yield from _strip(section, looks=next(unit.root.iter("camera"), None) is not None)
+            continue
+        for element in section.iterchildren("*") if tag in _CONCERNING else ():
+            if tag == "asset" and element.tag != "skin":
+                continue
+            side, lacks = concern.of(element, tag)
+            if side is Side.BOTH:
+                going.append((element, _cut(element, tag, lacks, unit)))
+            elif side is not Side.INSIDE:
+                declared = declaration(element, tag)
+                going.append((element, Left(_what(element, tag), declared[1] if declared else "")))
+    for element, left in going:  # only now: what an element concerns is found by way of others
+        parent = element.getparent()
+        assert parent is not None
+        parent.remove(element)
+        yield left
+    for section in list(unit.root.iterchildren(*_CONCERNING)):
+        if next(section.iterchildren("*"), None) is None:
+            unit.root.remove(section)
+
+
+def _strip(section: Node, looks: bool) -> Iterator[Left]:
+    """Take out of a section of the whole model what no body needs; a camera needs `znear` for its intrinsics."""
+    root, tag = section.getparent(), str(section.tag)
+    assert root is not None
+    if section.attrib:
+        section.attrib.clear()
+        yield Left("setting", tag)
+    for child in list(section):
+        near = child.get("znear") if looks and child.tag == "map" else None
+        if near is not None:  # the element itself, which knows its line
+            child.attrib.clear()
+            child.set("znear", near)
+            continue
+        section.remove(child)
+        if isinstance(child.tag, str):
+            yield Left("setting", f"{tag}/{child.tag}")
+    if not len(section):
+        root.remove(section)
+
+
+# -- keyframes --------------------------------------------------------------------------------------------------
+
+_Rows = Mapping[Node, Mapping[str, Mapping[Node, list[str]]]]
+
+
+def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
+    """The numbers of every key, by vector and by what they belong to, while the unit is still whole."""
+    unit = linking.base
+    for size in list(unit.root.iterchildren("size")):
+        size.attrib.pop("nkey", "")  # keys that say nothing
+        if not size.attrib:
+            unit.root.remove(size)
+    if policy == "none":
+        for section in list(unit.root.iterchildren("keyframe")):
+            unit.root.remove(section)
+    keys = keys_of(unit)
+    layout = layout_of(linking, unit) if keys else None
+    if layout is None:
+        return {}
+    return {
+        key: {
+            vector: cut_row(linking, unit, layout, key, vector, str(key.get(vector)).split()) or {}
+            for vector in VECTORS
+            if key.get(vector)
+        }
+        for key in keys
+    }
+
+
+def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
+    """Keep of each key what belongs to the subtree; a key that says nothing about it is left."""
+    staying = set(unit.root.iter("*"))
+    for key, vectors in rows.items():
+        said = False
+        for vector, columns in vectors.items():
+            row = [number for holder, numbers in columns.items() if holder in staying for number in numbers]
+            said = said or bool(row)
+            if row:
+                key.set(vector, " ".join(row))
+            else:
+                del key.attrib[vector]
+        if not said:
+            section = key.getparent()
+            assert section is not None
+            section.remove(key)
+            yield Left("key", str(key.get("name") or ""))
+    for section in list(unit.root.iterchildren("keyframe")):
+        if next(section.iterchildren("*"), None) is None:
+            unit.root.remove(section)

@@ -1,0 +1,192 @@
+"""A copy of one model's contents in another, without a prefix between them."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.grammar.number import items, parse_real
+from composer.mjcf.asset import Asset, Files, asset_of, place
+from composer.mjcf.attachment import AttachmentFrame
+from composer.mjcf.duplicate import duplicate
+from composer.mjcf.errors import raise_errors
+from composer.mjcf.model import Model
+from composer.mjcf.names import own_name
+from composer.mjcf.reference import describe
+from composer.tree.files import NAMED_AFTER_FILE, file_attributes
+from composer.tree.settings import Settings
+
+_SETTINGS = ("compiler", "option", "size", "visual", "statistic")
+# Settings by which a model's own elements are read, so that what is not written counts as well.
+_READ_BY = ("compiler", "default")
+_FOLDERS = frozenset({"meshdir", "texturedir", "assetdir", "strippath"})
+
+
+class _Setting(NamedTuple):
+    """A value that a model has once: where it stands and what it is, None where it is not written."""
+
+    path: tuple[str, ...]
+    attribute: str
+    value: str
+    node: Node
+
+
+def include_copy(model: Model, other: Model, override: bool) -> None:
+    """See `RootElement.include_copy`."""
+    source = duplicate(other)
+    sink = Sink()
+    if not override:
+        _check_settings(model, source, other, sink)
+    _check_names(model, source, other, sink)
+    raise_errors(sink)
+    files = _files(source)
+    for setting in _settings(source.unit.root):
+        if setting.attribute not in _FOLDERS or setting.path != ("compiler",):
+            _place_for(model, setting.path).set(setting.attribute, setting.value)
+    moved = list(_move(model, source))
+    contents: dict[str, bytes | Path] = {}
+    for node, attribute, asset in files:
+        node.set(attribute, place(model, str(node.tag), asset, contents))
+    known = model.unit.contents
+    model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(contents)
+    for top in moved:
+        for node in top.iter("*"):
+            model.note(node)
+    model.unit.forget_classes()
+    for prefix, attachment in source.attachments.items():
+        if attachment.host.getparent() is source.unit.root:
+            attachment.host = model.section(str(attachment.host.tag))
+        attachment.parent = model
+        model.attachments[prefix] = attachment
+        model.views[attachment.frame] = AttachmentFrame(model, attachment.frame)
+        for node in attachment.frame.iter("*"):
+            if node in source.unit.origins.owners:
+                model.unit.origins.own(node, source.unit.origins.owners[node])
+            model.note(node)
+
+
+def _check_settings(model: Model, source: Model, other: Model, sink: Sink) -> None:
+    """Values that differ, and such that would give the other's elements or one's own another meaning."""
+    mine = {(each.path, each.attribute): each for each in _settings(model.unit.root)}
+    theirs = {(each.path, each.attribute): each for each in _settings(source.unit.root)}
+    both_have_elements = _has_elements(model.unit.root) and _has_elements(source.unit.root)
+    for key in {**mine, **theirs}:
+        path, attribute = key
+        if path == ("compiler",) and attribute in _FOLDERS:
+            continue
+        values = [None if each is None else each.value for each in (mine.get(key), theirs.get(key))]
+        if path[0] in _READ_BY:
+            if not both_have_elements:
+                continue
+            if path == ("compiler",):
+                values = [getattr(Settings(), attribute, None) if each is None else each for each in values]
+        elif None in values:
+            continue
+        if not _equal(values[0], values[1]):
+            notes = [
+                Note(f"`{where.name}` has {_shown(each)}", None if each is None else where.span(each.node))
+                for where, each in ((model, mine.get(key)), (source, theirs.get(key)))
+            ]
+            sink.error(
+                "option-conflict",
+                f"`{'/'.join(path)}` has `{attribute}`, which is not the same in `{model.name}` and `{other.name}`",
+                notes=notes,
+                help="make the two agree, pass `override=True`, which takes what the other has, or `attach` the "
+                "other: an attached model keeps its own",
+            )
+
+
+def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
+    top, prefix = model.top, model.full_prefix
+    for namespace, names in source.names.declared.items():
+        for name, node in names.items():
+            taken = top.lookup(namespace, prefix + name)
+            if taken is not None:
+                sink.error(
+                    "class-clash" if namespace == "default" else "name-clash",
+                    f"both `{model.name}` and `{other.name}` have a {namespace} `{name}`",
+                    notes=(
+                        Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),
+                        Note("the other is here", source.span(node)),
+                    ),
+                    help="rename one of the two, or `attach` the other",
+                )
+    for attached in source.attachments.keys() & model.attachments.keys():
+        sink.error("name-clash", f"models called `{attached[:-1]}` are attached to both")
+
+
+def _settings(root: Node) -> Iterator[_Setting]:
+    """What a model has once, the settings of its top class included."""
+    for section in root.iterchildren(*_SETTINGS):
+        for node in section.iter("*"):
+            above = [str(each.tag) for each in node.iterancestors() if each is not root]
+            path = (*reversed(above), str(node.tag))
+            yield from (_Setting(path, str(name), str(value), node) for name, value in node.items())
+    for section in root.iterchildren("default"):
+        for node in section.iterchildren("*"):
+            if node.tag != "default":
+                path = ("default", str(node.tag))
+                yield from (_Setting(path, str(name), str(value), node) for name, value in node.items())
+
+
+def _place_for(model: Model, path: tuple[str, ...]) -> Node:
+    node = model.section(path[0])
+    for tag in path[1:]:
+        node = model.only_child(node, tag)
+    return node
+
+
+def _move(model: Model, source: Model) -> Iterator[Node]:
+    """Bring everything over that is no setting; gives the nodes that have come."""
+    origins = model.unit.origins
+    for section in list(source.unit.root.iterchildren("*")):
+        tag = str(section.tag)
+        if tag in _SETTINGS:
+            continue
+        into = model.section(tag)
+        for name, value in section.items():
+            into.set(name, value)
+        for child in list(section.iterchildren("*")):
+            if tag == "default" and child.tag != "default":
+                continue
+            owner = source.unit.origins.owner(child, source.unit.file)
+            into.append(child)
+            origins.own(child, owner)
+            yield child
+    for node, owner in source.unit.origins.owners.items():
+        origins.owners.setdefault(node, owner)
+    for file, text in source.unit.origins.texts.items():
+        origins.texts.setdefault(file, text)
+
+
+def _files(source: Model) -> list[tuple[Node, str, Asset]]:
+    """The files of a model, from where it is; what is named after its file keeps that name."""
+    found = []
+    for node, attribute, name in file_attributes(source.unit.root):
+        found.append((node, attribute, asset_of(source, str(node.tag), name)))
+        if attribute == "file" and node.tag in NAMED_AFTER_FILE and not node.get("name"):
+            node.set("name", own_name(node, "name") or posixpath.basename(name))
+    return found
+
+
+def _has_elements(root: Node) -> bool:
+    return any(
+        len(section) for section in root.iterchildren("*") if section.tag not in (*_SETTINGS, "default")
+    )
+
+
+def _equal(a: str | None, b: str | None) -> bool:
+    if a is None or b is None:
+        return a is b
+    numbers = [[parse_real(item) for item in items(text)] for text in (a, b)]
+    return numbers[0] == numbers[1] if None not in (*numbers[0], *numbers[1]) else a.split() == b.split()
+
+
+def _shown(setting: _Setting | None) -> str:
+    return "none" if setting is None else f"`{setting.value}`"

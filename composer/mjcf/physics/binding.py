@@ -1,0 +1,215 @@
+"""Views on the arrays of a compiled model for one element or several of a kind."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import closest
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import MjcfAttributeError, failure
+from composer.mjcf.physics.fields import Field, fields
+from composer.mjcf.physics.runs import RUNS, Run
+from composer.mjcf.physics.scattered import Home
+from composer.verify.roster import Model
+
+Array = NDArray[Any]
+Data = Any
+"""A `mujoco.MjData`; untyped as the model is."""
+
+
+class Binding:
+    """The fields of `mjModel` and `mjData` that an element, or each of several of one kind, has.
+
+    A field goes by MuJoCo's full name and by that without the kind: `geom_xpos` and `xpos`. What is read is
+    MuJoCo's own memory and follows it: take a `copy()` to keep it. What is assigned, to a field or to items
+    of it, is written there.
+
+    Shapes, for one element: a number has `()`, a row `(3,)`; what an element may have several of has its
+    length even where that is one: `qpos` of a hinge is `(1,)`, of a free joint `(7,)`, `sensordata` of a
+    force `(3,)`. Of an actuator with one control `ctrl` is a number, `act` of one without state is empty.
+    For a sequence of n elements, in its order: `(n,)`, `(n, 3)`, and the lengths added up. Units are
+    MuJoCo's: radians, metres, kilograms, seconds.
+
+    Of a sequence whose rows do not stand at regular distances in MuJoCo's array a field is a copy made when
+    it is read; items, slices and `+=` are still written through.
+    """
+
+    __slots__ = ("__dict__", "_data", "_homes", "_ids", "_kind", "_labels", "_model", "_one")
+
+    def __init__(
+        self, kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, model: Model, data: Data
+    ) -> None:
+        """For use by this package: `Physics.bind` gives one."""
+        for name, value in (
+            ("_kind", kind),
+            ("_ids", ids),
+            ("_labels", labels),
+            ("_one", one),
+            ("_model", model),
+            ("_data", data),
+            ("_homes", {}),
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def element_id(self) -> int | NDArray[np.intp]:
+        """The number of the element in MuJoCo's arrays, of a sequence an array of them."""
+        return self._ids[0] if self._one else np.array(self._ids, dtype=np.intp)
+
+    @property
+    def id(self) -> int | NDArray[np.intp]:
+        """The same by MuJoCo's word."""
+        return self.element_id
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        field = fields(self._kind).get(name)
+        if field is None:
+            raise self._unknown(name)
+        return self._read(name, field)  # Python asks here for fields that raised; they do so again
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        view = self.__dict__.get(name)
+        if view is None:
+            field = fields(self._kind).get(name)
+            if field is None:
+                raise self._unknown(name)
+            view = self._view(name, field)
+        if isinstance(view, Home):
+            view.write(value)
+        else:
+            view[...] = value
+
+    def __dir__(self) -> list[str]:
+        return sorted({"element_id", "id", *fields(self._kind)})
+
+    def __repr__(self) -> str:
+        shown = ", ".join(self._labels[:3]) + (", …" if len(self._labels) > 3 else "")
+        return f"<Binding of {shown}>"
+
+    def _read(self, name: str, field: Field) -> Array:
+        view = self._view(name, field)
+        return view.read() if isinstance(view, Home) else view
+
+    def _view(self, name: str, field: Field) -> Array | Home[Any]:
+        """The field, kept from now on: memory of MuJoCo's does not move while the model lives."""
+        known = self._homes.get(name)
+        if known is not None:
+            assert isinstance(known, Home)
+            return known
+        array = getattr(self._data if field.of_data else self._model, field.array)
+        view = self._one_view(array, field) if self._one else self._view_of_all(array, field)
+        if isinstance(view, Home):
+            self._homes[name] = view
+        else:
+            self.__dict__[name] = view
+        return view
+
+    def _one_view(self, array: Array, field: Field) -> Array:
+        index = self._ids[0]
+        run = RUNS.get(self._kind, {}).get(field.size)
+        if run is None:
+            return array[index, ...]
+        rows = self._rows(run, 0, field)
+        if run.as_row and len(rows) == 1:
+            return array[rows.start, ...]
+        view = array[rows.start : rows.stop]
+        return view if run.shape is None else view.reshape(run.shape(self._model, index))
+
+    def _view_of_all(self, array: Array, field: Field) -> Array | Home[Any]:
+        run = RUNS.get(self._kind, {}).get(field.size)
+        if run is None:
+            index = list(self._ids)
+        else:
+            index = [row for at in range(len(self._ids)) for row in self._rows(run, at, field)]
+        regular = _as_slice(index)
+        return Home.of(array, np.array(index, dtype=np.intp)) if regular is None else array[regular]
+
+    def _rows(self, run: Run, at: int, field: Field) -> range:
+        rows = run.rows(self._model, self._ids[at])
+        if run.required is not None and not rows:
+            raise failure(
+                "unknown-attribute",
+                f"{self._labels[at]} is not {run.required} and has no `{field.array}`",
+                call_site(),
+                kind=MjcfAttributeError,
+            )
+        return rows
+
+    def _unknown(self, name: str) -> Exception:
+        known = sorted(fields(self._kind))
+        near = closest(name, known)
+        return failure(
+            "unknown-attribute",
+            f"a compiled {self._kind} has no field `{name}`",
+            call_site(),
+            notes=(Note("fields that exist: " + ", ".join(_shortest(self._kind))),),
+            help=f"did you mean `{near[0]}`?" if near else None,
+            kind=MjcfAttributeError,
+        )
+
+
+class EmptyBinding:
+    """What a sequence of no elements is bound to: every field is an empty array."""
+
+    __slots__ = ()
+
+    def __getattr__(self, name: str) -> Array:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return np.empty(0)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        np.empty(0)[...] = value
+
+    def __repr__(self) -> str:
+        return "<Binding of nothing>"
+
+
+@cache
+def binding_of(kind: str) -> type[Binding]:
+    """The class of bindings of a kind, with the kind's fields; MuJoCo is asked what they are."""
+    members: dict[str, Any] = {name: _FieldView(name, field) for name, field in fields(kind).items()}
+    return type(f"{kind.capitalize()}Binding", (Binding,), {"__slots__": (), **members})
+
+
+class _FieldView:
+    """A field as an attribute. A view that a binding has kept is found before this is asked."""
+
+    __slots__ = ("field", "name")
+
+    def __init__(self, name: str, field: Field) -> None:
+        self.name, self.field = name, field
+
+    def __get__(self, binding: Binding | None, owner: type[Binding]) -> Any:
+        if binding is None:
+            return self
+        home = binding._homes.get(self.name)
+        return binding._read(self.name, self.field) if home is None else home.read()
+
+
+def _shortest(kind: str) -> list[str]:
+    """Every field once, by the shortest of its names."""
+    names: dict[Field, str] = {}
+    for name, field in fields(kind).items():
+        names[field] = min(name, names.get(field, name), key=len)
+    return sorted(names.values())
+
+
+def _as_slice(index: list[int]) -> slice | None:
+    """The slice that takes the same rows, if they stand at regular distances."""
+    if not index:
+        return slice(0, 0)
+    step = index[1] - index[0] if len(index) > 1 else 1
+    if step == 0 or any(b - a != step for a, b in pairwise(index)):
+        return None
+    end = index[-1] + step
+    return slice(index[0], end if end >= 0 else None, step)

@@ -1,0 +1,125 @@
+"""A composition compiled by MuJoCo in this process, and a note of what became of each element."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from lxml.etree import _Element as Node
+
+from composer.link.linking import Policy
+from composer.mjcf.attachment import attachments_below
+from composer.mjcf.errors import MjcfError, failure
+from composer.mjcf.flat import Flat, contents, copied, flatten, name_files, tell
+from composer.mjcf.model import Model, Target
+from composer.mjcf.physics.order import compiled_kind, compiled_order, rows
+from composer.tree.line import element_at
+from composer.tree.unit import Unit
+from composer.tree.write import write
+from composer.verify.compiles import parse
+from composer.verify.roster import Model as MjModel
+from composer.verify.roster import Roster
+from composer.verify.told import told
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The elements of a composition as they were, by node: their rows in a compiled model.
+
+    `known` has every node there was, `rows` those that MuJoCo has, each with the number in its kind's arrays.
+    """
+
+    models: frozenset[Model]
+    known: frozenset[Node]
+    rows: Mapping[Node, int]
+
+
+@dataclass(slots=True)
+class _Copies:
+    """Copies units for the linker and notes which node is a copy of which."""
+
+    originals: dict[Node, Target] = field(default_factory=dict)
+    models: set[Model] = field(default_factory=set)
+
+    def __call__(self, model: Model) -> Unit:
+        unit = copied(model)
+        self.models.add(model)
+        pairs = zip(unit.root.iter("*"), model.unit.root.iter("*"), strict=True)
+        self.originals.update((copy, Target(model, node)) for copy, node in pairs)
+        return unit
+
+
+def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
+    """The compiled model of a composition. Raises `MjcfError` for what the linker or MuJoCo finds wrong."""
+    copies = _Copies()
+    flat = flatten(model, conflict, copies)
+    name_files(flat)
+    text = write(flat.unit.root)
+    compiled = compile_text(text, contents(flat), flat)
+    tell(flat)
+    return compiled, _snapshot(model, copies, flat, Roster(compiled))
+
+
+def snapshot(model: Model, roster: Roster) -> Snapshot:
+    """What the elements of a composition are in a model that was compiled from something else: by their names."""
+    copies = _Copies()
+    return _snapshot(model, copies, flatten(model, "warning", copies), roster)
+
+
+def compile_text(text: bytes, assets: Mapping[str, bytes], flat: Flat | None = None) -> MjModel:
+    """MuJoCo's model of MJCF text; what it refuses is told at the element of `flat`, if the text is of one."""
+    mujoco = engine()
+    try:
+        return mujoco.MjModel.from_xml_string(text.decode(), dict(assets))
+    except (ValueError, mujoco.FatalError) as error:
+        raise refused(error, text, flat) from None
+
+
+def engine() -> MjModel:
+    """The module `mujoco`. Raises `MjcfError` where it is not installed."""
+    try:
+        import mujoco
+    except ImportError as error:
+        raise failure(
+            "mujoco-missing", f"MuJoCo cannot be imported: {error}", help="pip install mujoco"
+        ) from error
+    return mujoco
+
+
+def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> MjcfError:
+    """What MuJoCo says against a model, at the element that it says it of."""
+    fault = parse(str(error))
+    element = None
+    if flat is not None and fault.line is not None:
+        element = element_at(flat.unit.root, text, fault.line)
+    said = told(" ".join(fault.message.split()), element)
+    span = None
+    if flat is not None and element is not None:
+        span = flat.unit.origins.span(element, flat.unit.file, said.attribute, key=said.key)
+    return failure(said.code, said.message, span, notes=said.notes, help=said.help)
+
+
+def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: Roster) -> Snapshot:
+    found = {
+        copies.originals[node].node: row
+        for node, row in rows(compiled_order(flat.unit.root), roster).items()
+        if node in copies.originals
+    }
+    known = {original.node for original in copies.originals.values()}
+    for target in (*copies.originals.values(), *_frames(model)):
+        known.add(target.node)
+        if target.node in found:
+            continue
+        kind = compiled_kind(target.node)
+        name = None if kind is None else target.model.seen_from(model, target.node)
+        if kind is not None and name is not None and name in roster.ids[kind]:
+            found[target.node] = roster.ids[kind][name]
+    return Snapshot(frozenset(copies.models), frozenset(known), found)
+
+
+def _frames(model: Model) -> Iterator[Target]:
+    """The attachment frames that are bodies, and the joints in them; others have no counterpart."""
+    for attachment in attachments_below(model):
+        if attachment.is_body:
+            yield Target(attachment.parent, attachment.frame)
+            yield from (Target(attachment.parent, joint) for joint in attachment.frame)

@@ -1,0 +1,72 @@
+"""Which arrays of `mjModel` and `mjData` have something for each element of a kind, by every name.
+
+The running MuJoCo tells: it describes its own structs, with the size that each array has rows for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import Any
+
+from composer.mjcf.physics.runs import RUNS
+from composer.verify.roster import KINDS
+
+# What the names of a kind's arrays begin with, apart from the word for the kind itself; the first to give a
+# short name keeps it, so that `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
+_MORE_WORDS = {"joint": ("dof",), "tendon": ("ten",), "skin": ("skin",), "flex": ("flexedge", "flexvert")}
+_ALIASES = {"sensor": {"data": "sensordata"}}
+# Lists of indices, and rows that are dealt out anew in every step: no row of an element.
+_NO_ROWS = frozenset({"body_awake_ind", "parent_awake_ind", "dof_awake_ind", "wrap_obj", "wrap_xpos"})
+# From here on the arrays of mjData are made anew in every step.
+_FIRST_OF_STEP = "contact"
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """An array by MuJoCo's name, whether `mjData` has it, and the size it has rows for (`nv`)."""
+
+    array: str
+    of_data: bool
+    size: str
+
+
+@cache
+def fields(kind: str) -> Mapping[str, Field]:
+    """The fields of a kind by MuJoCo's full names and by those without the kind (`geom_xpos` and `xpos`)."""
+    own_size = next(field.size for field in _arrays() if field.array == KINDS[kind].addresses)
+    sizes = {own_size, *RUNS.get(kind, ())}
+    found = {field.array: field for field in _arrays() if field.size in sizes}
+    short: dict[str, Field] = {}
+    for word in (KINDS[kind].arrays, *_MORE_WORDS.get(kind, ())):
+        for name, field in found.items():
+            if name.startswith(f"{word}_"):
+                short.setdefault(name.removeprefix(f"{word}_"), field)
+    for name, array in _ALIASES.get(kind, {}).items():
+        short[name] = found[array]
+    return MappingProxyType({**short, **found})
+
+
+@cache
+def _arrays() -> tuple[Field, ...]:
+    """Every array of numbers of both structs that stays where it is for the life of the struct."""
+    return (*_of_struct("mjModel"), *_of_struct("mjData"))
+
+
+def _of_struct(name: str) -> Iterator[Field]:
+    from mujoco.introspect.structs import STRUCTS
+
+    struct: Any = STRUCTS[name]
+    for field in struct.fields:
+        if field.name == _FIRST_OF_STEP:
+            return
+        extent = getattr(field, "array_extent", None)
+        if extent and field.name not in _NO_ROWS and not _is_text(field.type):
+            yield Field(field.name, name == "mjData", str(extent[0]))
+
+
+def _is_text(pointer: Any) -> bool:
+    """Python sees text as bytes, which are no view."""
+    return getattr(getattr(pointer, "inner_type", None), "name", None) == "char"

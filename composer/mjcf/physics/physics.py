@@ -1,0 +1,298 @@
+"""A compiled model and its state."""
+
+from __future__ import annotations
+
+import copy
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import closest, exists_note
+from composer.link.linking import Policy
+from composer.mjcf.call_site import call_site
+from composer.mjcf.element import Element
+from composer.mjcf.errors import MjcfError, failure
+from composer.mjcf.physics.binding import Binding, EmptyBinding, binding_of
+from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
+from composer.mjcf.physics.order import compiled_kind
+from composer.mjcf.physics.rendering import Rendering
+from composer.mjcf.root import RootElement
+from composer.verify.roster import KINDS, Roster
+
+
+class Physics:
+    """A compiled model with its state: MuJoCo's own `MjModel` and `MjData`, and views for elements of a tree.
+
+    It is what the tree was when it was compiled. Elements that have been edited, renamed, attached or
+    detached since are still bound to what they were then.
+
+    >>> from composer import mjcf
+    >>> root = mjcf.from_xml_string('<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body>'
+    ...                             '</worldbody></mujoco>')
+    >>> physics = root.compile_model()
+    >>> physics.bind(root.find('joint', 'j')).qvel = 2
+    >>> physics.step(10)
+    >>> round(float(physics.data.qpos[0]), 3)
+    0.04
+    """
+
+    __slots__ = (
+        "__weakref__",
+        "_bindings",
+        "_data",
+        "_model",
+        "_of_tree",
+        "_rendering",
+        "_roster",
+        "_snapshots",
+    )
+
+    def __init__(self, model: Any, data: Any = None, *, snapshot: Snapshot | None = None) -> None:
+        """Physics of an `MjModel`, and an `MjData` of it where there is one; they are used as they are."""
+        self._model = model
+        self._data = engine().MjData(model) if data is None else data
+        self._roster = Roster(model)
+        self._of_tree = snapshot is not None
+        self._snapshots: list[Snapshot] = [] if snapshot is None else [snapshot]
+        self._bindings: dict[object, Binding] = {}
+        self._rendering = Rendering()
+        if data is None:
+            self.forward()
+
+    @classmethod
+    def from_mjcf_model(cls, root: RootElement, *, conflict: Policy = "error") -> Physics:
+        """Compile a model with all that is attached to it; the same as `root.compile_model()`.
+
+        `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError` with what is wrong with the
+        model, at the place it comes from, also where it is MuJoCo that refuses it.
+        """
+        if not isinstance(root, RootElement):
+            raise failure(
+                "wrong-type", f"what is compiled is a `RootElement`, got `{type(root).__name__}`", call_site()
+            )
+        compiled, taken = compile_model(root._model, conflict)
+        return cls(compiled, snapshot=taken)
+
+    @classmethod
+    def from_xml_string(cls, xml_string: str, assets: Mapping[str, bytes] | None = None) -> Physics:
+        """Compile MJCF text as MuJoCo reads it; `assets` has the bytes of files by name.
+
+        Elements of any tree are bound by their names, those without one by their place. Raises `MjcfError`.
+        """
+        return cls(compile_text(xml_string.encode(), assets or {}))
+
+    @classmethod
+    def from_path(cls, path: str | os.PathLike[str]) -> Physics:
+        """Compile an MJCF file as MuJoCo reads it, or load a compiled one (`.mjb`). Raises `MjcfError`."""
+        if not Path(path).is_file():
+            raise failure("file-not-found", f"there is no file `{os.fspath(path)}`", call_site())
+        mujoco = engine()
+        binary = Path(path).suffix.lower() == ".mjb"
+        load = mujoco.MjModel.from_binary_path if binary else mujoco.MjModel.from_xml_path
+        try:
+            return cls(load(os.fspath(path)))
+        except (ValueError, mujoco.FatalError) as error:
+            raise refused(error) from None
+
+    @property
+    def model(self) -> Any:
+        """MuJoCo's `MjModel`."""
+        return self._model
+
+    @property
+    def data(self) -> Any:
+        """MuJoCo's `MjData`."""
+        return self._data
+
+    @property
+    def time(self) -> float:
+        """The time of the simulation in seconds; may be set."""
+        return float(self._data.time)
+
+    @time.setter
+    def time(self, seconds: float) -> None:
+        self._data.time = seconds
+
+    @property
+    def timestep(self) -> float:
+        """The length of a step in seconds; may be set."""
+        return float(self._model.opt.timestep)
+
+    @timestep.setter
+    def timestep(self, seconds: float) -> None:
+        self._model.opt.timestep = seconds
+
+    def step(self, n: int = 1) -> None:
+        """Advance the simulation by n steps, as `mj_step` does.
+
+        Positions and velocities are then those at the new time, what is computed from them (`xpos`,
+        `sensordata`) those of the last step's beginning, until `forward()`.
+        """
+        engine().mj_step(self._model, self._data, n)
+
+    def forward(self) -> None:
+        """Compute everything that follows from the state and the controls, without a step in time."""
+        engine().mj_forward(self._model, self._data)
+
+    def reset(self, keyframe: int | str | Element | None = None) -> None:
+        """Back to the reference configuration, or to a keyframe by number, name or element; then `forward()`."""
+        if keyframe is None:
+            engine().mj_resetData(self._model, self._data)
+        else:
+            engine().mj_resetDataKeyframe(self._model, self._data, self._row("key", keyframe))
+        self.forward()
+
+    def copy(self) -> Physics:
+        """Physics of its own in the same state: neither the state nor the model is shared."""
+        twin = Physics(copy.deepcopy(self._model), copy.copy(self._data))
+        twin._of_tree, twin._snapshots = self._of_tree, list(self._snapshots)
+        return twin
+
+    def __copy__(self) -> Physics:
+        return self.copy()
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Physics:
+        memo[id(self)] = twin = self.copy()
+        return twin
+
+    def render(
+        self, height: int = 240, width: int = 320, camera: int | str | Element = -1
+    ) -> NDArray[np.uint8]:
+        """A picture of the state as it was at the last `forward()` or `step()`: `(height, width, 3)`, RGB.
+
+        `camera` is a camera's number, name or element; -1 is the free camera. Raises `MjcfError` where
+        there is no OpenGL; without a display `MUJOCO_GL=egl` must be set before MuJoCo is imported.
+        """
+        number = camera if isinstance(camera, int) and camera == -1 else self._row("camera", camera)
+        return self._rendering.picture(self._model, self._data, height, width, number)
+
+    # Any: what the fields of a binding are is known when the program runs.
+    def bind(self, elements: Element | Iterable[Element]) -> Any:
+        """A view on what the compiled model has for an element, or for several of one kind: a `Binding`.
+
+            physics.bind(hinge).qpos = 0.5
+            physics.bind(model.find_all('actuator')).ctrl = [0, 1, 0]
+            physics.bind(site).xpos
+
+        An element that exists is found even where it has no name. Raises `MjcfError` for what is no object
+        of a compiled model, was removed, came after it was compiled, or is one of many that MuJoCo makes
+        (`replicate`); what is bound to a sequence is of one kind.
+        """
+        if isinstance(elements, Element):
+            elements._alive()
+            known = self._bindings.get(elements)
+            return self._bind([elements], True, elements) if known is None else known
+        several = tuple(elements) if isinstance(elements, Iterable) else None
+        if several is None or not all(isinstance(each, Element) for each in several):
+            got = next((each for each in several or () if not isinstance(each, Element)), elements)
+            raise failure(
+                "wrong-type",
+                f"elements are bound, or sequences of them, got `{type(got).__name__}`",
+                call_site(),
+            )
+        for each in several:
+            each._alive()
+        if not several:
+            return EmptyBinding()
+        known = self._bindings.get(several)
+        return self._bind(several, False, several) if known is None else known
+
+    def _bind(self, elements: Iterable[Element], one: bool, key: object) -> Binding:
+        kinds = {self._kind(each): each for each in elements}
+        if len(kinds) > 1:
+            (kind, first), (other, second) = list(kinds.items())[:2]
+            raise failure(
+                "wrong-type",
+                f"elements of one kind are bound together, got the {kind} {first._described()} and the "
+                f"{other} {second._described()}",
+                call_site(),
+            )
+        kind = next(iter(kinds))
+        ids = [self._found(each, kind) for each in elements]
+        labels = [each._described() for each in elements]
+        binding = binding_of(kind)(kind, ids, labels, one, self._model, self._data)
+        self._bindings[key] = binding
+        return binding
+
+    def _kind(self, element: Element) -> str:
+        kind = compiled_kind(element._node)
+        if kind is None:
+            raise failure(
+                "not-supported",
+                f"{element._described()} is not an object of a compiled model",
+                call_site(),
+                notes=(exists_note("kind", sorted(KINDS), element.tag),),
+            )
+        return kind
+
+    def _found(self, element: Element, kind: str) -> int:
+        """The row of an element in the arrays of its kind."""
+        node = element._node
+        taken = self._snapshot_with(element)
+        row = None if taken is None else taken.rows.get(node)
+        if row is not None:
+            return row
+        raise self._not_found(element, kind, taken)
+
+    def _snapshot_with(self, element: Element) -> Snapshot | None:
+        for taken in self._snapshots:
+            if element._node in taken.known or element._model in taken.models:
+                return taken
+        if self._of_tree:
+            return None
+        taken = snapshot(element._model.top, self._roster)
+        self._snapshots.append(taken)
+        return taken
+
+    def _not_found(self, element: Element, kind: str, taken: Snapshot | None) -> MjcfError:
+        what, help = element._described(), None
+        notes: tuple[Note, ...] = ()
+        if taken is None:
+            message = f"{what} is of the model `{element._model.name}`, which was not compiled here"
+            help = "compile the model that it is in, or bind before you copy"
+        elif element._model.frame_above(element._node) is element._node and not len(element._node):
+            message = f"the frame of `{element.name}` is no body of the compiled model: it had no joint"
+            help = "bind what it is attached to, or the bodies of the attached model"
+        elif self._of_tree and element._node not in taken.known:
+            message = f"{what} came after the model was compiled"
+            help = "compile it again"
+        elif any(above.tag == "replicate" for above in element._node.iterancestors()):
+            message = f"{what} stands in a `<replicate>`: MuJoCo has made several of it"
+            help = f"`physics.model.{kind}(NAME)` has each of them"
+        elif element.name is None:
+            message = f"{what} has no name, and which {kind} of the compiled model it is cannot be told"
+            help = "give it a name"
+        else:
+            message = f"the compiled model has no {kind} `{element.full_identifier}`"
+            names = [name for name in self._roster.names[kind] if name]
+            notes = (exists_note(kind, names, element.full_identifier),)
+        return failure("unknown-name", message, call_site(), notes=notes, help=help)
+
+    def _row(self, kind: str, given: int | str | Element) -> int:
+        """The number of a keyframe or a camera that a caller means."""
+        if isinstance(given, Element):
+            if self._kind(given._alive()) != kind:
+                raise failure("wrong-type", f"expects a {kind}, got {given._described()}", call_site())
+            return self._found(given, kind)
+        names = self._roster.names[kind]
+        if isinstance(given, str) and given in self._roster.ids[kind]:
+            return self._roster.ids[kind][given]
+        if isinstance(given, int) and not isinstance(given, bool) and 0 <= given < len(names):
+            return given
+        near = closest(given, names) if isinstance(given, str) else []
+        raise failure(
+            "unknown-name" if isinstance(given, str) else "out-of-range",
+            f"the compiled model has no {kind} `{given}`",
+            call_site(),
+            notes=(exists_note(kind, [name or str(at) for at, name in enumerate(names)], str(given)),),
+            help=f"did you mean `{near[0]}`?" if near else None,
+        )
+
+    def __repr__(self) -> str:
+        sizes = ", ".join(f"{name}={getattr(self._model, name)}" for name in ("nq", "nv", "nu", "nbody"))
+        return f"<Physics {sizes}, time={self.time:.6g}>"

@@ -1,0 +1,112 @@
+"""Where the numbers of an element stand in arrays that have not one row for each element of its kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from composer.verify.roster import JOINT_POSITIONS, JOINT_VELOCITIES, Model
+
+_EDGES_OF_AN_ELEMENT = {1: 1, 2: 3, 3: 6}
+
+Shape = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Some consecutive rows of an array for each element: its first row, and how many.
+
+    `first` is an array of `mjModel` that says where they begin, negative where the element has none. With
+    `as_row` a single row is the element's own, as if the array had one for each element. `shape` is that of the
+    rows of one element, where it says more than their number.
+    """
+
+    first: str
+    number: Callable[[Model, int], int]
+    as_row: bool = False
+    required: str | None = None
+    shape: Callable[[Model, int], Shape] | None = None
+
+    def rows(self, model: Model, index: int) -> range:
+        first = int(getattr(model, self.first)[index])
+        return range(first, first + self.number(model, index)) if first >= 0 else range(0)
+
+
+def _counted(array: str) -> Callable[[Model, int], int]:
+    return lambda model, index: int(getattr(model, array)[index])
+
+
+def _of_joint(numbers: tuple[int, ...]) -> Callable[[Model, int], int]:
+    return lambda model, index: numbers[int(model.jnt_type[index])]
+
+
+def _grid(*arrays: str) -> Callable[[Model, int], Shape]:
+    return lambda model, index: tuple(int(getattr(model, array)[index]) for array in arrays)
+
+
+def _cells(*arrays: str) -> Callable[[Model, int], int]:
+    def number(model: Model, index: int) -> int:
+        cells = 1
+        for array in arrays:
+            cells *= int(getattr(model, array)[index])
+        return cells
+
+    return number
+
+
+def _corners(model: Model, index: int) -> int:
+    return int(model.flex_elemnum[index]) * (int(model.flex_dim[index]) + 1)
+
+
+def _edges(model: Model, index: int) -> int:
+    return int(model.flex_elemnum[index]) * _EDGES_OF_AN_ELEMENT[int(model.flex_dim[index])]
+
+
+_HFIELD = ("hfield_nrow", "hfield_ncol")
+_TEXTURE = ("tex_height", "tex_width", "tex_nchannel")
+
+RUNS: Mapping[str, Mapping[str, Run]] = {
+    "body": {"nmocap": Run("body_mocapid", lambda model, index: 1, as_row=True, required="a mocap body")},
+    "joint": {
+        "nq": Run("jnt_qposadr", _of_joint(JOINT_POSITIONS)),
+        "nv": Run("jnt_dofadr", _of_joint(JOINT_VELOCITIES)),
+    },
+    "actuator": {
+        "nu": Run("actuator_ctrladr", _counted("actuator_ctrlnum"), as_row=True),
+        "nout": Run("actuator_outadr", _counted("actuator_outnum"), as_row=True),
+        "na": Run("actuator_actadr", _counted("actuator_actnum"), as_row=True),
+    },
+    "sensor": {"nsensordata": Run("sensor_adr", _counted("sensor_dim"))},
+    "tendon": {
+        "nwrap": Run("tendon_adr", _counted("tendon_num")),
+        "nJten": Run("ten_J_rowadr", _counted("ten_J_rownnz")),
+    },
+    "mesh": {
+        "nmeshvert": Run("mesh_vertadr", _counted("mesh_vertnum")),
+        "nmeshnormal": Run("mesh_normaladr", _counted("mesh_normalnum")),
+        "nmeshtexcoord": Run("mesh_texcoordadr", _counted("mesh_texcoordnum")),
+        "nmeshface": Run("mesh_faceadr", _counted("mesh_facenum")),
+        "nmeshpoly": Run("mesh_polyadr", _counted("mesh_polynum")),
+    },
+    "hfield": {"nhfielddata": Run("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
+    "texture": {"ntexdata": Run("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
+    "skin": {
+        "nskinvert": Run("skin_vertadr", _counted("skin_vertnum")),
+        "nskintexvert": Run("skin_texcoordadr", _counted("skin_vertnum")),
+        "nskinface": Run("skin_faceadr", _counted("skin_facenum")),
+        "nskinbone": Run("skin_boneadr", _counted("skin_bonenum")),
+    },
+    "flex": {
+        "nflexvert": Run("flex_vertadr", _counted("flex_vertnum")),
+        "nflexnode": Run("flex_nodeadr", _counted("flex_nodenum")),
+        "nflexedge": Run("flex_edgeadr", _counted("flex_edgenum")),
+        "nflexelem": Run("flex_elemadr", _counted("flex_elemnum")),
+        "nflexelemdata": Run("flex_elemdataadr", _corners),
+        "nflexelemedge": Run("flex_elemedgeadr", _edges),
+        "nflexshelldata": Run("flex_shelldataadr", _cells("flex_shellnum", "flex_dim")),
+    },
+    "numeric": {"nnumericdata": Run("numeric_adr", _counted("numeric_size"))},
+    "tuple": {"ntupledata": Run("tuple_adr", _counted("tuple_size"))},
+    "plugin": {"npluginstate": Run("plugin_stateadr", _counted("plugin_statenum"))},
+}
+"""By kind, and by the size that an array has rows for."""

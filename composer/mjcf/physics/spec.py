@@ -1,0 +1,47 @@
+"""To MuJoCo's own editable models and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from composer.link.linking import Policy
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import failure
+from composer.mjcf.flat import contents, flatten, name_files, tell
+from composer.mjcf.model import Model
+from composer.mjcf.parse import from_xml_string
+from composer.mjcf.physics.compile import engine, refused
+from composer.mjcf.root import RootElement
+from composer.tree.write import write
+
+
+def from_spec(spec: Any) -> RootElement:
+    """The model of a `mujoco.MjSpec`, as MuJoCo writes it out; files in its `assets` come along.
+
+    MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
+    """
+    mujoco = engine()
+    if not isinstance(spec, mujoco.MjSpec):
+        raise failure("wrong-type", f"`spec` expects an `MjSpec`, got `{type(spec).__name__}`", call_site())
+    try:
+        copied = spec.copy()
+        copied.compile()
+        text = copied.to_xml()
+    except (ValueError, mujoco.FatalError) as error:
+        raise refused(error) from None
+    folder = getattr(spec, "modelfiledir", "")
+    return from_xml_string(text, assets=dict(spec.assets), base_dir=Path(folder) if folder else None)
+
+
+def to_spec(model: Model, conflict: Policy) -> Any:
+    """See `RootElement.to_spec`."""
+    mujoco = engine()
+    flat = flatten(model, conflict)
+    name_files(flat)
+    try:
+        spec = mujoco.MjSpec.from_string(write(flat.unit.root).decode(), assets=contents(flat))
+    except (ValueError, mujoco.FatalError) as error:
+        raise refused(error, write(flat.unit.root), flat) from None
+    tell(flat)
+    return spec

@@ -1,0 +1,135 @@
+"""Compositions and their elements as `pickle` takes them: with their files in memory, origins and attachments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.span import Span
+from composer.mjcf.attachment import AttachmentFrame
+from composer.mjcf.element import Element, view
+from composer.mjcf.model import Attachment, Model
+from composer.mjcf.root import RootElement
+from composer.tree.origin import Origins
+from composer.tree.start_tag import SourceText
+from composer.tree.unit import Unit
+
+Reduced = tuple[Callable[..., Element], tuple[Any, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class _Tree:
+    """A node with all below it: its text, and for each node the line that it was on and where it is from."""
+
+    text: bytes
+    lines: list[int]
+    owners: dict[int, str | Span]
+
+    @classmethod
+    def of(cls, node: Node, origins: Origins) -> _Tree:
+        nodes = list(node.iter())
+        owners: dict[int, str | Span] = {}
+        for at, each in enumerate(nodes):
+            owner = origins.owners.get(each)
+            if owner is not None:
+                owners[at] = owner if isinstance(owner, str | Span) else owner(None)
+        lines: list[Any] = [each.sourceline for each in nodes]
+        return cls(etree.tostring(node, with_tail=False), [line or 0 for line in lines], owners)
+
+    def restored(self, origins: Origins) -> Node:
+        node = etree.fromstring(self.text, etree.XMLParser(huge_tree=True, remove_blank_text=False))
+        nodes = list(node.iter())
+        for each, line in zip(nodes, self.lines, strict=True):
+            each.sourceline = line
+        for at, owner in self.owners.items():
+            origins.own(nodes[at], owner)
+        return node
+
+
+@dataclass(frozen=True, slots=True)
+class _Attached:
+    """An attachment: what hangs there, its frame, and its host by the place among all nodes of the parent."""
+
+    child: _Composition
+    frame: _Tree
+    host: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Composition:
+    """A model and all that is attached to it."""
+
+    tree: _Tree
+    file: str
+    directory: Path
+    label: str
+    contents: Mapping[str, bytes | Path]
+    texts: dict[str, Path | bytes | str | SourceText | None]
+    attached: list[_Attached]
+
+    @classmethod
+    def of(cls, model: Model) -> _Composition:
+        unit = model.unit
+        places = {node: at for at, node in enumerate(unit.root.iter())} if model.attachments else {}
+        return cls(
+            _Tree.of(unit.root, unit.origins),
+            unit.file,
+            unit.directory,
+            unit.label,
+            unit.contents,
+            unit.origins.texts,
+            [
+                _Attached(cls.of(each.child), _Tree.of(each.frame, unit.origins), places[each.host])
+                for each in model.attachments.values()
+            ],
+        )
+
+    def restored(self) -> Model:
+        origins = Origins(texts=self.texts)
+        root = self.tree.restored(origins)
+        model = Model(Unit(root, self.file, self.directory, self.label, self.contents, origins))
+        RootElement._of(model)
+        nodes = list(root.iter()) if self.attached else []
+        for each in self.attached:
+            child = each.child.restored()
+            frame = each.frame.restored(origins)
+            child.hung = model.attachments[child.prefix] = Attachment(model, child, nodes[each.host], frame)
+            model.views[frame] = AttachmentFrame(model, frame)
+            for joint in frame:
+                model.note(joint)
+        return model
+
+
+def reduced(element: Element) -> Reduced:
+    """How an element is pickled: the composition as a whole, anything in it by its place there."""
+    model = element._alive()._model
+    if isinstance(element, RootElement):
+        if model.hung is None:
+            return _root, (_Composition.of(model),)
+        return _attached, (view(model.hung.parent, model.hung.parent.unit.root), model.prefix)
+    root = view(model, model.unit.root)
+    frame = model.frame_above(element._node)
+    top = model.unit.root if frame is None else frame
+    place = next(at for at, node in enumerate(top.iter()) if node is element._node)
+    return _element, (root, None if frame is None else model.attachment_of(frame).child.prefix, place)
+
+
+def _root(state: _Composition) -> Element:
+    model = state.restored()
+    return view(model, model.unit.root)
+
+
+def _attached(parent: RootElement, prefix: str) -> Element:
+    child = parent._model.attachments[prefix].child
+    return view(child, child.unit.root)
+
+
+def _element(root: RootElement, prefix: str | None, place: int) -> Element:
+    model = root._model
+    top = model.unit.root if prefix is None else model.attachments[prefix].frame
+    return view(model, next(node for at, node in enumerate(top.iter()) if at == place))

@@ -1,0 +1,72 @@
+"""Step: of a base or a part only one body is taken. What it leaves behind is kept for those who ask."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.document.node import locate
+from composer.link.linking import KeyPolicy, Measure
+from composer.link.subtree import Subtree, take_subtree
+from composer.plan.plan import Plan
+from composer.recipe.attach import Attachment
+from composer.recipe.fault import Path
+from composer.sources.source import Source
+from composer.tree.unit import Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """A model of a plan, base or part, and the body of it that is wanted; None for all of it.
+
+    `at` is the path to the model's mapping in the recipe, `span` where `subtree` is written. One that `stands` is fixed
+    in the world of what is made in the end.
+    """
+
+    model: Source | Plan | None
+    body: str | None
+    at: Path
+    keyframes: KeyPolicy
+    span: Span
+    stands: bool
+
+    def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
+        """Cut the unit down to the body; None where that cannot be, which is told."""
+        assert self.body is not None
+        found = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
+        if found is not None and found.cut:
+            _tell_cut(unit, found, sink, self.span)
+        return found
+
+
+def wanted(plan: Plan, stands: bool) -> Iterator[Wanted]:
+    """The base of a plan and its parts, in their order; `stands` says it of the plan as a whole."""
+    base, document = plan.base, plan.document
+    span = locate(document, ("base", "subtree"))
+    yield Wanted(base.model, base.subtree, ("base",), base.keyframes, span, stands)
+    for step in plan.parts:
+        part = step.attachment
+        span = locate(document, (*step.at, "subtree"))
+        yield Wanted(step.model, part.subtree, step.at, part.keyframes, span, stands and _stands(part))
+
+
+def _stands(part: Attachment) -> bool:
+    """Whether a part is fixed in the world of the recipe that it is part of."""
+    in_world = part.site is None and part.frame is None and part.body in (None, "world")
+    return in_world and part.joint in (None, "weld")
+
+
+def _tell_cut(unit: Unit, found: Subtree, sink: Sink, span: Span) -> None:
+    """What concerns the subtree and something else is left; nobody should miss that."""
+    alone = len(found.cut) == 1
+    what = f"the {found.cut[0].called}" if alone else f"{len(found.cut)} elements"
+    sink.warning(
+        "subtree-cut",
+        f"the subtree `{found.body}` of `{unit.label}` comes without {what}, which {'reaches' if alone else 'reach'}"
+        " out of it",
+        span,
+        notes=tuple(Note(f"the {each.called} needs {each.lacks}", each.span) for each in found.cut),
+    )

@@ -1,0 +1,64 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from cli.shell import run, snapshot
+
+
+def test_in_words(folder: Path) -> None:
+    before = snapshot(folder)
+    result = run("explain", "cell.yaml", "geom tool/palm")
+    assert result.exit_code == 0 and result.stderr == ""
+    assert "read from models/tool.xml:4" in result.stdout
+    assert "palm → tool/palm" in result.stdout
+    assert snapshot(folder) == before
+
+
+def test_one_attribute_either_way(folder: Path) -> None:
+    quoted = run("explain", "cell.yaml", "joint shoulder range")
+    assert quoted.exit_code == 0 and "-90 90" in quoted.stdout
+    assert run("explain", "cell.yaml", "joint shoulder", "range").stdout == quoted.stdout
+
+
+def test_as_json(folder: Path) -> None:
+    result = run("explain", "cell.yaml", "geom tool/palm", "--json")
+    told = json.loads(result.stdout)
+    assert (told["explains"], told["label"]) == ("element", "geom tool/palm")
+    assert told["written"][0]["span"] == {
+        "file": "models/tool.xml", "line": 4, "column": 7, "end_line": 4, "end_column": 12,
+    }  # fmt: skip
+    assert [each["attribute"] for each in told["changes"]] == ["name"]
+    told = json.loads(run("explain", "cell.yaml", "geom tool/palm size", "--format", "json").stdout)
+    assert (told["explains"], told["value"]) == ("attribute", "0.03 0.03 0.01")
+    told = json.loads(run("explain", "cell.yaml", "geom", "--json").stdout)
+    assert [each["label"] for each in told["found"]] == ["geom#0", "geom rod", "geom tool/palm"]
+
+
+def test_faults(folder: Path) -> None:
+    result = run("explain", "cell.yaml", "geom tol/palm")
+    assert result.exit_code == 1 and result.stdout == ""
+    assert "did you mean `geom tool/palm`?" in result.stderr
+    assert run("explain", "cell.yaml", "").exit_code == 2
+    assert run("explain", "cell.yaml").exit_code == 2
+    result = run("explain", "wrong.yaml", "geom tool/palm")
+    assert result.exit_code == 1 and "error[attach-place]" in result.stderr
+
+
+def test_a_missing_file_hinders_no_answer(folder: Path) -> None:
+    (folder / "models" / "meshes" / "cover.obj").unlink()
+    result = run("explain", "cell.yaml", "joint shoulder")
+    assert result.exit_code == 1
+    assert "read from models/arm.xml:10" in result.stdout and "error[asset-missing]" in result.stderr
+
+
+def test_a_bundle_names_its_recipe(folder: Path) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", "out/").exit_code == 0
+    assert run("build", "cell.yaml", "--no-verify", "-o", "cell.zip").exit_code == 0
+    for bundle in ("out", "cell.zip"):
+        result = run("explain", bundle, "joint shoulder")
+        assert result.exit_code == 1
+        assert "ask the recipe: `mjcompose explain cell.yaml`" in result.stderr
+    assert "read from out/model.xml" in run("explain", "out/model.xml", "joint shoulder").stdout
+    (folder / "empty").mkdir()
+    assert "ask the recipe that it was built of" in run("explain", "empty", "joint shoulder").stderr

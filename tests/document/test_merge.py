@@ -1,0 +1,114 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from composer.diagnostics import Sink
+from composer.document import Mapping, load, locate, to_python
+from composer.document.merge import merge
+
+
+def tree(text: str, file: str) -> Mapping:
+    node = load(text, file, Sink())
+    assert isinstance(node, Mapping)
+    return node
+
+
+def merged(lower: str, upper: str) -> Any:
+    sink = Sink()
+    found = to_python(merge(tree(lower, "lower.yaml"), tree(upper, "upper.yaml"), sink))
+    assert not sink.has_errors
+    return found
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "expected"),
+    [
+        ("{a: 1, b: {c: 2}}", "{b: {d: 3}}", {"a": 1, "b": {"c": 2, "d": 3}}),
+        ("{a: [1, 2]}", "{a: [3]}", {"a": [3]}),
+        ("{a: 1, b: 2}", "{a: null}", {"b": 2}),
+        ("add: [{to: world}]", "add: [{to: hand}]", {"add": [{"to": "world"}, {"to": "hand"}]}),
+        (
+            "edit: [{id: x, set: 1}, {id: y, set: 2}]",
+            "edit: [{id: x, set: 3}, {id: z, set: 4}]",
+            {"edit": [{"id": "x", "set": 3}, {"id": "y", "set": 2}, {"id": "z", "set": 4}]},
+        ),
+        ("attach: {a: {edit: [1]}}", "attach: {a: {edit: [2]}}", {"attach": {"a": {"edit": [1, 2]}}}),
+        (
+            "sensor: {add: {type: a, b: [1]}}",
+            "sensor: {add: {b: [2]}}",
+            {"sensor": {"add": {"type": "a", "b": [2]}}},
+        ),
+        (
+            "attach: {a: {model: m, site: s, euler: [1, 2, 3]}}",
+            "attach: {a: {body: b, quat: [1, 0, 0, 0]}}",
+            {"attach": {"a": {"model": "m", "body": "b", "quat": [1, 0, 0, 0]}}},
+        ),
+        (
+            "attach: {a: {model: m, mate: t, with: {x: 1}, edit: [1], site: s}}",
+            "attach: {a: {model: n, edit: [2]}}",
+            {"attach": {"a": {"model": "n", "edit": [2], "site": "s"}}},
+        ),
+        (
+            "attach: {a: {model: m, mate: t}}",
+            "attach: {a: {model: m}}",
+            {"attach": {"a": {"model": "m", "mate": "t"}}},
+        ),
+        (
+            "sensor: {s: {type: touch, site: a}}",
+            "sensor: {s: {type: gyro}}",
+            {"sensor": {"s": {"type": "gyro"}}},
+        ),
+        (
+            "sensor: {s: {type: touch, site: a}}",
+            "sensor: {s: {type: touch, noise: 1}}",
+            {"sensor": {"s": {"type": "touch", "site": "a", "noise": 1}}},
+        ),
+        (
+            "actuator: {m: {type: motor, site: a, refsite: b}}",
+            "actuator: {m: {joint: j}}",
+            {"actuator": {"m": {"type": "motor", "joint": "j"}}},
+        ),
+        ("params: {x: {default: 1, min: 0}}", "params: {x: 2}", {"params": {"x": {"default": 2, "min": 0}}}),
+        ("params: {x: 1}", "params: {x: {max: 3}}", {"params": {"x": {"default": 1, "max": 3}}}),
+        ("base: m", "base: {keyframes: none}", {"base": {"model": "m", "keyframes": "none"}}),
+        (
+            "variants: {g: {a: {add: [1]}}}",
+            "variants: {g: {a: {add: [2]}, b: {}}}",
+            {"variants": {"g": {"a": {"add": [1, 2]}, "b": {}}}},
+        ),
+        (
+            "randomize: {fields: {f: {select: {geom: g}, attr: mass, scale: {uniform: [1, 2]}}}}",
+            "randomize: {fields: {f: {uniform: [3, 4]}}}",
+            {"randomize": {"fields": {"f": {"select": {"geom": "g"}, "attr": "mass", "uniform": [3, 4]}}}},
+        ),
+    ],
+)
+def test_merge(lower: str, upper: str, expected: Any) -> None:
+    assert merged(lower, upper) == expected
+
+
+def test_every_value_keeps_its_place() -> None:
+    found = merge(
+        tree("option:\n  timestep: 1\n  cone: elliptic\n", "lower.yaml"),
+        tree("option: {timestep: 2}\n", "upper.yaml"),
+        Sink(),
+    )
+    assert str(locate(found, ("option", "cone"))) == "lower.yaml:3:9"
+    assert str(locate(found, ("option", "timestep"))) == "upper.yaml:1:20"
+
+
+def test_null_that_deletes_nothing() -> None:
+    sink = Sink()
+    merge(tree("{sensor: {grip: 1}}", "lower.yaml"), tree("{sensor: {gripp: null}}", "upper.yaml"), sink)
+    (error,) = sink.errors
+    assert (error.code, error.message) == ("unknown-key", "there is no `gripp` to take out")
+    assert str(error.span) == "upper.yaml:1:11" and error.help == "did you mean `grip: null`?"
+
+
+def test_nothing_is_changed_in_place() -> None:
+    lower = tree("{a: {b: 1}, add: [1]}", "lower.yaml")
+    before = to_python(lower)
+    merge(lower, tree("{a: {b: 2}, add: [2]}", "upper.yaml"), Sink())
+    assert to_python(lower) == before

@@ -1,0 +1,48 @@
+"""Models that are put together under observation, each once for all tests; none needs the network."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from composer.context import Context
+from composer.explain.explain import trace
+from composer.explain.traced import Traced
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+GOLDEN = REPOSITORY / "tests" / "golden"
+MEASURED = Path(__file__).resolve().parent / "measured" / "recipe.yaml"
+RECIPES = [
+    *sorted(GOLDEN.glob("*/recipe.yaml")),
+    MEASURED,
+    *(
+        path
+        for path in sorted((REPOSITORY / "recipes").glob("*.yaml"))
+        if not path.name.startswith("menagerie")
+    ),
+]
+
+
+@cache
+def _traced(recipe: Path) -> Traced:
+    context = Context(environment={}, folder=recipe.parent)
+    found = trace(Path(recipe.name), context)
+    assert found is not None, [each.message for each in context.sink.diagnostics]
+    return found
+
+
+@pytest.fixture(
+    params=RECIPES, ids=lambda path: path.parent.name if path.name == "recipe.yaml" else path.stem
+)
+def recipe(request: pytest.FixtureRequest) -> Path:
+    """Each golden recipe, and each of the examples."""
+    path: Path = request.param
+    return path
+
+
+@pytest.fixture
+def traced(recipe: Path) -> Traced:
+    """Its model, with all that happened to it; to be looked at only."""
+    return _traced(recipe)

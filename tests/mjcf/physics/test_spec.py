@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+import mujoco
+import pytest
+
+from composer import mjcf
+from composer.mjcf import MjcfError, RootElement
+
+
+def test_a_composition_as_a_spec(arm: RootElement, gripper: RootElement) -> None:
+    arm.find("site", "flange").attach(gripper)
+    spec = arm.to_spec()
+    assert isinstance(spec, mujoco.MjSpec)
+    compiled, ours = spec.compile(), arm.compile_model().model
+    assert compiled.names == ours.names
+    assert compiled.body_inertia.tolist() == ours.body_inertia.tolist()
+
+
+def test_a_spec_as_a_model() -> None:
+    spec = mujoco.MjSpec()
+    body = spec.worldbody.add_body(name="b")
+    body.add_geom(name="g", size=[0.1, 0, 0])
+    body.add_joint(name="j", axis=[0, 1, 0])
+    model = mjcf.from_spec(spec)
+    assert model.find("joint", "j").axis.tolist() == [0, 1, 0]
+    assert model.find("geom", "g").parent is model.find("body", "b")
+    assert model.compile_model().model.nq == 1
+
+
+def test_there_and_back_with_files(arm: RootElement) -> None:
+    back = mjcf.from_spec(arm.to_spec())
+    assert back.compile_model().model.mesh_vert.tolist() == arm.compile_model().model.mesh_vert.tolist()
+
+
+def test_what_cannot_be_converted() -> None:
+    with pytest.raises(MjcfError, match="`spec` expects an `MjSpec`, got `str`"):
+        mjcf.from_spec("<mujoco/>")
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_geom(name="g")
+    with pytest.raises(MjcfError, match="size 0 must be positive"):
+        mjcf.from_spec(spec)
+    model = mjcf.RootElement()
+    model.actuator.add("motor", joint="nowhere")
+    with pytest.raises(MjcfError, match="refers to the joint `nowhere`"):
+        model.to_spec()

@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import pytest
+
+from composer import mjcf
+from composer.mjcf import MjcfError, RootElement
+
+
+def _through(value: object, protocol: int = pickle.HIGHEST_PROTOCOL) -> object:
+    return pickle.loads(pickle.dumps(value, protocol))
+
+
+@pytest.mark.parametrize("protocol", range(2, pickle.HIGHEST_PROTOCOL + 1))
+def test_a_composition_means_the_same(protocol: int, arm: RootElement, gripper: RootElement) -> None:
+    frame = arm.find("site", "flange").attach(gripper)
+    frame.pos = [0, 0, 0.01]
+    frame.add("joint", type="slide", name="slide")
+    twin = _through(arm, protocol)
+    assert isinstance(twin, RootElement)
+    assert twin is not arm
+    assert twin.to_xml_string() == arm.to_xml_string()
+    assert twin.assets == arm.assets
+    twin.find("body", "gripper/left").name = "renamed"
+    assert arm.find("body", "gripper/left") is not None
+
+
+def test_what_is_pickled_together_stays_together(arm: RootElement, gripper: RootElement) -> None:
+    frame = arm.find("site", "flange").attach(gripper)
+    joint = frame.add("joint", name="slide")
+    parts = [arm, gripper, gripper.find("joint", "left"), frame, joint, arm.worldbody]
+    a, g, left, f, j, world = _through(parts)  # type: ignore[misc]
+    assert g.parent_model is a and f is mjcf.get_attachment_frame(g)
+    assert left is a.find("joint", "gripper/left") and left.root is g
+    assert j is a.find("joint", "gripper/slide") and world is a.worldbody
+
+
+def test_files_in_memory_and_origins(arm: RootElement, folder: Path) -> None:
+    arm.asset.add("mesh", name="extra", file=mjcf.Asset(b"solid", ".stl"))
+    site = arm.find("body", "fore").add("site", name="new")
+    twin = _through(arm)
+    assert isinstance(twin, RootElement)
+    assert twin.find("mesh", "extra").file.contents == b"solid"
+    assert twin.find("mesh", "shell").file.path == arm.find("mesh", "shell").file.path
+    for tag, name in (("body", "fore"), ("joint", "elbow_joint"), ("site", "new")):
+        assert twin.find(tag, name).origin == arm.find(tag, name).origin
+    assert site.origin.file == __file__
+
+
+def test_a_removed_element_is_told(arm: RootElement) -> None:
+    site = arm.find("site", "flange")
+    site.remove()
+    with pytest.raises(MjcfError, match="was removed"):
+        pickle.dumps(site)
