@@ -66,8 +66,9 @@ def _nowhere(linking: Linking, part: Part) -> None:
     help = f"did you mean `{kind}: {near[0]}`?" if near else None
     if not near and not names:
         bodies = [each for each in linking.names.of("body") if not each.startswith(part.prefix or "\0")]
-        notes.append(exists_note("body", bodies, name))
-        help = "hang it on a body, with a `pos` if need be: `body: NAME`" if kind != "body" else help
+        if bodies and kind != "body":
+            notes.append(exists_note("body", bodies, name))
+            help = "hang it on a body, with a `pos` if need be: `body: NAME`"
     if usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:

@@ -40,6 +40,21 @@ ARM = """\
   {}
 </mujoco>
 """
+CUT = """\
+<mujoco>
+  <worldbody>
+    <body name="forearm">
+      <geom size="0.1"/>
+      <body name="hand">
+        <geom size="0.1"/>
+      </body>
+    </body>
+  </worldbody>
+  <contact>
+    <exclude body1="forearm" body2="hand"/>
+  </contact>
+</mujoco>
+"""
 CLASSES = "<default><default class='visual'/><default class='collision'/></default>"
 HOME = "<keyframe><key name='home' time='{}' qpos='0.1'/></keyframe>"
 SCENE = PROP.format("palm", "", "").replace(
@@ -74,6 +89,7 @@ MODELS_OF = {
         "arm.xml": ARM.format('<option timestep="0.002"/>', ""),
         "gripper.xml": PROP.format("palm", "", "").replace("<mujoco>", '<mujoco><option timestep="0.001"/>'),
     },
+    "subtree-cut": {"arm.xml": CUT},
     "source-cycle": {"finger.yaml": "recipe: 1\nattach:\n  hand: {model: ./page.yaml}\n"},
 }  # fmt: skip
 
@@ -105,8 +121,9 @@ def lay_out(code: str, folder: Path) -> None:
 def codes(text: str, folder: Path, menagerie: Path) -> set[str]:
     recipe = folder / "page.yaml"
     if text.startswith("<"):
-        (folder / "page.xml").write_text(text, encoding="utf-8")
-        text = "recipe: 1\nbase: ./page.xml\n"
+        model = "page.urdf" if text.startswith("<robot") else "page.xml"
+        (folder / model).write_text(text, encoding="utf-8")
+        text = f"recipe: 1\nbase: ./{model}\n"
     recipe.write_text(text, encoding="utf-8")
     context = Context(folder=folder, environment={**os.environ, "MENAGERIE_ROOT": str(menagerie)})
     build(recipe, context, limits=Limits(seconds=60))
@@ -116,7 +133,7 @@ def codes(text: str, folder: Path, menagerie: Path) -> set[str]:
 EXAMPLES = [
     (code, text)
     for code in sorted(set(PAGES) - set(NOT_A_BUILD))
-    for text in blocks(parts(code)[0], "yaml") + blocks(parts(code)[0], "xml")
+    for text in blocks(parts(code)[0], "yaml") or blocks(parts(code)[0], "xml")
 ]
 MENDED = [
     (code, text)
