@@ -28,3 +28,12 @@ class Context:
         absolute = os.path.abspath(self.folder / path)
         relative = os.path.relpath(absolute, self.folder)
         return absolute if relative.startswith("..") else relative
+
+
+def as_text(name: str) -> str:
+    r"""A file's name as text: bytes that are not UTF-8, which some file systems allow, are replaced.
+
+    >>> as_text("caf\udce9")
+    'caf�'
+    """
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

@@ -68,7 +68,7 @@ def command(
     if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    wanted = Wanted(out or "build/{name}.zip", kind, not no_verify, dedup, form)
+    wanted = Wanted("build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form)
     with Session(Limits(seconds=timeout)) as session:
         if every or picks:
             from composer.cli.build_cells import build_cells
@@ -146,9 +146,12 @@ def _file_name(name: str) -> str:
 
 
 def _write(built: Built, out: str, kind: Form, context: Context, session: Session) -> None:
+    from composer.bundle.overwriting import check_is_no_source
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
 
+    if out != "-":
+        check_is_no_source(context.folder / out, built.plan, built.composed.model, built.composed.files)
     if kind is Form.TEXT:
         text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
         if text is not None and sys.stdout is not None:
@@ -175,15 +178,15 @@ def say(built: Built, out: str, form: str) -> None:
         return
     click.echo(f"wrote {out}")
     if sizes:
-        click.echo(
-            f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, "
-            f"{sizes['nbody']} bodies, {sizes['nsensor']} sensors, {sizes['nkey']} keyframes"
-        )
+        counted = ", ".join(_count(*each) for each in (
+            (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
+        ))  # fmt: skip
+        click.echo(f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
     else:
         click.echo("  not verified: MuJoCo has not compiled it")
     if built.merged:
         click.echo(_merging(built))
-    click.echo(f"  sha256 {built.bundle.sha256}")
+    click.echo(f"  contents sha256 {built.bundle.sha256}")
 
 
 def _merging(built: Built) -> str:
@@ -192,3 +195,7 @@ def _merging(built: Built) -> str:
         f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in built.merged.items()
     )
     return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
+
+
+def _count(number: int, noun: str, plural: str | None = None) -> str:
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"

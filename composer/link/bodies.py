@@ -67,6 +67,11 @@ def _nowhere(linking: Linking, part: Part) -> None:
     other = [each for each in linking.names.kinds_of(name) if each != kind]
     near = closest(name, names)
     help = f"did you mean `{kind}: {near[0]}`?" if near else None
+    if not near and not names:
+        bodies = [each for each in linking.names.of("body") if not each.startswith(part.prefix or "\0")]
+        if bodies and kind != "body":
+            notes.append(exists_note("body", bodies, name))
+            help = "hang it on a body, with a `pos` if need be: `body: NAME`"
     if usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
@@ -125,7 +130,8 @@ def _hang(linking: Linking, part: Part) -> None:
             body.set("childclass", part.top_class)
         for joint in part.joints:
             undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
-            _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
+            added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
+            _declare_joint(linking, part, added)
         linking.names.declared.setdefault("body", {})[part.prefix] = body
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
@@ -180,6 +186,21 @@ def _aligned(linking: Linking, part: Part, joint: Node) -> None:
         notes=(Note("the free joint that is aligned", linking.span(linking.base, joint)),),
         help='write `align="false"` on the free joint in the source, or in a copy of it',
     )
+
+
+def _declare_joint(linking: Linking, part: Part, joint: Node) -> None:
+    name = str(joint.get("name") or "")
+    if not name:
+        return
+    earlier = linking.names.declared.setdefault("joint", {}).setdefault(name, joint)
+    if earlier is not joint:
+        linking.sink.error(
+            "name-clash",
+            f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint",
+            part.span,
+            notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
+            help="choose another name",
+        )
 
 
 def _reading(linking: Linking) -> tuple[bool, str]:

@@ -47,6 +47,7 @@ class Part:
     """A unit, the prefix that its names get (separator included), and how it hangs on the model.
 
     `content` is the element of the model in which the part's world is, once it hangs there.
+    `by_itself`: it stands in the world by the free joint, or as the mocap body, that it brings, wherever its place is.
     """
 
     unit: Unit
@@ -56,6 +57,7 @@ class Part:
     joints: tuple[Joint, ...] = ()
     weld: bool = False
     mocap: bool = False
+    by_itself: bool = False
     span: Span | None = None
     mount: Node | None = None
     top_class: str = ""
@@ -71,7 +73,20 @@ class Part:
     @property
     def floats(self) -> bool:
         """Whether it moves freely, so that it can only stand in the world."""
-        return self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
+        return self.by_itself or self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
+
+
+class Floating(NamedTuple):
+    """A body at the root of a part that is free by a `joint` or (None) a mocap body; what messages call it.
+
+    `alone`: there is nothing else in the part's world.
+    """
+
+    part: Part
+    body: Node
+    joint: Node | None
+    called: str
+    alone: bool
 
 
 class Flex(NamedTuple):
@@ -128,7 +143,7 @@ class Linking:
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
-    floating: list[tuple[Part, Node, Node | None, str]] = field(default_factory=list)
+    floating: list[Floating] = field(default_factory=list)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
     flexes: list[Flex] = field(default_factory=list)
     replicates: list[tuple[Unit, Node]] = field(default_factory=list)

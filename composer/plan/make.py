@@ -8,7 +8,7 @@ from collections.abc import Mapping as Map
 from dataclasses import replace
 from pathlib import Path
 
-from composer.context import Context
+from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
@@ -95,7 +95,7 @@ class _Planner:
             return None
         steps = tuple(_steps(recipe, document))
         plan = Plan(
-            name=name or recipe.name or path.stem,
+            name=name or recipe.name or as_text(path.stem),
             description=recipe.description,
             path=path,
             file=self.context.shown(path),

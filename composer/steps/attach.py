@@ -11,6 +11,7 @@ from composer.link import numbers
 from composer.link.bodies import effective_pose
 from composer.link.linking import Joint, Linking, Part, Place
 from composer.link.placing import pose_in_world, read_pose
+from composer.link.roots import floats_by_itself
 from composer.plan.plan import AttachPart
 from composer.pose import quat_from_axisangle, quat_from_euler
 from composer.recipe.element import Single
@@ -35,6 +36,8 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
         return
     if joint == "weld":
         part.weld = True
+    elif joint in ("free", "mocap") and floats_by_itself(part.unit, mocap=joint == "mocap"):
+        part.by_itself = True
     elif joint == "mocap":
         part.mocap = True
     elif joint == "free":

@@ -57,7 +57,10 @@ _HFIELD, _MESH, _SDF = 1, 7, 8
 
 def _geom(model: Model, index: int) -> Iterator[Link]:
     yield from _one(model, "geom_bodyid", "body", index, World.MOUNT)
-    yield from _one(model, "geom_dataid", "hfield" if model.geom_type[index] == _HFIELD else "mesh", index)
+    # MuJoCo 3 leaves the mesh in primitives that were fitted to it, where it has no meaning.
+    shape = int(model.geom_type[index])
+    data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
+    yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
     yield from _one(model, "geom_matid", "material", index)
     yield from _one(model, "geom_plugin", "plugin", index)
 
