@@ -13,6 +13,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.link.layout import Layout, Slot
 from composer.pose import Pose
+from composer.tree.key import Key, PartKeys
 from composer.tree.names import Names
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
@@ -44,7 +45,10 @@ class Joint:
 
 @dataclass(eq=False)
 class Part:
-    """A unit, the prefix that its names get (separator included), and how it hangs on the model."""
+    """A unit, the prefix that its names get (separator included), and how it hangs on the model.
+
+    `key` is its key in a recipe.
+    """
 
     unit: Unit
     prefix: str
@@ -54,6 +58,7 @@ class Part:
     weld: bool = False
     mocap: bool = False
     span: Span | None = None
+    key: str = ""
     mount: Node | None = None
     top_class: str = ""
     layout: Layout | None = None
@@ -63,6 +68,10 @@ class Part:
     def called(self) -> str:
         """What messages call it: its prefix, or its file where it has none."""
         return self.prefix or self.unit.label
+
+    def path(self, separator: str) -> str:
+        """What a recipe calls it among the parts: its prefix, or its key where it has none."""
+        return self.prefix.removesuffix(separator) or self.key
 
     @property
     def floats(self) -> bool:
@@ -96,7 +105,9 @@ class Linking:
 
     `settled` holds the option paths (`option/cone`) that the recipe sets itself: no conflict there. `isolate_base` has
     the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
-    `alignfree`.
+    `alignfree`. `asked` are the parts, by path, of whose keys the recipe makes its own; None where it makes no key.
+    `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
+    recipe's.
     """
 
     base: Unit
@@ -106,6 +117,8 @@ class Linking:
     conflict: Policy = "error"
     settled: frozenset[str] = frozenset()
     isolate_base: frozenset[str] = frozenset()
+    base_keyframes: KeyPolicy = "merge"
+    asked: frozenset[str] | None = None
     measure: Measure | None = None
     watch: Watch = nobody
     names: Names = field(default_factory=Names)
@@ -115,6 +128,9 @@ class Linking:
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
+    own_keys: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
+    part_keys: dict[str, PartKeys] | None = None
+    written_keys: list[Key] = field(default_factory=list)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
 
     @property
