@@ -29,6 +29,7 @@ CODES: dict[str, str] = {
     "out-of-range": "a number is outside of what is allowed",
     "output-kind": "the kind of output cannot be told from its name",
     "output-unwritable": "the output cannot be written",
+    "part-order": "`before` and `after` ask for an order that cannot be",
     "plane-on-body": "a plane would stand on a moving body",
     "recipe-version": "the recipe is written in a version of the language that is not known",
     "reserved-prefix": "a prefix has a meaning of its own and cannot be used",

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from composer.plan.plan import AddElement, AppendElement, AttachPart, Plan, SetDefault, SetSingleton, Step
+from composer.plan.plan import (
+    AddElement,
+    AppendElement,
+    AttachPart,
+    Plan,
+    SetDefault,
+    SetSingleton,
+    Step,
+    WriteKeyframe,
+)
 from composer.recipe.element import Element
 from composer.recipe.fault import Path
 from composer.sources.source import Source
@@ -33,14 +43,24 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
         yield from _left(subtrees.get((plan.file, ("base",))), inner + "  ")
         if isinstance(plan.base.model, Plan):
             yield from _lines(plan.base.model, subtrees, inner + "  ")
+    copies = Counter(part.at for part in plan.parts)
     for part in plan.parts:
+        if any(part.copy):
+            continue
         model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
         yield f"{inner}attach {part.prefix or '(no prefix)'}: {model}, {_place(part)}"
+        if part.copy:
+            yield f"{inner}  {_copies(part, copies[part.at])}"
         yield from _left(subtrees.get((plan.file, part.at)), inner + "  ")
         if isinstance(part.model, Plan):
             yield from _lines(part.model, subtrees, inner + "  ")
     for step in plan.steps:
         yield inner + _step(step)
+
+
+def _copies(part: AttachPart, count: int) -> str:
+    axes = " × ".join(str(axis.count) for axis in part.attachment.replicate)
+    return f"{count} copies" + (f", {axes}" if len(part.copy) > 1 else "")
 
 
 def _model(model: Source | Plan) -> str:
@@ -94,6 +114,8 @@ def _step(step: Step) -> str:
         return f"set {step.section}: {', '.join(_settings(step.element))}"
     if isinstance(step, SetDefault):
         return f"set the default class {step.name}: {', '.join(child.tag for child in step.element.children)}"
+    if isinstance(step, WriteKeyframe):
+        return f"write the keyframe {step.key.name}"
     assert isinstance(step, AppendElement)
     return f"add {_element(step.element)} to {step.section}"
 

@@ -9,11 +9,15 @@ from pathlib import Path
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.suggest import closest, exists_note
 from composer.document import load
 from composer.document.decode import MAX_SIZE
 from composer.document.node import Mapping, locate
+from composer.plan.copies import copies
+from composer.plan.order import in_order
+from composer.plan.parts import called, parts_of
 from composer.plan.plan import (
     AddElement,
     AppendElement,
@@ -23,10 +27,12 @@ from composer.plan.plan import (
     SetDefault,
     SetSingleton,
     Step,
+    WriteKeyframe,
 )
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.element import Element
+from composer.recipe.keyframe import FROM
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
 from composer.sources.error import SourceError
@@ -72,11 +78,11 @@ class _Planner:
         recipe, document = read
         inside = (*outer, (key, span))
         base = self._base(recipe, document, path, inside)
-        parts = self._without_rings(tuple(self._parts(recipe, document, path, inside)))
+        parts = self._without_rings(tuple(self._parts(recipe, document, path, inside)), recipe.separator)
         if base is None:
             return None
         steps = tuple(_steps(recipe, document))
-        return Plan(
+        plan = Plan(
             name=recipe.name or path.stem,
             description=recipe.description,
             path=path,
@@ -91,6 +97,8 @@ class _Planner:
             steps=steps,
             settled=frozenset(_settled(steps)),
         )
+        _check_sources(plan, self.sink)
+        return plan
 
     def _read(self, path: Path) -> tuple[Recipe, Mapping] | None:
         shown = self.context.shown(path)
@@ -147,27 +155,31 @@ class _Planner:
         self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]
     ) -> Iterator[AttachPart]:
         taken: dict[str, Span] = {}
-        for key, attachment in recipe.attach.items():
+        for key in in_order(recipe.attach, document, self.sink):
+            attachment = recipe.attach[key]
             at = ("attach", key)
             span = locate(document, at, key=True)
-            own = key if attachment.prefix is None else attachment.prefix
-            prefix = own + recipe.separator if own else ""
-            if prefix and prefix in taken:
+            name = key if attachment.prefix is None else attachment.prefix
+            numbered = [(name + suffix, copy) for suffix, copy in copies(attachment.replicate)]
+            prefixes = {own + recipe.separator if own else "": copy for own, copy in numbered}
+            clash = next((prefix for prefix in prefixes if prefix and prefix in taken), None)
+            if clash is not None:
                 self.sink.error(
                     "name-clash",
-                    f"two parts have the prefix `{prefix}`",
+                    f"two parts have the prefix `{clash}`",
                     locate(document, (*at, "prefix")),
-                    notes=(Note("the other part", taken[prefix]),),
+                    notes=(Note("the other part", taken[clash]),),
                     help="give one of them another key, or another `prefix`",
                 )
                 continue
-            taken[prefix] = span
+            taken.update(dict.fromkeys(prefixes, span))
             model = self._model(attachment.model, locate(document, (*at, "model")), path, inside, recipe)
             model = self._with_packages(model, attachment, at, document, path)
             if model is None:
-                self.sink.forgive([own])
+                self.sink.forgive(own for own, _ in numbered)
             else:
-                yield AttachPart(prefix, model, attachment, at, span)
+                for prefix, copy in prefixes.items():
+                    yield AttachPart(prefix, model, attachment, at, span, copy)
 
     def _model(
         self,
@@ -226,7 +238,7 @@ class _Planner:
                 )
         return replace(model, packages=tuple(found.items()))
 
-    def _without_rings(self, parts: tuple[AttachPart, ...]) -> tuple[AttachPart, ...]:
+    def _without_rings(self, parts: tuple[AttachPart, ...], separator: str) -> tuple[AttachPart, ...]:
         """Tell parts that hang on one another in a ring, which hang on nothing; the others remain."""
         hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
         told: set[str] = set()
@@ -245,7 +257,7 @@ class _Planner:
                     help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
                 )
         if told:
-            self.sink.forgive(str(part.at[-1]) for part in parts if part.prefix in told)
+            self.sink.forgive(called(part, separator) for part in parts if part.prefix in told)
         return tuple(part for part in parts if part.prefix not in told)
 
 
@@ -278,6 +290,24 @@ def _steps(recipe: Recipe, document: Mapping) -> Iterator[Step]:
     for section in _SECTIONS:
         for element in getattr(recipe, section):
             yield AppendElement(section, element, locate(document, element.at, key=True))
+    for key in recipe.keyframe:
+        yield WriteKeyframe(key, locate(document, key.at, key=True))
+
+
+def _check_sources(plan: Plan, sink: Sink) -> None:
+    """Tell parts that keys are to be made of and that are not there."""
+    parts = list(parts_of(plan))
+    for step in plan.keyframes:
+        for part in step.key.sources:
+            if part not in parts:
+                near = closest(part, parts)
+                sink.error(
+                    "unknown-name",
+                    f"there is no part `{part}` to take a key from",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    notes=(exists_note("part", parts, part),),
+                    help=f"did you mean `{near[0]}`?" if near else None,
+                )
 
 
 def _settled(steps: tuple[Step, ...]) -> Iterator[str]:

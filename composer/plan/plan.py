@@ -10,6 +10,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.recipe.attach import Attachment
 from composer.recipe.element import Element
+from composer.recipe.keyframe import Keyframe
 from composer.sources.source import Source
 
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -27,13 +28,17 @@ class LoadBase:
 
 @dataclass(frozen=True, slots=True)
 class AttachPart:
-    """Hang a model on a place, its names under `prefix` (separator included)."""
+    """Hang a model on a place, its names under `prefix` (separator included).
+
+    `copy` has its number on each axis of `replicate`, from 0.
+    """
 
     prefix: str
     model: Source | Plan
     attachment: Attachment
     at: tuple[str | int, ...]
     span: Span
+    copy: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +80,15 @@ class AppendElement:
     span: Span
 
 
-Step = LoadBase | AttachPart | AddElement | SetSingleton | SetDefault | AppendElement
+@dataclass(frozen=True, slots=True)
+class WriteKeyframe:
+    """Write a key by the names of joints, actuators and mocap bodies, in place of one of that name."""
+
+    key: Keyframe
+    span: Span
+
+
+Step = LoadBase | AttachPart | AddElement | SetSingleton | SetDefault | AppendElement | WriteKeyframe
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +108,15 @@ class Plan:
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
+
+    @property
+    def keyframes(self) -> tuple[WriteKeyframe, ...]:
+        return tuple(step for step in self.steps if isinstance(step, WriteKeyframe))
+
+    @property
+    def asked(self) -> frozenset[str]:
+        """The parts, by path, of whose keys keys are made."""
+        return frozenset(part for step in self.keyframes for part in step.key.sources)
 
     @property
     def takes_subtrees(self) -> bool:

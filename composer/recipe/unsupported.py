@@ -6,9 +6,9 @@ from composer.recipe.fault import Path
 
 # The keys by the kind of mapping that they stand in. One that works is taken out here.
 UNSUPPORTED: dict[str, frozenset[str]] = {
-    "recipe": frozenset("params extends edit variants matrix randomize check keyframe".split()),
+    "recipe": frozenset("params extends edit variants matrix randomize check".split()),
     "base": frozenset("with drop edit".split()),
-    "attach": frozenset("with drop edit replicate before after when".split()),
+    "attach": frozenset("with drop edit when".split()),
     "add": frozenset({"id", "when"}),
     "element": frozenset({"when"}),
 }
@@ -37,6 +37,6 @@ def _kind(path: Path) -> str:
 
 # How long the path to a key of an item is.
 _ITEM_DEPTH: dict[str | int, int] = {
-    **dict.fromkeys(("sensor", "actuator", "equality", "tendon", "default"), 3),
+    **dict.fromkeys(("sensor", "actuator", "equality", "tendon", "default", "keyframe"), 3),
     **dict.fromkeys(("asset", "contact", "custom", "deformable", "extension"), 4),
 }

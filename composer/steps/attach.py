@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import locate
@@ -15,15 +16,20 @@ from composer.pose import quat_from_axisangle, quat_from_euler
 from composer.recipe.element import Single
 from composer.steps.elements import Making, in_radians, joint_attributes, plain
 from composer.steps.loose_ends import check_class
+from composer.steps.replicate import copy_pose
 from composer.tree.unit import Unit
 
 
 def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
     """The part without its joints, which need the unit of angle that the parts agree on."""
     place = _place(step, making)
+    if any(step.copy):
+        offset = read_pose(place.offset, False, "xyz") @ copy_pose(step, making)
+        place = replace(place, offset={"pos": _text(offset.pos), "quat": _text(offset.quat)})
     if step.attachment.mate is not None:
         place = _mated(place, step, unit, making)
-    return Part(unit, step.prefix, place, step.attachment.keyframes, span=step.span)
+    keyframes = step.attachment.keyframes
+    return Part(unit, step.prefix, place, keyframes, span=step.span, key=str(step.at[-1]))
 
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -> None:
