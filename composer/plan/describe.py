@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -43,14 +42,12 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
         yield from _left(subtrees.get((plan.file, ("base",))), inner + "  ")
         if isinstance(plan.base.model, Plan):
             yield from _lines(plan.base.model, subtrees, inner + "  ")
-    copies = Counter(part.at for part in plan.parts)
+    last = {part.at: part.prefix for part in plan.parts}
     for part in plan.parts:
         if any(part.copy):
             continue
         model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
-        yield f"{inner}attach {part.prefix or '(no prefix)'}: {model}, {_place(part)}"
-        if part.copy:
-            yield f"{inner}  {_copies(part, copies[part.at])}"
+        yield f"{inner}attach {_called(part, last[part.at])}: {model}, {_place(part)}"
         yield from _left(subtrees.get((plan.file, part.at)), inner + "  ")
         if isinstance(part.model, Plan):
             yield from _lines(part.model, subtrees, inner + "  ")
@@ -58,9 +55,12 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
         yield inner + _step(step)
 
 
-def _copies(part: AttachPart, count: int) -> str:
+def _called(part: AttachPart, last: str) -> str:
+    """A part, or all its copies with how many there are on each axis."""
+    if not part.copy:
+        return part.prefix or "(no prefix)"
     axes = " × ".join(str(axis.count) for axis in part.attachment.replicate)
-    return f"{count} copies" + (f", {axes}" if len(part.copy) > 1 else "")
+    return f"{part.prefix} … {last} ({axes})"
 
 
 def _model(model: Source | Plan) -> str:

@@ -91,7 +91,7 @@ class Attachment(Model):
     frame: Annotated[str | None, Text("frame")] = None
     """The frame that the part hangs on."""
     mate: Annotated[str | None, Text("mate")] = None
-    """A site or body of the part that is to coincide with that place; without it, the part's own origin."""
+    """A site, body or frame of the part that is to coincide with that place; without it, the part's own origin."""
     pos: Annotated[Vector | None, Offset("pos")] = None
     """Offset in the frame of that place."""
     quat: Annotated[Vector | None, Offset("quat")] = None

@@ -19,6 +19,8 @@ from composer.steps.loose_ends import check_class
 from composer.steps.replicate import copy_pose
 from composer.tree.unit import Unit
 
+_MATES = ("site", "body", "frame")
+
 
 def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
     """The part without its joints, which need the unit of angle that the parts agree on."""
@@ -96,19 +98,19 @@ def _place(step: AttachPart, making: Making) -> Place:
 
 
 def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
-    """The place moved so that the part's site or body `mate`, not its origin, comes to lie on it."""
+    """The place moved so that the part's site, body or frame `mate`, not its origin, comes to lie on it."""
     name = step.attachment.mate
     named = [
         element
         for worldbody in unit.root.iterchildren("worldbody")
-        for element in worldbody.iter("site", "body")
+        for element in worldbody.iter(*_MATES)
         if element.get("name") == name
     ]
     if not named:
         _no_mate(step, unit, making)
         return place
     reading = (unit.settings.angle == "degree", unit.settings.eulerseq)
-    element = min(named, key=lambda each: each.tag != "site")
+    element = min(named, key=lambda each: _MATES.index(each.tag))
     outer = element.getparent()
     assert outer is not None
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
@@ -128,20 +130,20 @@ def _text(values: Iterable[float]) -> str:
 
 def _no_mate(step: AttachPart, unit: Unit, making: Making) -> None:
     name = step.attachment.mate or ""
-    sites, bodies = (
-        [
+    known = {
+        tag: [
             str(each.get("name"))
             for top in unit.root.iterchildren("worldbody")
             for each in top.iter(tag)
             if each.get("name")
         ]
-        for tag in ("site", "body")
-    )  # fmt: skip
-    near = closest(name, [*sites, *bodies])
+        for tag in _MATES
+    }
+    near = closest(name, [each for names in known.values() for each in names])
     making.sink.error(
         "attach-place",
-        f"`{step.prefix}` has no site or body `{name}` to mate with",
+        f"`{step.prefix}` has no site, body or frame `{name}` to mate with",
         locate(making.document, (*step.at, "mate")),
-        notes=(exists_note("site", sites, name), exists_note("body", bodies, name)),
+        notes=[exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"],
         help=f"did you mean `mate: {near[0]}`?" if near else None,
     )

@@ -1,0 +1,26 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from composer.context import Context
+from composer.plan.make import make_plan
+from composer.plan.parts import called, parts_of
+
+ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoco>'
+
+
+def test_paths(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    (tmp_path / "arm.yaml").write_text(
+        "recipe: 1\nbase: ./robot.xml\nattach: {gripper: {model: ./robot.xml}}\n"
+    )
+    (tmp_path / "cell.yaml").write_text(
+        "recipe: 1\nattach:\n  left: {model: ./arm.yaml}\n  bare: {model: ./robot.xml, prefix: ''}\n"
+        "  r: {model: ./robot.xml, prefix: right}\n  cube: {model: ./robot.xml, replicate: [{count: 2}]}\n"
+    )
+    plan = make_plan(Path("cell.yaml"), Context(environment={}, folder=tmp_path))
+    assert plan is not None
+    assert [called(part, "/") for part in plan.parts] == ["left", "bare", "right", "cube0", "cube1"]
+    assert list(parts_of(plan)) == [
+        "left", "left/base", "left/gripper", "bare", "right", "cube0", "cube1",
+    ]  # fmt: skip
