@@ -74,11 +74,8 @@ def assert_same(ours: mujoco.MjModel, theirs: mujoco.MjModel) -> None:
         np.testing.assert_allclose(one[name], other[name], atol=1e-12, err_msg=name)
 
 
-SITE, MOUNT, WORLD = (
-    '<site name="flange" pos=".1 0 .2" quat="1 0 0 1"/>',
-    '<frame name="mount" ',
-    "<worldbody>",
-)
+SITE = '<site name="flange" pos=".1 0 .2" quat="1 0 0 1"/>'
+ON_SITE, ON_MOUNT = '<frame pos=".1 0 .2" quat="1 0 0 1">', '<frame pos="0 .4 0" quat="1 1 0 0">'
 OFFSET = 'pos="1 2 3" quat="1 0 0 .5"'
 WRITTEN = "pos: [1, 2, 3], quat: [1, 0, 0, 0.5]"
 
@@ -106,8 +103,10 @@ WRITTEN = "pos: [1, 2, 3], quat: [1, 0, 0, 0.5]"
         ),
         (
             "site: flange, joint: [{name: x, type: slide, axis: [1, 0, 0]}, {name: turn, axis: [0, 0, 1]}]",
-            f'{ON_SITE}<body name=""><joint name="x" type="slide" axis="1 0 0"/>'
-            f'<joint name="turn" axis="0 0 1"/>{{}}</body></frame>',
+            (
+                f'{ON_SITE}<body name=""><joint name="x" type="slide" axis="1 0 0"/>'
+                '<joint name="turn" axis="0 0 1"/>{}</body></frame>'
+            ),
         ),
     ],
 )
