@@ -26,7 +26,7 @@ def keyframes(linking: Linking) -> None:
     if linking.base_layout is None:
         return
     linking.base.part_keys = part_keys(linking)
-    keys = _merged(linking) | {key.name: key for key in linking.written_keys}
+    keys = _merged(linking)
     final = final_layout(linking)
     if final is None:
         return
@@ -61,8 +61,12 @@ def _write(linking: Linking, key: Key, final: Layout, reference: Reference) -> N
 
 
 def _merged(linking: Linking) -> dict[str, Key]:
-    """The keys that come along: of the base and then of the parts, those of one name made one."""
+    """The keys that come along, of the base and then of the parts, those of one name made one; then the recipe's.
+
+    One of the recipe stands in the place of those of its name.
+    """
     part_keys(linking)
+    written = {key.name: key for key in linking.written_keys}
     merged: dict[str, Key] = {}
     for part, keys in linking.own_keys.items():
         policy = linking.base_keyframes if part is None else part.keyframes
@@ -70,6 +74,9 @@ def _merged(linking: Linking) -> dict[str, Key]:
             name = key.name
             if part is not None and policy == "prefix" and name:
                 name = part.prefix + name
+            if name in written:
+                merged[name] = written[name]
+                continue
             slot = name or f"\0{len(merged)}"
             earlier = merged.get(slot)
             if earlier is None:
@@ -77,7 +84,7 @@ def _merged(linking: Linking) -> dict[str, Key]:
                 merged[slot] = replace(key, name=name, values=values)
             else:
                 _join(linking, earlier, key)
-    return merged
+    return merged | written
 
 
 def _join(linking: Linking, key: Key, other: Key) -> None:

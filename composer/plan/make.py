@@ -167,7 +167,7 @@ class _Planner:
                 self.sink.error(
                     "name-clash",
                     f"two parts have the prefix `{clash}`",
-                    locate(document, (*at, "prefix")),
+                    span if attachment.prefix is None else locate(document, (*at, "prefix")),
                     notes=(Note("the other part", taken[clash]),),
                     help="give one of them another key, or another `prefix`",
                 )

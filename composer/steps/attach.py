@@ -12,7 +12,7 @@ from composer.link.bodies import effective_pose
 from composer.link.linking import Joint, Linking, Part, Place
 from composer.link.placing import pose_in_world, read_pose
 from composer.plan.plan import AttachPart
-from composer.pose import quat_from_axisangle, quat_from_euler
+from composer.pose import IDENTITY_QUAT, Pose, quat_from_axisangle, quat_from_euler
 from composer.recipe.element import Single
 from composer.steps.elements import Making, in_radians, joint_attributes, plain
 from composer.steps.loose_ends import check_class
@@ -27,7 +27,7 @@ def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
     place = _place(step, making)
     if any(step.copy):
         offset = read_pose(place.offset, False, "xyz") @ copy_pose(step, making)
-        place = replace(place, offset={"pos": _text(offset.pos), "quat": _text(offset.quat)})
+        place = replace(place, offset=_written(offset))
     if step.attachment.mate is not None:
         place = _mated(place, step, unit, making)
     keyframes = step.attachment.keyframes
@@ -116,8 +116,13 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
     mate = pose_in_world(outer, *reading) @ read_pose(own, *reading)
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
-    offset = {"pos": _text(moved.pos), "quat": _text(moved.quat)}
-    return Place(place.kind, place.name, offset, place.span)
+    return replace(place, offset=_written(moved))
+
+
+def _written(pose: Pose) -> dict[str, str]:
+    """A pose as the attributes of a frame."""
+    turned = {} if pose.quat == IDENTITY_QUAT else {"quat": _text(pose.quat)}
+    return {"pos": _text(pose.pos), **turned}
 
 
 def _numbers(values: Iterable[Single]) -> str:

@@ -27,6 +27,7 @@ from composer.recipe.shown import shown
 from composer.steps.elements import Making, in_radians, plain
 from composer.tree.classes import through_frames
 from composer.tree.key import Key
+from composer.tree.names import word
 
 _Holder = tuple[Node, Slot | None]
 """A joint, an actuator or a mocap body; the slot is None for what always has the same width."""
@@ -58,16 +59,19 @@ def write_keyframes(plan: Plan, linking: Linking, making: Making) -> None:
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
     """The joints by name; one without a name that is its body's only one goes by the name of the body."""
+    named = {_name(joint) for joint in layout.joints}
     found: dict[str, _Holder] = {}
-    unnamed: dict[str, _Holder] = {}
     for joint, slot in layout.joints.items():
-        if joint.get("name") and slot.kind != BLOCK:
-            found[_name(joint)] = (joint, slot)
-        elif joint.tag in _JOINTS:
+        if slot.kind == BLOCK:
+            continue
+        name = _name(joint)
+        if not name:
             body = next(joint.iterancestors("body"))
-            if [each for each in through_frames(body) if each.tag in _JOINTS] == [joint]:
-                unnamed[_name(body)] = (joint, slot)
-    return {**unnamed, **found}
+            name = _name(body)
+            if name in named or [each for each in through_frames(body) if each.tag in _JOINTS] != [joint]:
+                continue
+        found[name] = (joint, slot)
+    return found
 
 
 def _name(node: Node) -> str:
@@ -202,14 +206,14 @@ class _Writing:
             )
             return
         near = closest(name, names)
+        help = f"did you mean `{near[0]}`?" if near else None
         notes = [exists_note(kind, names, name)]
         others = [each for each in linking.names.kinds_of(name) if each != kind]
         if others and not near:
-            notes.insert(0, Note(f"`{name}` is the name of something else: {others[0]}"))
+            notes.insert(0, Note(f"`{name}` is {word(others[0], article=True)}"))
+            drives = [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]
+            if drives:
+                help = f"`{drives[0]}` is the {kind} of that {others[0]}"
         sink.error(
-            "unknown-name",
-            f"there is no {kind} `{name}` to set `{vector}` of",
-            span,
-            notes=notes,
-            help=f"did you mean `{near[0]}`?" if near else None,
+            "unknown-name", f"there is no {kind} `{name}` to set `{vector}` of", span, notes=notes, help=help
         )

@@ -218,6 +218,16 @@ def test_times(compose: Compose) -> None:
     assert model.xpath("keyframe/key/@time") == ["1"]
 
 
+def test_a_written_key_settles_what_two_parts_do_not_agree_about(compose: Compose) -> None:
+    files = {"arm__xml": ARM, "hand__xml": HAND.replace('time="2"', 'time="3"')}
+    recipe = "recipe: 1\nbase: ./arm.xml\nattach: {hand: {model: ./hand.xml, site: flange}}\n"
+    assert compose(recipe, **files) == ["hand.xml3:64 keyframe-conflict"]
+    model = compose(recipe + "keyframe: {home: {time: 1, from: {base: home, hand: home}}}\n", **files)
+    assert not isinstance(model, list)
+    assert model.xpath("keyframe/key/@name") == ["home", "up", "open"]
+    assert model.xpath("keyframe/key/@time") == ["1"]
+
+
 @pytest.mark.parametrize(
     ("key", "fault"),
     [
