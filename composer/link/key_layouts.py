@@ -88,11 +88,14 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
 def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
     """Tell it."""
     tag = unknown.element.tag
+    leave_out = "leave the keys out: `keyframes: none`"
+    if linking.asked is not None:
+        leave_out += ", and no `keyframe` in the recipe"
     linking.sink.error(
         "not-supported",
         f"keyframes of a model with this `<{tag}>` cannot be laid out: only MuJoCo knows its size",
         linking.span(unit, unknown.element),
-        help="leave the keys out: `keyframes: none`",
+        help=leave_out,
     )
 
 

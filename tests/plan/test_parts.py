@@ -3,6 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from composer.context import Context
+from composer.plan.describe import as_data, describe
 from composer.plan.make import make_plan
 from composer.plan.parts import called, parts_of
 
@@ -24,3 +25,18 @@ def test_paths(tmp_path: Path) -> None:
     assert list(parts_of(plan)) == [
         "left", "left/base", "left/gripper", "bare", "right", "cube0", "cube1",
     ]  # fmt: skip
+
+
+def test_copies_are_described_once(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    (tmp_path / "r.yaml").write_text(
+        "recipe: 1\nattach: {peg: {model: ./robot.xml, replicate: [{count: 12}, {count: 2}]}}\n"
+        "keyframe: {home: {}}\n"
+    )
+    plan = make_plan(Path("r.yaml"), Context(environment={}, folder=tmp_path))
+    assert plan is not None and len(plan.parts) == 24
+    assert describe(plan).splitlines()[2:] == [
+        "  attach peg00_0/ … peg11_1/ (12 × 2): ./robot.xml, in the world",
+        "  write the keyframe home",
+    ]
+    assert len(as_data(plan)["parts"]) == 24
