@@ -299,7 +299,14 @@ def _check_sources(plan: Plan, sink: Sink) -> None:
     parts = list(parts_of(plan))
     for step in plan.keyframes:
         for part in step.key.sources:
-            if part not in parts:
+            if parts.count(part) > 1:
+                sink.error(
+                    "name-clash",
+                    f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    help="give the one without a prefix another key",
+                )
+            elif part not in parts:
                 near = closest(part, parts)
                 sink.error(
                     "unknown-name",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -133,7 +134,10 @@ def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str) -> d
             continue
         entry = read if isinstance(read, tuple) else (read,)
         width = WIDTHS.get(vector, len(entry) or 1)
-        if len(entry) == width:
+        if not all(math.isfinite(each) for each in entry if isinstance(each, int | float)):
+            message = f"`{vector}` of {subject} expects finite numbers"
+            reader.faults.append(Fault("out-of-range", message, path))
+        elif len(entry) == width:
             found[name] = entry
         else:
             message = f"`{vector}` of {subject} expects {width} numbers, got {len(entry)}"
