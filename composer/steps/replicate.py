@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from composer.plan.plan import AttachPart
 from composer.pose import ORIGIN, Pose, Vec3, quat_from_euler, rotate
-from composer.recipe.replicate import Axis
 from composer.steps.elements import Making, in_radians, plain
 
 
@@ -12,16 +13,19 @@ def copy_pose(step: AttachPart, making: Making) -> Pose:
     """The pose of a copy in the frame of the first one; each axis stands in the frame of the one before it."""
     pose = Pose()
     for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
-        pose = pose @ _on_axis(number, axis, making)
+        x, y, z = (plain(value) for value in axis.offset)
+        angles = tuple(in_radians(angle, making) for angle in axis.euler)
+        pose = pose @ _row(axis.count, (x, y, z), angles, making.eulerseq)[number]
     return pose
 
 
-def _on_axis(number: int, axis: Axis, making: Making) -> Pose:
+@lru_cache(maxsize=16)  # every copy asks for the same rows
+def _row(count: int, offset: Vec3, angles: tuple[float, ...], sequence: str) -> tuple[Pose, ...]:
     """Copy N is turned by N times each angle; the way to the next copy is `offset` in the frame of this one."""
-    step = [plain(value) for value in axis.offset]
-    angles = [in_radians(angle, making) for angle in axis.euler]
-    pos: Vec3 = ORIGIN
-    for before in range(number):
-        x, y, z = rotate(quat_from_euler([before * angle for angle in angles], making.eulerseq), step)
+    row: list[Pose] = []
+    pos = ORIGIN
+    for number in range(count):
+        row.append(Pose(pos, quat_from_euler([number * angle for angle in angles], sequence)))
+        x, y, z = rotate(row[-1].quat, offset)
         pos = (pos[0] + x, pos[1] + y, pos[2] + z)
-    return Pose(pos, quat_from_euler([number * angle for angle in angles], making.eulerseq))
+    return tuple(row)
