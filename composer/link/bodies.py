@@ -41,6 +41,8 @@ def bodies(linking: Linking) -> None:
 
 def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
     """What floats in the world but waited for its place goes back among its siblings."""
+    if not tops:
+        return
     world = linking.base.section("worldbody")
     hung = [tops[part] for part in linking.parts if part in tops and tops[part].getparent() is world]
     if hung != sorted(hung, key=world.index):
