@@ -37,6 +37,7 @@ CODES: dict[str, str] = {
     "output-unwritable": "the output cannot be written",
     "part-changed": "a part is not what its source is alone",
     "part-not-compared": "a part cannot be compared with its source",
+    "part-order": "`before` and `after` ask for an order that cannot be",
     "plane-on-body": "a plane would stand on a moving body",
     "recipe-version": "the recipe is written in a version of the language that is not known",
     "reserved-prefix": "a prefix has a meaning of its own and cannot be used",

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 from composer.explain.trace import Life, Trace
-from composer.link.keyframes import holders
+from composer.link.key_layouts import holders
 from composer.link.layout import Unknown, lay_out
 from composer.link.multiplied import element_of
 from composer.tree.unit import Unit

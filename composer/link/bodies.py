@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from lxml.etree import _Element as Node
 
@@ -25,10 +26,11 @@ _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 def bodies(linking: Linking) -> None:
     """Hang the parts in their order; a part that hangs on another part waits for it."""
     waiting = list(linking.parts)
+    tops: dict[Part, Node] = {}
     while waiting:
         ready = [part for part in waiting if _mount(linking, part)]
         for part in ready:
-            _hang(linking, part)
+            _hang(linking, part, tops)
         if not ready:
             lost = [part for part in waiting if part.mount is None]
             for part in lost:
@@ -37,6 +39,17 @@ def bodies(linking: Linking) -> None:
                 _ring(linking, waiting)
             return
         waiting = [part for part in waiting if part not in ready]
+    _in_order(linking, tops)
+
+
+def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
+    """What floats in the world but waited for its place goes back among its siblings."""
+    if not tops:
+        return
+    world = linking.base.section("worldbody")
+    hung = [tops[part] for part in linking.parts if part in tops and tops[part].getparent() is world]
+    if hung != sorted(hung, key=world.index):
+        world.extend(hung)
 
 
 def _ring(linking: Linking, waiting: list[Part]) -> None:
@@ -97,7 +110,8 @@ def _mount(linking: Linking, part: Part) -> bool:
     return part.mount is not None and part.mount.getroottree().getroot() is linking.base.root
 
 
-def _hang(linking: Linking, part: Part) -> None:
+def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
+    """Hang a part; `tops` gets the outermost element that is made for it."""
     mount = part.mount
     assert mount is not None
     parent = mount
@@ -118,6 +132,7 @@ def _hang(linking: Linking, part: Part) -> None:
     if part.floats and part.place.kind != "world":
         pose = _in_world(linking, parent, pose, offset)
         parent, offset = linking.base.section("worldbody"), {}
+    outer, count = parent, len(parent)
     if pose and offset:
         parent = _child(linking, part, parent, "frame", pose)
         pose = {}
@@ -146,6 +161,8 @@ def _hang(linking: Linking, part: Part) -> None:
     if len(frame):
         parent.append(frame)
         part.content = frame
+    if len(outer) > count:
+        tops[part] = outer[-1]
     if part.layout is not None and part.layout.in_world_coordinates:
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)

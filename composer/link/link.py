@@ -14,7 +14,8 @@ from composer.link.files import files
 from composer.link.fitting import fitting
 from composer.link.flex_joints import check_flexes, note_flexes
 from composer.link.inertia import inertia
-from composer.link.keyframes import keyframes, layouts
+from composer.link.key_layouts import layouts
+from composer.link.keyframes import keyframes
 from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names

@@ -16,11 +16,12 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link.concern import Concern, Side
 from composer.link.inertia import MEASURED, write_inertias
-from composer.link.keyframes import VECTORS, cut_row, keys_of, layout_of
+from composer.link.key_layouts import VECTORS, keys_of, layout_of
 from composer.link.layout import Holder
 from composer.link.linking import KeyPolicy, Linking, Measure
 from composer.link.multiplied import element_of
 from composer.link.needs import drop_unneeded
+from composer.link.part_keys import cut_row
 from composer.tree.classes import childclass_of
 from composer.tree.names import declaration, word
 from composer.tree.unit import Unit

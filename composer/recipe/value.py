@@ -76,7 +76,7 @@ def _code(attribute: Attribute, value: object) -> str:
 def _number_code(attribute: Attribute, value: object) -> str:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return "wrong-type"
-    if attribute.type == "int" and not float(value).is_integer():
+    if attribute.type == "int" and isinstance(value, float) and not value.is_integer():
         return "wrong-type"
     return "out-of-range" if check_number(attribute, value) else "wrong-length"
 

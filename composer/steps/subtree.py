@@ -11,6 +11,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.linking import KeyPolicy, Measure
+from composer.plan.parts import BASE, called
 from composer.plan.plan import Plan
 from composer.recipe.attach import Attachment
 from composer.recipe.fault import Path
@@ -51,11 +52,14 @@ def wanted(plan: Plan, stands: bool) -> Iterator[Wanted]:
     """The base of a plan and its parts, in their order; `stands` says it of the plan as a whole."""
     base, document = plan.base, plan.document
     span = locate(document, ("base", "subtree"))
-    yield Wanted(base.model, base.subtree, ("base",), base.keyframes, span, stands)
+    asked = plan.asked
+    keyframes: KeyPolicy = "merge" if BASE in asked else base.keyframes
+    yield Wanted(base.model, base.subtree, (BASE,), keyframes, span, stands)
     for step in plan.parts:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
-        yield Wanted(step.model, part.subtree, step.at, part.keyframes, span, stands and _stands(part))
+        keyframes = "merge" if called(step, plan.separator) in asked else part.keyframes
+        yield Wanted(step.model, part.subtree, step.at, keyframes, span, stands and _stands(part))
 
 
 def _stands(part: Attachment) -> bool:

@@ -8,7 +8,8 @@ from composer import engine
 from composer.context import Context
 from composer.document.node import locate
 from composer.link.dedup import Merged
-from composer.plan.member import BASE, Member, called, of_part
+from composer.plan.member import Member, of_part
+from composer.plan.parts import BASE, called
 from composer.plan.plan import Plan
 from composer.recipe.check import Unchanged, attributes
 from composer.verify.difference import EXTRA, MISSING, Difference

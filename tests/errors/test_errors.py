@@ -27,6 +27,7 @@ SEVERAL = {
     "several_names",
     "several_stages",
     "conflicts",
+    "keyframe_several",
 }
 # Not wrong: something is told, and the model is built.
 BUILT = {"conflict_merge", "conflict_warning", "memory_warning", "subtree_cut"}
