@@ -6,17 +6,22 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from composer.diagnostics.sink import Sink
+
+if TYPE_CHECKING:
+    from composer.sources.fetching import Fetching
 
 
 @dataclass(slots=True)
 class Context:
-    """The environment variables, the folder that paths are shown from, and where faults go."""
+    """The environment variables, the folder that paths are shown from, where faults go, and how to fetch."""
 
     sink: Sink = field(default_factory=Sink)
     environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
     folder: Path = field(default_factory=Path.cwd)
+    fetching: Fetching | None = None
 
     def shown(self, path: Path) -> str:
         """A path as messages name it: from the user's folder where it is below that."""

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, source_reader
 
 
@@ -15,6 +16,7 @@ from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, s
 @click.argument("model", type=click.Path(path_type=Path))
 @click.argument("query")
 @click.argument("attribute", required=False)
+@fetching_options
 @reporting_options
 def command(model: Path, query: str, attribute: str | None, form: str, as_json: bool) -> None:
     r"""Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
@@ -35,7 +37,7 @@ def command(model: Path, query: str, attribute: str | None, form: str, as_json: 
     from composer.explain.text import render
 
     form = "json" if as_json else form
-    context = Context()
+    context = Context(fetching=fetching())
     asked = read(query, attribute, context.sink)
     if asked is None:
         report(context, form)

@@ -16,12 +16,19 @@ from composer.version import __version__
 _VERBS = {
     "build": "Build the model of a recipe: one MJCF file and its assets.",
     "check": "Say whether a recipe is right, without writing anything.",
+    "verify": "Hold a bundle against its manifest, MuJoCo and the sources of its parts.",
     "plan": "Print in words what a build will do.",
     "explain": "Say where an element or attribute came from, and what changed it.",
+    "lock": "Write down what every source of a recipe is.",
+    "update": "Lock sources as they are now.",
+    "cache": "Look after the store of what was fetched.",
     "new": "Write a commented starter recipe that builds.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }
 
+
+# Pydantic would look for plugins in every package that is installed, which takes longer than a small build.
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 _FAILED, _INTERRUPTED, _TERMINATED, _BUG = 1, 130, 143, 70
 

@@ -134,13 +134,18 @@ def _sensors(model: Any, mujoco: Any) -> list[dict[str, Any]]:
 
 
 def arrays(wanted: list[str], model: Any, data: Any) -> dict[str, Any]:
-    """The wanted arrays; a size comes as an array of one; a name this version does not have is left out."""
+    """The wanted arrays; a size comes as an array of one, text as its bytes.
+
+    A name this version does not have is left out.
+    """
     import numpy
 
     found = {}
     for name in wanted:
         owner, _, attribute = name.rpartition(".")
         value = getattr(data if owner == "data" else model, attribute, None)
+        if isinstance(value, bytes):
+            value = numpy.frombuffer(value, numpy.uint8)
         if isinstance(value, int | float | numpy.ndarray):
             found[name] = numpy.atleast_1d(value)
     return found

@@ -147,6 +147,16 @@ class Causes:
                 return Reason(f'`{name}="{value}"` of {_file(unit)}, made explicit', self.setting(unit, name))
         return Reason(f"the inertia rules of {_file(unit)}, made explicit")
 
+    def _reductions(self, change: Change, life: Life) -> Reason | None:
+        return self._reduced(life, change.cause)
+
+    def _reduced(self, life: Life, cause: Cause) -> Reason:
+        unit = cause.unit
+        spans = {name: self.setting(unit, name) for name in ("fusestatic", "discardvisual")}
+        names = " and ".join(f"`{name}`" for name, span in spans.items() if span is not None)
+        first = next((span for span in spans.values() if span is not None), None)
+        return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", first)
+
     def _fitting(self, change: Change, life: Life) -> Reason | None:
         unit = change.cause.unit
         words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(unit)}"
@@ -316,6 +326,7 @@ def _summary(done: object) -> str:
 
 _CHANGES: dict[str, Callable[[Causes, Change, Life], Reason | None]] = {
     "names": Causes._names,
+    "reductions": Causes._reductions,
     "angles": Causes._angles,
     "inertia": Causes._inertia,
     "fitting": Causes._fitting,
@@ -332,6 +343,7 @@ _CHANGES: dict[str, Callable[[Causes, Change, Life], Reason | None]] = {
     "check_names": Causes._main,
 }
 _MADE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
+    "reductions": Causes._reduced,
     "inertia": Causes._inertia_made,
     "agreement": Causes._agreement_made,
     "defaults": Causes._defaults_made,
@@ -341,6 +353,7 @@ _MADE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
     "sections": Causes._section_made,
 }
 _GONE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
+    "reductions": Causes._reduced,
     "inertia": Causes._inertia_made,
     "roots": Causes._weld,
 }

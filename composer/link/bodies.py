@@ -136,8 +136,10 @@ def _hang(linking: Linking, part: Part) -> None:
                 part.unit.origins.owners.setdefault(child, owner)
         frame.extend(list(worldbody))
         part.unit.root.remove(worldbody)
+    part.content = parent
     if len(frame):
         parent.append(frame)
+        part.content = frame
     if part.layout is not None and part.layout.in_world_coordinates:
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)

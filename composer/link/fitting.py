@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-
 from lxml.etree import _Element as Node
 
 from composer.link import numbers
-from composer.link.inertia import measure_alone
 from composer.link.linking import Linking
 from composer.link.placing import read_pose
+from composer.link.survey import GEOMS, Survey, cannot_be_kept, survey
 from composer.pose import Pose
-from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames, walk_bodies
+from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
 from composer.tree.unit import Unit
 
-_ARRAYS = ("geom_size", "geom_pos", "geom_quat")
+_SETTING = "`fitaabb`"
 _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 
 
@@ -29,12 +27,10 @@ def fitting(linking: Linking) -> None:
             for geom, childclass in walk_bodies(unit.root)
             if geom.tag == "geom" and (kind := _fitted_kind(geom, childclass, classes)) is not None
         }
-        arrays = measure_alone(linking, unit, "`fitaabb`", _ARRAYS) if fitted else None
-        if arrays is None:
-            continue
-        for at, geom in enumerate(_geoms(unit)):
-            if geom in fitted:
-                _write(geom, at, _SIZES[fitted[geom]], arrays, unit)
+        found = survey(linking, unit, _SETTING, GEOMS) if fitted else None
+        if found is not None:
+            for geom, kind in fitted.items():
+                _write(linking, unit, geom, _SIZES[kind], found)
 
 
 def _fitted_kind(geom: Node, childclass: str | None, classes: Classes) -> str | None:
@@ -43,23 +39,14 @@ def _fitted_kind(geom: Node, childclass: str | None, classes: Classes) -> str | 
     return kind if kind in _SIZES and classes.effective(geom, childclass, "mesh") else None
 
 
-def _geoms(unit: Unit) -> Iterator[Node]:
-    """All geoms as MuJoCo counts them: body by body, depth first."""
-    for worldbody in unit.root.iterchildren("worldbody"):
-        yield from _below(worldbody)
-
-
-def _below(body: Node) -> Iterator[Node]:
-    own = list(through_frames(body))
-    yield from (child for child in own if child.tag == "geom")
-    for child in own:
-        if child.tag == "body":
-            yield from _below(child)
-
-
-def _write(geom: Node, at: int, sizes: int, arrays: Mapping[str, list[float]], unit: Unit) -> None:
-    x, y, z = arrays["geom_pos"][3 * at : 3 * at + 3]
-    w, a, b, c = arrays["geom_quat"][4 * at : 4 * at + 4]
+def _write(linking: Linking, unit: Unit, geom: Node, sizes: int, found: Survey) -> None:
+    rows = [found.values(geom, array, width) for array, width in zip(GEOMS, (3, 3, 4), strict=True)]
+    size, pos, quat = rows
+    if size is None or pos is None or quat is None:
+        cannot_be_kept(linking, unit, _SETTING, "the copies of a geom differ", geom)
+        return
+    x, y, z = pos
+    w, a, b, c = quat
     frame = _frames_above(geom, unit)
     pose = Pose((x, y, z), (w, a, b, c))
     if not frame.is_identity:
@@ -69,7 +56,7 @@ def _write(geom: Node, at: int, sizes: int, arrays: Mapping[str, list[float]], u
             del geom.attrib[name]
     if unit.classes.effective(geom, childclass_of(geom), "mesh"):
         geom.set("mesh", "")
-    geom.set("size", numbers.text(arrays["geom_size"][3 * at : 3 * at + sizes]))
+    geom.set("size", numbers.text(size[:sizes]))
     geom.set("pos", numbers.text(pose.pos))
     geom.set("quat", numbers.text(pose.quat))
 
@@ -78,7 +65,8 @@ def _frames_above(geom: Node, unit: Unit) -> Pose:
     """The pose of the frames between a geom and its body: MuJoCo tells where the geom is in the body."""
     pose = Pose()
     node = geom.getparent()
-    while node is not None and node.tag == "frame":
-        pose = read_pose(node, unit.settings.angle == "degree", unit.settings.eulerseq) @ pose
+    while node is not None and node.tag in ("frame", "replicate"):
+        if node.tag == "frame":
+            pose = read_pose(node, unit.settings.angle == "degree", unit.settings.eulerseq) @ pose
         node = node.getparent()
     return pose

@@ -6,8 +6,8 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
-from composer.link.inertia import measure_alone
 from composer.link.linking import Linking
+from composer.link.survey import cannot_be_kept, survey
 from composer.tree.unit import Unit
 
 _ARRAYS = ("actuator_lengthrange",)
@@ -23,10 +23,13 @@ def lengthranges(linking: Linking) -> None:
             each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")
         ]
         if actuators:
-            arrays = measure_alone(linking, unit, "`lengthrange`", _ARRAYS)
-            if arrays is None:
+            found = survey(linking, unit, "`lengthrange`", _ARRAYS)
+            if found is None:
                 continue
-            measured = arrays["actuator_lengthrange"]
+            measured = found.arrays["actuator_lengthrange"]
+            if len(measured) != 2 * len(actuators):
+                cannot_be_kept(linking, unit, "`lengthrange`", "MuJoCo makes copies of actuators")
+                continue
             for at, actuator in enumerate(actuators):
                 low, high = measured[2 * at : 2 * at + 2]
                 if (low, high) != (0.0, 0.0):

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from composer.link.agreement import agreement
+from composer.link.alignment import alignment
 from composer.link.angles import angles
 from composer.link.bodies import bodies
-from composer.link.compiler import check_settings, compiler
+from composer.link.compiler import compiler
 from composer.link.defaults import choose_classes, defaults
 from composer.link.files import files
 from composer.link.fitting import fitting
@@ -17,6 +18,7 @@ from composer.link.keyframes import keyframes, layouts
 from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
+from composer.link.reductions import reductions
 from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
 from composer.link.spurious import note_replicates, spurious
@@ -28,9 +30,10 @@ Pass = Callable[[Linking], None]
 PASSES: tuple[Pass, ...] = (
     note_flexes,
     note_replicates,
-    choose_classes,
-    check_settings,
     layouts,
+    reductions,
+    choose_classes,
+    alignment,
     inertia,
     fitting,
     lengthranges,
@@ -51,7 +54,7 @@ PASSES: tuple[Pass, ...] = (
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (check_settings, agreement, roots, names, bodies, spurious, check_roots, check_flexes)
+_HINDERS_NOTHING = (alignment, agreement, roots, names, bodies, spurious, check_roots, check_flexes)
 
 
 def link(linking: Linking) -> bool:

@@ -44,7 +44,10 @@ class Joint:
 
 @dataclass(eq=False)
 class Part:
-    """A unit, the prefix that its names get (separator included), and how it hangs on the model."""
+    """A unit, the prefix that its names get (separator included), and how it hangs on the model.
+
+    `content` is the element of the model in which the part's world is, once it hangs there.
+    """
 
     unit: Unit
     prefix: str
@@ -58,6 +61,7 @@ class Part:
     top_class: str = ""
     layout: Layout | None = None
     pose_in_world: Pose | None = None
+    content: Node | None = None
 
     @property
     def called(self) -> str:
@@ -104,7 +108,8 @@ class Linking:
     """The state that the passes share, from parts apart to one flat model.
 
     `settled` holds the option paths (`option/cone`) that the recipe sets itself: no conflict there. `isolate_base` has
-    the tags for which it sets the base's top class, which must not reach the parts.
+    the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
+    `alignfree`.
     """
 
     base: Unit
@@ -118,6 +123,7 @@ class Linking:
     watch: Watch = nobody
     names: Names = field(default_factory=Names)
     base_class: str | None = None
+    aligned: bool = False
     base_layout: Layout | None = None
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)

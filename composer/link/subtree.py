@@ -72,14 +72,14 @@ def take_subtree(
     The body keeps its pose relative to its parent, which becomes the world. What concerns also something outside of
     it is left behind as a whole. `measure` is asked for what only MuJoCo knows of the whole unit.
     """
-    before = len(sink.errors)
+    before = sink.error_count
     body = _find(unit, name, sink, span)
     if body is None:
         return None
     linking = Linking(unit, [], sink, measure=measure)
     _settle_mass(linking)
     rows = _rows(linking, keyframes)
-    if len(sink.errors) > before:
+    if sink.error_count > before:
         return None
     inside = list(body.iter("*"))
     kept = set(inside)

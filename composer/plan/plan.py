@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
+from composer.expr.value import Value
 from composer.recipe.attach import Attachment
+from composer.recipe.check import Unchanged
 from composer.recipe.element import Element
 from composer.sources.source import Source
 
@@ -95,6 +98,9 @@ class Plan:
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
+    checks: tuple[Unchanged, ...] = ()
+    scope: Mapping[str, Value] = field(default_factory=dict)
+    """The parameters of the recipe and the chosen variants, by name."""
 
     @property
     def takes_subtrees(self) -> bool:

@@ -21,6 +21,7 @@ from pydantic_core import CoreSchema, core_schema
 from composer.recipe.base import KeyPolicy
 from composer.recipe.element import Element, Single
 from composer.recipe.fault import Fault, checked, refusal
+from composer.recipe.given import Given
 from composer.recipe.model import Model
 from composer.recipe.placing import JointField, JointWord, Offset
 from composer.recipe.presence import exclusive
@@ -108,6 +109,8 @@ class Attachment(Model):
     root is kept where it may be; `weld` removes it."""
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
+    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
+    """Values of the parameters and variants of a nested recipe, by name."""
     subtree: Annotated[str | None, Text("subtree")] = None
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"

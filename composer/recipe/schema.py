@@ -19,6 +19,7 @@ from composer.recipe.element_schema import define
 from composer.recipe.model import Model
 from composer.recipe.recipe import Recipe
 from composer.recipe.reference import REFERENCE, Schema, definition_key
+from composer.recipe.variation_schema import add_variation
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base)
@@ -40,6 +41,7 @@ def recipe_schema() -> Schema:
     schema = _tidy(schema)
     definitions = {name: _tidy(each) for name, each in definitions.items()}
     _complete(schema, definitions)
+    add_variation(schema, definitions)
     head = {"$schema": DIALECT, "title": "mjcompose recipe", "description": "What a MuJoCo model is made of."}
     return {**schema, **head, "$defs": dict(sorted(definitions.items()))}
 
@@ -103,7 +105,8 @@ def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
             and isinstance(text, ast.Expr)
             and isinstance(text.value, ast.Constant)
         ):
-            properties[field.target.id]["description"] = inspect.cleandoc(str(text.value.value))
+            name = model.model_fields[field.target.id].alias or field.target.id
+            properties[name]["description"] = inspect.cleandoc(str(text.value.value))
 
 
 def _layout(value: Any, indent: str, in_order: bool) -> str:

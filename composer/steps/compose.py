@@ -21,14 +21,15 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
-from composer.link.subtree import Subtree
+from composer.plan.member import Member
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
 from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
-from composer.steps.load import Loader
+from composer.steps.load import Library, Loader
 from composer.steps.loose_ends import check_names
+from composer.steps.members import Hung, hung, placed
 from composer.steps.section import append, set_default, set_singleton
 from composer.steps.subtree import Wanted, wanted
 from composer.tree.classes import MAIN
@@ -37,34 +38,44 @@ from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
-    from composer.engine import Limits
+    from composer.engine import Session
+    from composer.link.subtree import Subtree
 
 Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """One flat model and the files it names."""
+    """One flat model, the files it names, and the sources that are in it."""
 
     model: Unit
     files: tuple[FileUse, ...]
+    members: tuple[Member, ...] = ()
 
 
 class Composer:
     """Composes plans. `subtrees` has what became of the models of which only one body is taken, by recipe and path."""
 
     def __init__(
-        self, context: Context, measure: Measure | None, limits: Limits | None = None, watch: Watch = nobody
+        self,
+        context: Context,
+        measure: Measure | None,
+        session: Session | None = None,
+        watch: Watch = nobody,
+        library: Library | None = None,
     ) -> None:
         self.context, self.measure, self.watch = context, measure, watch
-        self.loader = Loader(context, limits, watch)
+        self.loader = Loader(context, session, watch, library)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
+        self.hung: dict[Node, list[Hung]] = {}
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors, those of earlier stages included."""
         self._expect(plan, True)
         composed = self._compose(plan, True)
-        return None if self.context.sink.has_errors else composed
+        if composed is None or self.context.sink.has_errors:
+            return None
+        return replace(composed, members=placed(self.hung[composed.model.root], composed.model.root))
 
     def look(self, plan: Plan, stands: bool = True) -> None:
         """Take the subtrees of a plan, and compose no more than they are taken of."""
@@ -106,8 +117,8 @@ class Composer:
             return None
         given = [unit for unit in units if unit is not None]
         if len(given) == len(units):
-            return self._joined(plan, base, given)
-        self._joined(self._without_lost(plan, units), base, given)
+            return self._joined(plan, base, given, stands)
+        self._joined(self._without_lost(plan, units), base, given, stands)
         return None
 
     def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
@@ -118,7 +129,7 @@ class Composer:
         )
         return replace(plan, parts=tuple(kept))
 
-    def _joined(self, plan: Plan, base: Unit, units: list[Unit]) -> Composed | None:
+    def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
         """The parts hung on the base, and the recipe's own elements in it."""
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
@@ -128,7 +139,7 @@ class Composer:
         self.watch([base, *units], plan)
         making = Making(
             plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
-            "radian", base.settings.eulerseq, plan.path.parent, base.file, base.origins,
+            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
         )  # fmt: skip
         base.origins.texts[plan.file] = plan.path
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
@@ -147,6 +158,10 @@ class Composer:
         if self.context.sink.error_count > before:
             return None
         finish(linking)
+        roots = [base.root, *(unit.root for unit in units)]
+        self.hung[base.root] = hung(
+            plan, wanted(plan, stands), parts, [self.hung.get(root, []) for root in roots]
+        )
         if self.context.sink.error_count > before:
             return None
         flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
@@ -223,6 +238,6 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
     for part in plan.parts:
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
-        add_file(linking, making.directory, node, attribute, name)
+        add_file(linking, making.folder_of(node, attribute), node, attribute, name)
     if making.files:
         linking.watch(linking.units, add_file)

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.linking import KeyPolicy, Measure
-from composer.link.subtree import Subtree, take_subtree
 from composer.plan.plan import Plan
 from composer.recipe.attach import Attachment
 from composer.recipe.fault import Path
 from composer.sources.source import Source
 from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from composer.link.subtree import Subtree
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +38,8 @@ class Wanted:
 
     def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
         """Cut the unit down to the body; None where that cannot be, which is told."""
+        from composer.link.subtree import take_subtree  # few recipes need it
+
         assert self.body is not None
         found = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
         if found is not None and found.cut:

@@ -45,8 +45,12 @@ class Unit:
     def forget_classes(self) -> None:
         self.__dict__.pop("classes", None)
 
-    def forget_settings(self) -> None:
-        """To be called after `<compiler>` has been changed."""
+    def forget_settings(self, *names: str) -> None:
+        """Take compiler settings out of the unit, so that MuJoCo's own hold, and read the rest anew."""
+        for compiler in self.root.iterchildren("compiler"):
+            for name in names:
+                if name in compiler.attrib:
+                    del compiler.attrib[name]
         self.__dict__.pop("settings", None)
 
     @property

@@ -19,13 +19,18 @@ from composer.verify.unread import unread
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from composer.engine import Compiled, Limits
+    from composer.engine import Compiled, Session
 
 
-def judge(bundle: Bundle, model: Unit, context: Context, limits: Limits | None) -> Compiled | None:
-    """Compile the bundle; faults and warnings go to the sink. None where MuJoCo gave no verdict."""
+def judge(
+    bundle: Bundle, model: Unit, context: Context, session: Session, keep: str | None = None
+) -> Compiled | None:
+    """Compile the bundle; faults and warnings go to the sink. None where MuJoCo gave no verdict.
+
+    With `keep` the session keeps the compiled model under that name.
+    """
     try:
-        verified = verify(bundle, limits=limits)
+        verified = verify(bundle, session=session, keep=keep)
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         return None

@@ -249,12 +249,14 @@ class Matching:
             (lambda i: shape(alone, kind, i), lambda j: shape(composed, kind, j)),
             (lambda i: None, lambda j: None),
         )
-        for of_mine, of_theirs in likenesses:
+        for number, (of_mine, of_theirs) in enumerate(likenesses):
             waiting: dict[Hashable, list[int]] = {}
             for j in theirs:
                 waiting.setdefault(of_theirs(j), []).append(j)
             for i in mine:
-                alike = waiting.get(of_mine(i))
+                alike = waiting.get(of_mine(i), [])
+                if alike and number == 0 and all(self._apart(kind, i, j) for j in alike):
+                    continue  # the same thing elsewhere is another's
                 if alike:
                     nearest = (
                         min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]

@@ -198,9 +198,10 @@ def test_a_file_that_changed_between_two_requests_is_read_anew(
 
 
 def test_measure_brings_arrays_sizes_and_names(tmp_path: Path, session: engine.Session) -> None:
-    wanted = ("geom_size", "nq", "data.xpos", "no_such_array")
+    wanted = ("geom_size", "nq", "data.xpos", "no_such_array", "names")
     measured = engine.measure(put(tmp_path, ARM), arrays=wanted, session=session)
-    assert set(measured.arrays) == {"geom_size", "nq", "data.xpos"}
+    assert set(measured.arrays) == {"geom_size", "nq", "data.xpos", "names"}
+    assert b"\0base\0link\0tip\0" in measured.arrays["names"].tobytes()
     assert measured.arrays["geom_size"][0].tolist() == [0.1, 0.2, 0.3]
     assert measured.arrays["nq"].tolist() == [13]
     assert measured.arrays["data.xpos"][3].tolist() == [0, 0, 2]

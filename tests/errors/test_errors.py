@@ -20,7 +20,14 @@ from composer.pipeline import build
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
 # Cases that are about several faults, all of which are told.
-SEVERAL = {"everything_at_once", "several_sources", "several_names", "several_stages", "conflicts"}
+SEVERAL = {
+    "several_expressions",
+    "everything_at_once",
+    "several_sources",
+    "several_names",
+    "several_stages",
+    "conflicts",
+}
 # Not wrong: something is told, and the model is built.
 BUILT = {"conflict_merge", "conflict_warning", "memory_warning", "subtree_cut"}
 MUJOCO = "4.0"

@@ -1,57 +1,6 @@
 from __future__ import annotations
 
-import pytest
 from link.workshop import BASE, Workshop
-
-FREE = """
-<mujoco><compiler {settings}/><worldbody>
-  <body name="b" pos="0 0 1">{joint}<geom size=".1" pos="1 0 0"/><geom type="box" size=".1 .2 .3" euler="10 20 30"/></body>
-</worldbody></mujoco>"""
-FREE_JOINTS = [
-    "<freejoint/>",
-    '<freejoint align="auto"/>',
-    '<freejoint align="false"/>',
-    '<freejoint align="true"/>',
-    '<joint type="free"/>',
-    '<joint type="free" name="j" group="2"/>',
-    '<joint type="free" damping="3"/><body name="child"><geom size=".1"/></body>',
-]
-
-
-@pytest.mark.parametrize("joint", FREE_JOINTS)
-@pytest.mark.parametrize("align", ["true", "false"])
-def test_free_bodies_are_aligned_as_they_were(workshop: Workshop, joint: str, align: str) -> None:
-    model = FREE.format(settings=f'alignfree="{align}"', joint=joint)
-    workshop.link(BASE, model).check()
-    workshop.link(model, FREE.format(settings="", joint="<freejoint/>")).check()
-
-
-@pytest.mark.parametrize(
-    ("joint", "default"),
-    [
-        ('<joint type="free" damping="3"/>', ""),
-        ('<joint type="free"/>', '<default><joint armature="1"/></default>'),
-    ],
-)
-def test_a_free_joint_with_settings_cannot_be_aligned(workshop: Workshop, joint: str, default: str) -> None:
-    model = FREE.format(settings='alignfree="true"', joint=joint).replace(
-        "<worldbody>", f"{default}<worldbody>"
-    )
-    fault = workshop.link(BASE, model).fault
-    assert fault.code == "compiler-setting"
-    assert "`alignfree`" in fault.message
-
-
-@pytest.mark.parametrize("name", ["fusestatic", "discardvisual"])
-@pytest.mark.parametrize("role", ["base", "part"])
-def test_what_cannot_be_kept_is_refused(workshop: Workshop, name: str, role: str) -> None:
-    model = f'<mujoco>\n<compiler {name}="true"/></mujoco>'
-    linked = workshop.link(model, BASE) if role == "base" else workshop.link(BASE, model)
-    fault = linked.fault
-    assert fault.code == "compiler-setting"
-    assert f"`{name}`" in fault.message
-    assert fault.span is not None
-    assert fault.span.line == 2
 
 
 def test_a_model_alone_keeps_everything_but_its_folders(workshop: Workshop) -> None:

@@ -53,8 +53,13 @@ def test_a_model_without_fitted_primitives_is_not_measured(workshop: Workshop) -
     workshop.link(BASE, fitted('<body><geom type="mesh" mesh="m"/></body>'), measure=None).check()
 
 
-def test_what_mujoco_expands_cannot_be_measured(workshop: Workshop) -> None:
-    part = fitted('<replicate count="2"><geom class="box"/></replicate>')
+def test_copies_are_fitted_where_they_are_alike(workshop: Workshop) -> None:
+    body = '<replicate count="2" offset="1 0 0"><body name="b"><joint/><geom class="box" euler="1 2 3"/></body></replicate>'
+    workshop.link(BASE, fitted(body)).check()
+
+
+def test_copies_of_a_geom_on_one_body_cannot_be_measured(workshop: Workshop) -> None:
+    part = fitted('<replicate count="2" offset="1 0 0"><geom class="box"/></replicate>')
     fault = workshop.link(BASE, part).fault
     assert fault.code == "compiler-setting"
-    assert "replicate" in fault.message
+    assert "copies" in fault.message

@@ -120,15 +120,17 @@ def test_a_model_alone_keeps_its_rules(workshop: Workshop) -> None:
     linked.check()
 
 
-@pytest.mark.parametrize(
-    "expanded",
-    [
-        '<replicate count="2" offset="1 0 0"><body><geom size=".1"/></body></replicate>',
-        '<flexcomp name="c" type="grid" count="2 2 1" spacing="1 1 1" dim="2" mass="1" radius=".01"/>',
-    ],
-)
-def test_what_mujoco_expands_cannot_be_measured(workshop: Workshop, expanded: str) -> None:
-    linked = workshop.link(BASE, model('boundmass="2"', expanded))
+FLEXCOMP = '<flexcomp name="c" type="grid" count="2 2 1" spacing="1 1 1" dim="2" mass="1" radius=".01"/>'
+COPIES = '<replicate count="2" offset="1 0 0" euler="0 0 9"><body><joint/><geom size=".1" pos="1 0 0"/></body></replicate>'
+
+
+@pytest.mark.parametrize("settings", MEASURED)
+def test_copies_are_measured_where_they_are_alike(workshop: Workshop, settings: str) -> None:
+    workshop.link(BASE, model(settings, COPIES)).check()
+
+
+def test_what_mujoco_expands_cannot_be_measured(workshop: Workshop) -> None:
+    linked = workshop.link(BASE, model('boundmass="2"', FLEXCOMP))
     fault = linked.fault
     assert fault.code == "compiler-setting"
     assert "`boundmass`" in fault.message

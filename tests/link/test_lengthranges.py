@@ -57,3 +57,12 @@ def test_without_muscles_no_range_is_fine(workshop: Workshop) -> None:
       <body name="b"><joint name="j"/><geom size=".1"/></body></worldbody>
       <actuator><motor joint="j"/></actuator></mujoco>"""
     workshop.link(BASE, part).check()
+
+
+def test_actuators_that_mujoco_copies_cannot_be_measured(workshop: Workshop) -> None:
+    part = """<mujoco><compiler><lengthrange mode="all"/></compiler><worldbody><replicate count="2" offset="1 0 0">
+      <body name="b"><joint name="j" range="0 10"/><geom size=".1"/></body></replicate></worldbody>
+      <actuator><motor joint="j"/></actuator></mujoco>"""
+    fault = workshop.link(BASE, part).fault
+    assert fault.code == "compiler-setting"
+    assert "copies of actuators" in fault.message

@@ -104,11 +104,13 @@ def test_the_xml_is_plain(workshop: Workshop) -> None:
 
 
 def test_faults_of_several_passes_are_told_at_once(workshop: Workshop) -> None:
-    part = """<mujoco><compiler fusestatic="true"/><option timestep="1"/>
-      <worldbody><body name="b"><freejoint/></body><site name="mark"/></worldbody>
+    free = '<joint type="free" damping="1"/>'
+    base = BASE.replace("</worldbody>", f'<body name="f">{free}</body></worldbody>')
+    part = f"""<mujoco><compiler alignfree="true"/><option timestep="1"/>
+      <worldbody><body name="b">{free}</body><site name="mark"/></worldbody>
       <actuator><motor joint="none"/></actuator></mujoco>"""
     linked = workshop.link(
-        BASE, Piece(part, "", placed("site", "mark")), Piece(BASE, "c/", placed("site", "no"))
+        base, Piece(part, "", placed("site", "mark")), Piece(BASE, "c/", placed("site", "no"))
     )
     assert set(linked.codes) >= {"compiler-setting", "option-conflict", "unknown-name"}
     assert {"name-clash", "attach-place"} <= set(linked.codes)

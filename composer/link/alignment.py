@@ -1,0 +1,90 @@
+"""Pass: `alignfree`, which lets free bodies stand in the frame of their inertia: each free joint says it by itself.
+
+Only `<freejoint>` can. Where a `<joint type="free">` has more to say than that, the model says it and all others not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.link.linking import Linking
+from composer.tree.classes import through_frames, walk_bodies
+from composer.tree.unit import Unit
+
+_OF_FREEJOINTS = frozenset({"name", "type", "group", "class"})
+_INSIDE_BODIES = ("body", "replicate", "flexcomp", "composite", "attach")
+
+
+def alignment(linking: Linking) -> None:
+    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says."""
+    if not linking.parts:
+        return
+    stubborn = [
+        (unit, joint)
+        for unit in linking.units
+        if unit.settings.alignfree == "true"
+        for joint, plain in _free_joints(unit)
+        if not plain
+    ]
+    linking.aligned = bool(stubborn)
+    for unit in linking.units:
+        wanted = unit.settings.alignfree == "true"
+        if wanted == linking.aligned:
+            continue
+        for joint in unit.root.iter("freejoint"):
+            if joint.get("align") in (None, "", "auto"):
+                joint.set("align", str(wanted).lower())
+        for joint, plain in list(_free_joints(unit)):
+            if plain:
+                _make_freejoint(joint, wanted)
+            else:
+                _cannot_differ(linking, unit, joint, *stubborn[0])
+    for part in linking.parts if linking.aligned else ():
+        part.joints = tuple(
+            replace(joint, attributes={"align": "false", **joint.attributes})
+            if joint.tag == "freejoint"
+            else joint
+            for joint in part.joints
+        )
+
+
+def _free_joints(unit: Unit) -> Iterator[tuple[Node, bool]]:
+    """Each `<joint type="free">` that MuJoCo may align, and whether a `<freejoint>` can stand for it."""
+    classes = unit.classes
+    for joint, childclass in walk_bodies(unit.root):
+        if (
+            joint.tag == "joint"
+            and classes.effective(joint, childclass, "type") == "free"
+            and _is_leaf(joint)
+        ):
+            given = classes.get(str(joint.get("class") or childclass or "") or None).sets("joint")
+            yield joint, not given and _OF_FREEJOINTS.issuperset(joint.keys())
+
+
+def _is_leaf(joint: Node) -> bool:
+    """Whether nothing hangs on the joint's body; MuJoCo aligns no other."""
+    body = next(joint.iterancestors("body"))
+    return not any(child.tag in _INSIDE_BODIES for child in through_frames(body))
+
+
+def _make_freejoint(joint: Node, aligned: bool) -> None:
+    joint.tag = "freejoint"
+    for name in list(joint.attrib):
+        if name not in ("name", "group"):
+            del joint.attrib[name]
+    joint.set("align", str(aligned).lower())
+
+
+def _cannot_differ(linking: Linking, unit: Unit, joint: Node, other: Unit, of_other: Node) -> None:
+    linking.sink.error(
+        "compiler-setting",
+        f"`alignfree` of `{other.label}` cannot be kept in a composition with `{unit.label}`: "
+        "each has a free joint with settings of its own",
+        linking.span(other, of_other),
+        notes=(Note("it does not hold for this one", linking.span(unit, joint)),),
+        help='make one of them a `<freejoint align="…"/>`',
+    )

@@ -1,0 +1,152 @@
+"""`fusestatic`: a body without joints becomes part of its parent, which is what a frame in its place says."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.grammar import GRAMMAR
+from composer.link.inertia import has_mass, own
+from composer.link.linking import Linking, Part
+from composer.link.survey import Survey, cannot_be_kept
+from composer.tree.classes import childclass_of, through_frames, walk_bodies
+from composer.tree.unit import Unit
+
+_JOINTS = ("joint", "freejoint")
+_HOLDERS = ("frame", "replicate")
+_WITH_BODIES = ("body", "flexcomp")
+_OF_BODIES_ONLY = ("inertial", "plugin")
+
+
+def static_bodies(unit: Unit) -> list[Node]:
+    """The bodies that no joint moves, of their own or above them."""
+    found: list[Node] = []
+    for element, _ in walk_bodies(unit.root):
+        if element.tag == "body" and element.get("mocap") != "true" and not own(element, *_JOINTS):
+            above = _body_above(element)
+            if above is None or above in found:
+                found.append(element)
+    return found
+
+
+def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[Node]:
+    """Make frames of the bodies that MuJoCo has fused; gives the bodies that have taken them up."""
+    fused = [
+        element for element, _ in walk_bodies(unit.root) if element.tag == "body" and found.is_gone(element)
+    ]
+    hosts = {body: _host(body, found) for body in fused}
+    if any(_flexible(linking, unit, body, host) for body, host in hosts.items()):
+        return set()
+    if part is not None and part.place.kind != "world":
+        _weightless(linking, unit, part, [body for body, host in hosts.items() if host is None])
+    frames = {str(frame.get("name")) for frame in unit.root.iter("frame")}
+    for body in fused:
+        _make_frame(body, frames)
+    for host in dict.fromkeys(hosts.values()):
+        for parent in (host,) if host is not None else unit.root.iterchildren("worldbody"):
+            _own_things_first(unit, parent, hosts)
+    return {host for host in hosts.values() if host is not None}
+
+
+def _body_above(element: Node) -> Node | None:
+    return next(element.iterancestors("body"), None)
+
+
+def _host(body: Node, found: Survey) -> Node | None:
+    """The body that a fused one becomes part of; None for the world."""
+    host = _body_above(body)
+    while host is not None and found.is_gone(host):
+        host = _body_above(host)
+    return host
+
+
+def _make_frame(body: Node, frames: set[str]) -> None:
+    """The frame has the name of the body, if no other frame has, so that things can still be hung there."""
+    for child in own(body, *_OF_BODIES_ONLY):
+        holder = child.getparent()
+        assert holder is not None
+        holder.remove(child)
+    body.tag = "frame"
+    known = GRAMMAR.element("frame").attributes
+    for name in list(body.attrib):
+        if name not in known:
+            del body.attrib[name]
+    name = str(body.get("name") or "")
+    if name in frames:
+        del body.attrib["name"]
+    elif name:
+        frames.add(name)
+
+
+def _own_things_first(unit: Unit, parent: Node, fused: Collection[Node]) -> list[Node]:
+    """MuJoCo counts what a body has of its own before what it has taken up; gives what stands last: bodies."""
+    own_things: list[Node] = []
+    inner: list[Node] = []
+    for child in list(parent):
+        if child in fused:
+            _own_things_first(unit, child, fused)
+        if not _is_inner(child, fused):
+            own_things.append(child)
+            continue
+        inner.append(child)
+        if child.tag == "frame" and child not in fused:
+            behind = _own_things_first(unit, child, fused)
+            if len(behind) < len(child):
+                own_things.append(_split(unit, child, behind))
+    parent.extend([*own_things, *inner])
+    return inner
+
+
+def _is_inner(element: Node, fused: Collection[Node]) -> bool:
+    """Whether it is a body, or stands around bodies."""
+    if element in fused or element.tag in _WITH_BODIES:
+        return True
+    return element.tag in _HOLDERS and any(_is_inner(child, fused) for child in element)
+
+
+def _split(unit: Unit, frame: Node, behind: list[Node]) -> Node:
+    """Another frame of the same pose, for all but what stands behind."""
+    attributes = {str(name): str(value) for name, value in frame.items() if name != "name"}
+    other = frame.makeelement("frame", attributes)
+    other.extend([child for child in frame if child not in behind])
+    if frame in unit.origins.owners:
+        unit.origins.own(other, unit.origins.owners[frame])
+    return other
+
+
+def _flexible(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bool:
+    """Tell of a `<flexcomp>` that would have other joints: they take the classes of its body, never of a frame."""
+    flexcomp = next((child for child in through_frames(body) if child.tag == "flexcomp"), None)
+    if flexcomp is None:
+        return False
+    before = unit.classes.get(body.get("childclass") or childclass_of(body))
+    after = unit.classes.get(None if host is None else host.get("childclass") or childclass_of(host))
+    if before is after or not (before.sets("joint") or after.sets("joint")):
+        return False
+    cannot_be_kept(
+        linking, unit, "`fusestatic`", "the joints of a `<flexcomp>` would have another class", flexcomp
+    )
+    return True
+
+
+def _weightless(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -> None:
+    """What is part of the world alone has no mass, and gives none to what the part hangs on."""
+    heavy: list[Node] = []
+    for body in bodies:
+        weighty = [geom for geom in own(body, "geom") if has_mass(geom, unit.classes)]
+        for geom in weighty:
+            geom.set("mass", "0")
+        if weighty or own(body, "inertial"):
+            heavy.append(body)
+    if heavy:
+        compiler = next(each for each in unit.root.iterchildren("compiler") if each.get("fusestatic"))
+        linking.sink.warning(
+            "compiler-setting",
+            f"`fusestatic` makes bodies of `{part.called}` part of the world, which has no mass: "
+            "theirs is not in the composition",
+            linking.span(unit, compiler, "fusestatic"),
+            notes=[Note("such a body", linking.span(unit, body)) for body in heavy[:1]],
+            help='take `fusestatic="true"` out of a copy of the file, and they stay bodies',
+        )

@@ -1,0 +1,138 @@
+"""A unit compiled alone by MuJoCo, with its bodies and geoms found again in the arrays of `mjModel`."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+
+from lxml.etree import _Element as Node
+
+from composer.link.linking import Linking
+from composer.tree.classes import walk_bodies
+from composer.tree.scaled import first_scaled
+from composer.tree.unit import Unit
+
+BODIES = ("body_mass", "body_ipos", "body_iquat", "body_inertia")
+GEOMS = ("geom_size", "geom_pos", "geom_quat")
+_NAMES = {"mesh": "name_meshadr", "material": "name_matadr", "texture": "name_texadr"}
+NAMED = ("names", *_NAMES.values())
+_SURVEYED = ("body", "geom")
+_MARKS = ("body_user", "geom_user", "body_mass", "geom_type")
+# What MuJoCo makes bodies or geoms of that are elements of no unit.
+_OPAQUE = ("attach", "composite")
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """`arrays` as MuJoCo gave them; `rows` has for each body and geom the rows of its copies, none if it is gone."""
+
+    arrays: Mapping[str, list[float]]
+    rows: Mapping[Node, tuple[int, ...]]
+
+    def is_gone(self, element: Node) -> bool:
+        return not self.rows[element]
+
+    def values(self, element: Node, array: str, width: int) -> list[float] | None:
+        """What an array has for an element; None where its copies differ."""
+        numbers = self.arrays[array]
+        found = [numbers[width * row : width * (row + 1)] for row in self.rows[element]]
+        return found[0] if found and all(each == found[0] for each in found) else None
+
+    def names(self, tag: str) -> set[str]:
+        """The names of the meshes, materials or textures that are left."""
+        text = bytes(int(character) for character in self.arrays["names"])
+        starts = [int(start) for start in self.arrays[_NAMES[tag]]]
+        return {text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts}
+
+
+def survey(
+    linking: Linking, unit: Unit, settings: str, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
+) -> Survey | None:
+    """Compile the unit alone, but for the alignment of free bodies, which is left to the model.
+
+    `settings` are those for whose sake it is done, as a message says them; it tells where it cannot be done.
+    `pinned` bodies are kept from being fused: something refers to them.
+    """
+    opaque = next(unit.root.iter(*_OPAQUE), None)
+    why = None
+    if opaque is not None:
+        why = f"`<{opaque.tag}>` is expanded by MuJoCo"
+    elif first_scaled(unit.root) is not None:
+        why = "MuJoCo scales what is in a `<frame>`"
+    elif linking.measure is None:
+        why = "MuJoCo is not at hand"
+    if why is not None or linking.measure is None:
+        cannot_be_kept(linking, unit, settings, str(why))
+        return None
+    copy = unit.copied()
+    marked: list[Node] = []
+    for (original, _), (element, _) in zip(walk_bodies(unit.root), walk_bodies(copy.root), strict=True):
+        if original.tag in _SURVEYED:
+            marked.append(original)
+            element.set("user", str(len(marked)))
+        if original in pinned:
+            _pin(copy, element, len(marked))
+    _neutral(copy.root)
+    found = linking.measure(copy, tuple(dict.fromkeys((*arrays, *_MARKS))))
+    if not found:
+        return None
+    rows: dict[Node, list[int]] = {element: [] for element in marked}
+    for marks, counted in (("body_user", "body_mass"), ("geom_user", "geom_type")):
+        for row, mark in _first(found[marks], len(found[counted])):
+            rows[marked[mark - 1]].append(row)
+    for element, places in rows.items():
+        if places and len(places) != _copies(element):
+            cannot_be_kept(
+                linking, unit, settings, f"it leaves out some copies of `<{element.tag}>` only", element
+            )
+            return None
+    return Survey(found, {element: tuple(places) for element, places in rows.items()})
+
+
+def cannot_be_kept(
+    linking: Linking, unit: Unit, settings: str, why: str, element: Node | None = None
+) -> None:
+    """Tell that settings, as a message says them, cannot be kept; at an element, or where the first is written."""
+    first = settings.split("`")[1]
+    compilers = list(unit.root.iterchildren("compiler"))
+    compiler = next((each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0])
+    linking.sink.error(
+        "compiler-setting",
+        f"{settings} of `{unit.label}` cannot be kept in a composition: {why}",
+        linking.span(unit, compiler, first) if element is None else linking.span(unit, element),
+        help="remove the setting from the source, or write the values it gives",
+    )
+
+
+def _pin(unit: Unit, body: Node, number: int) -> None:
+    """A sensor of a body keeps it a body, in every version of MuJoCo."""
+    if not body.get("name"):
+        body.set("name", f"pinned body {number} of {len(unit.root)}")
+    sensors = unit.section("sensor")
+    sensors.append(sensors.makeelement("framepos", {"objtype": "body", "objname": str(body.get("name"))}))
+
+
+def _neutral(root: Node) -> None:
+    """Free bodies stay where they are, so that the inertia is in the frame in which it will be written."""
+    for joint in root.iter("freejoint"):
+        joint.set("align", "false")
+    for tag, names in (("compiler", ("alignfree",)), ("size", ("nuser_body", "nuser_geom"))):
+        for element in root.iterchildren(tag):
+            for name in names:
+                if name in element.attrib:
+                    del element.attrib[name]
+
+
+def _first(marks: list[float], count: int) -> Iterator[tuple[int, int]]:
+    """The mark of each row that has one."""
+    width = len(marks) // count if count else 0
+    for row in range(count if width else 0):
+        if mark := int(marks[row * width]):
+            yield row, mark
+
+
+def _copies(element: Node) -> int:
+    count = 1
+    for replicate in element.iterancestors("replicate"):
+        count *= int(str(replicate.get("count") or 1))
+    return count
