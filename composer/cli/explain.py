@@ -19,7 +19,7 @@ from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, s
 @fetching_options
 @reporting_options
 def command(model: Path, query: str, attribute: str | None, form: str, as_json: bool) -> None:
-    r"""Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
+    """Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
 
     \b
     QUERY says which thing:
@@ -29,7 +29,7 @@ def command(model: Path, query: str, attribute: str | None, form: str, as_json: 
       'geom#3'                      without a name: by its number in MuJoCo
       'option timestep'             a setting
       'gripper.xml:12'              what became of the element on that line
-    """
+    """  # noqa: D301  (a backspace, by which click keeps the lines)
     from composer.context import Context
     from composer.explain.explain import explain
     from composer.explain.explanation import as_data

@@ -67,6 +67,7 @@ MODELS = {
     "gripper/scene.xml": SCENE,
     "gripper/gripper.xml": PROP.format("palm", "", ""),
     "camera.xml": PROP.format("camera", "", ""),
+    "table.xml": PROP.format("table", "", ""),
     "mug.xml": PROP.format("mug", "", "<freejoint/>"),
     "target.xml": PROP.format("target", 'mocap="true"', ""),
     "mobile_base.xml": PROP.format("cart", "", ""),
