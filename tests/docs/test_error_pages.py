@@ -68,6 +68,7 @@ MODELS = {
     "gripper/gripper.xml": PROP.format("palm", "", ""),
     "camera.xml": PROP.format("camera", "", ""),
     "mug.xml": PROP.format("mug", "", "<freejoint/>"),
+    "table.xml": PROP.format("table", "", ""),
     "target.xml": PROP.format("target", 'mocap="true"', ""),
     "mobile_base.xml": PROP.format("cart", "", ""),
     "gripper.yaml": "recipe: 1\nbase: ./gripper.xml\n",
