@@ -69,6 +69,7 @@ MODELS = {
     "camera.xml": PROP.format("camera", "", ""),
     "table.xml": PROP.format("table", "", ""),
     "mug.xml": PROP.format("mug", "", "<freejoint/>"),
+    "table.xml": PROP.format("table", "", ""),
     "target.xml": PROP.format("target", 'mocap="true"', ""),
     "mobile_base.xml": PROP.format("cart", "", ""),
     "gripper.yaml": "recipe: 1\nbase: ./gripper.xml\n",
