@@ -19,6 +19,7 @@ _VERBS = {
     "plan": "Print in words what a build will do.",
     "explain": "Say where an element or attribute came from, and what changed it.",
     "new": "Write a commented starter recipe that builds.",
+    "fmt": "Put recipes into their canonical layout, comments kept.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }
 

@@ -8,6 +8,7 @@ CODES: dict[str, str] = {
     "attach-place": "the place a part shall hang on is not usable",
     "bad-name": "a name has characters or a form that it cannot have",
     "bare-angle": "an angle is written without its unit",
+    "cannot-format": "a file has a form that has no canonical layout",
     "class-clash": "two default classes would have the same name",
     "compiler-setting": "a compiler setting cannot be kept or may not be set",
     "file-not-found": "a file or folder is not there",
