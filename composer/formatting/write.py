@@ -33,6 +33,8 @@ def write(document: Document) -> list[str]:
 class _Writer:
     def __init__(self) -> None:
         self.lines: list[str] = []
+        self.kept = 0
+        """How many lines there were behind the last block scalar to which empty lines below it would belong."""
 
     def comments(self, comments: list[Comment], indent: int) -> None:
         """Comments on lines of their own."""
@@ -41,7 +43,7 @@ class _Writer:
             self.lines.append(" " * indent + comment.text)
 
     def blank(self, wanted: bool) -> None:
-        if wanted and self.lines and self.lines[-1]:
+        if wanted and self.lines and self.lines[-1] and len(self.lines) != self.kept:
             self.lines.append("")
 
     def beside(self, comment: Comment | None, shift: int) -> None:
@@ -107,6 +109,8 @@ class _Writer:
         first, *others = lines_of(value, indent)
         self.lines[-1] += first
         self.lines += others
+        if first.startswith(("|", ">")) and "+" in first[:3]:
+            self.kept = len(self.lines)
 
     def brackets(self, node: Collection, indent: int) -> None:
         """What stands in brackets, behind what was written last; lines end where they did."""

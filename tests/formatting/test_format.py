@@ -129,6 +129,10 @@ CASES = {
         "a:\n    b: |1+\n       x\n      y\n\n\n    c: >-\n      z\n",
         "a:\n  b: |2+\n      x\n     y\n\n\n  c: >-\n    z\n",
     ),
+    "an empty line that would belong to a block scalar": (
+        "base: x\n\nrecipe: |+\n  a\n",
+        "recipe: |+\n  a\nbase: x\n",
+    ),
     "a block scalar at the end of the file, without a line break": ("a: |\n   x", "a: |-\n  x\n"),
     "long text on several lines": (
         "description: one\n     two\n\n     three\nname: 'it''s\n   \"me\"'\n",
