@@ -24,7 +24,9 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base)
 WIDTH = 110
 
-_ORDER = "$schema title description markdownDescription $ref type const enum default properties additionalProperties required"
+_ORDER = (
+    "$schema title description markdownDescription $ref type const enum default properties additionalProperties required"
+)
 _RANK = {key: rank for rank, key in enumerate(_ORDER.split())} | {"$defs": 1000}
 # Keys of JSON Schema below which the keys are names.
 _NAMES = frozenset({"properties", "$defs"})
