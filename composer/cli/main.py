@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import keyword
 import os
 import signal
 import sys
@@ -20,6 +21,7 @@ _VERBS = {
     "explain": "Say where an element or attribute came from, and what changed it.",
     "new": "Write a commented starter recipe that builds.",
     "fmt": "Put recipes into their canonical layout, comments kept.",
+    "import": "Propose the recipe that makes a merged model of its parts.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }
 
@@ -34,7 +36,8 @@ class _Verbs(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _VERBS:
             return None
-        module = importlib.import_module(f"composer.cli.{cmd_name}")
+        room = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        module = importlib.import_module(f"composer.cli.{room}")
         command = module.command
         assert isinstance(command, click.Command)
         return command

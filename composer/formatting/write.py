@@ -37,10 +37,12 @@ class _Writer:
         """How many lines there were behind the last block scalar to which empty lines below it would belong."""
 
     def comments(self, comments: list[Comment], indent: int) -> None:
-        """Comments on lines of their own."""
+        """Comments on lines of their own; those that stand deeper than the first one still do."""
+        margin = next((comment.column for comment in comments if comment.own_line), 0)
         for comment in comments:
             self.blank(comment.blank_before)
-            self.lines.append(" " * indent + comment.text)
+            deeper = max(comment.column - margin, 0) if comment.own_line else 0
+            self.lines.append(" " * (indent + deeper) + comment.text)
 
     def blank(self, wanted: bool) -> None:
         if wanted and self.lines and self.lines[-1] and len(self.lines) != self.kept:

@@ -25,7 +25,8 @@ MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base)
 WIDTH = 110
 
 _ORDER = (
-    "$schema title description markdownDescription $ref type const enum default properties additionalProperties required"
+    "$schema title description markdownDescription $ref type const enum default properties "
+    "additionalProperties required"
 )
 _RANK = {key: rank for rank, key in enumerate(_ORDER.split())} | {"$defs": 1000}
 # Keys of JSON Schema below which the keys are names.

@@ -113,6 +113,10 @@ CASES = {
         "attach:\n    a:\n        model: x\n        # in a\n    # in attach\n# of recipe\nrecipe: 1\n# end\n",
         "# of recipe\nrecipe: 1\nattach:\n  a:\n    model: x\n    # in a\n  # in attach\n# end\n",
     ),
+    "what is commented out": (
+        "a: 1\n# edit:\n  # - b\n  #   c\nd:\n    e: 1\n    # f:\n    #   g\n      # h\n",
+        "a: 1\n# edit:\n  # - b\n  #   c\nd:\n  e: 1\n  # f:\n  #   g\n    # h\n",
+    ),
     "columns of comments": (
         "recipe: 1     # a\nname: abc     # b\ndescription: very much longer # c\n",
         "recipe: 1     # a\nname: abc     # b\ndescription: very much longer  # c\n",
