@@ -7,6 +7,7 @@ import pytest
 
 from composer.context import Context
 from composer.importing.match import find, separator_of
+from composer.importing.propose import propose
 from composer.importing.recover import Recovered, recover
 from composer.recipe.unsupported import is_unsupported
 from composer.tree.parse import parse_file
@@ -177,6 +178,25 @@ def test_separator(tmp_path: Path, prefixes: tuple[str, ...], separator: str) ->
     assert units[0] is not None and units[1] is not None
     found = find(units[0], [units[1]])
     assert [each.prefix for each in found] == list(prefixes) and separator_of(found) == separator
+
+
+@pytest.mark.parametrize("can_edit", [True, False])
+def test_a_prefix_that_was_not_there_is_taken_away_again(tmp_path: Path, can_edit: bool) -> None:
+    (tmp_path / "arm.xml").write_text(ARM)
+    (tmp_path / "tool.xml").write_text(TOOL)
+    tool = '<body name="palm"><geom name="palm" type="box" size="0.03 0.03 0.01"/></body></body></body>'
+    (tmp_path / "all.xml").write_text(ARM.replace("</body>\n    </body>", tool))
+    context = Context()
+    units = [parse_file(tmp_path / f"{name}.xml", context.sink) for name in ("all", "arm", "tool")]
+    merged, *parts = [unit for unit in units if unit is not None]
+    found = propose(merged, parts, ["./arm.xml", "./tool.xml"], str, can_edit)
+    edits = [(entry.text, entry.note is None) for entry in found.entries if entry.section == "edit"]
+    assert edits == [
+        ("{select: {body: tool/palm}, rename: palm}", can_edit),
+        ("{select: {geom: tool/palm}, rename: palm}", can_edit),
+    ]
+    renamed = {kind: names for kind, names in found.renamed.items() if names}
+    assert renamed == ({} if can_edit else {"body": {"palm": "tool/palm"}, "geom": {"palm": "tool/palm"}})
 
 
 @pytest.fixture
