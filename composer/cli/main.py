@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import io
+import keyword
 import os
 import signal
 import sys
@@ -24,6 +25,8 @@ _VERBS = {
     "update": "Lock sources as they are now.",
     "cache": "Look after the store of what was fetched.",
     "new": "Write a commented starter recipe that builds.",
+    "fmt": "Put recipes into their canonical layout, comments kept.",
+    "import": "Propose the recipe that makes a merged model of its parts.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }
 
@@ -41,7 +44,8 @@ class _Verbs(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _VERBS:
             return None
-        module = importlib.import_module(f"composer.cli.{cmd_name}")
+        room = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        module = importlib.import_module(f"composer.cli.{room}")
         command = module.command
         assert isinstance(command, click.Command)
         return command

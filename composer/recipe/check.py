@@ -50,7 +50,11 @@ class Checks:
         unchanged = {
             "type": "object",
             "additionalProperties": False,
-            "properties": {PART: {"type": "string", "minLength": 1}, EXCEPT: names},
+            "description": "a part is what its source is alone, in every array that does not depend on its place",
+            "properties": {
+                PART: {"type": "string", "minLength": 1, "description": "the part; without it, every part"},
+                EXCEPT: {**names, "description": "attributes of MJCF that may differ"},
+            },
         }
         kinds = {"type": "object", "additionalProperties": False, "required": [UNCHANGED]}
         kinds["properties"] = {UNCHANGED: unchanged}

@@ -51,7 +51,8 @@ def axes() -> Schema:
 
 def joint(words: Sequence[str], types: Sequence[str]) -> Schema:
     """What stands between a part and its place."""
-    one = {**reference("element:joint"), "properties": {TYPE: {"enum": [*types]}}}
+    kind = {"enum": [*types], "description": GRAMMAR.element("joint").attributes[TYPE].doc}
+    one = {**reference("element:joint"), "properties": {TYPE: kind}}
     return {
         "anyOf": [
             {"enum": [*words]},
@@ -72,20 +73,25 @@ def _typed(tag: str) -> Schema:
 
 def _named(tag: str) -> Schema:
     kinds = GRAMMAR.section(tag).children.values()
-    return _object({kind.tag: _named_map(reference(f"named:{kind.path}")) for kind in kinds})
+    return _object({kind.tag: _told(_named_map(reference(f"named:{kind.path}")), kind.doc) for kind in kinds})
 
 
 def _lists(tag: str) -> Schema:
     kinds = GRAMMAR.section(tag).children.values()
     return _object(
-        {kind.tag: {"type": "array", "items": reference(f"element:{kind.path}")} for kind in kinds}
+        {
+            kind.tag: _told({"type": "array", "items": reference(f"element:{kind.path}")}, kind.doc)
+            for kind in kinds
+        }
     )
 
 
 def _extension(tag: str) -> Schema:
     kind = GRAMMAR.section(tag).children["plugin"]
-    instances = {"instance": _named_map(reference(f"named:{kind.children['instance'].path}"))}
-    return _object({"plugin": _named_map(_element(kind, keyed=("plugin",), properties=instances))})
+    instance = kind.children["instance"]
+    instances = {"instance": _told(_named_map(reference(f"named:{instance.path}")), instance.doc)}
+    plugins = _named_map(_element(kind, keyed=("plugin",), properties=instances))
+    return _object({"plugin": _told(plugins, kind.doc)})
 
 
 def _keyframes(tag: str) -> Schema:
@@ -131,17 +137,32 @@ def _definition_of_typed(tag: str) -> Schema:
     ]
     return {
         "type": "object",
-        "properties": {TYPE: {"enum": [kind.tag for kind in kinds]}, FRAGMENT: reference("fragment")},
+        "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment")},
         **_unless_fragment({"required": [TYPE]}),
         "allOf": variants,
     }
 
 
+def _types(tag: str, kinds: Iterable[ElementType]) -> Schema:
+    """The key `type`, each of whose values is explained."""
+    return {
+        "enum": [kind.tag for kind in kinds],
+        "markdownEnumDescriptions": [kind.doc for kind in kinds],
+        "description": f"which {tag} it is: the tag of MJCF",
+    }
+
+
 def _definition_of_variant(path: str) -> Schema:
     kind = GRAMMAR.element(path)
-    properties: dict[str, Schema] = {TYPE: {"const": kind.tag}}
+    properties: dict[str, Schema] = {TYPE: {"const": kind.tag, "description": kind.doc}}
     if kind.path.startswith("tendon/"):
-        steps = {"type": "array", "minItems": 1, "items": reference(f"step:{kind.path}")}
+        steps = {
+            "type": "array",
+            "minItems": 1,
+            "items": reference(f"step:{kind.path}"),
+            "description": "what it goes over, in order: "
+            + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
+        }
         return _element(kind, ("name",), {**properties, PATH: steps}, (PATH,), fragment=False, children=False)
     return _element(kind, ("name",), properties, fragment=False)
 
@@ -175,7 +196,10 @@ def _definition_of_class(_: str) -> Schema:
 
 
 def _definition_of_addition(_: str) -> Schema:
-    frame = {**_object({"frame": {"type": "string", "minLength": 1}}), "required": ["frame"]}
+    frame = {
+        **_object({"frame": {"type": "string", "minLength": 1, "description": "the name of a frame"}}),
+        "required": ["frame"],
+    }
     target: Schema = {
         "anyOf": [{"type": "string", "minLength": 1}, frame],
         "description": "the name of a body, `world`, or `{frame: NAME}`",
@@ -231,6 +255,9 @@ def _element(
         rules["allOf"] = conditions
     description = {"description": kind.doc} if kind.doc else {}
     if not fragment:
+        if "required" in rules:
+            # Editors offer what has `required` at its top as a whole, under the name of its definition.
+            rules["allOf"] = [{"required": rules.pop("required")}, *conditions]
         return {**_object(known), **description, **rules}
     known.setdefault(FRAGMENT, reference("fragment"))
     return {**_object(known), **description, **_unless_fragment(rules)}
@@ -248,12 +275,17 @@ def _children(kind: ElementType) -> Schema:
     several: Schema = {"items": one}
     if kind.max_count is not None:
         several["maxItems"] = kind.max_count
-    return {"type": ["object", "array"], "if": {"type": "array"}, "then": several, "else": one}
+    return _told(
+        {"type": ["object", "array"], "if": {"type": "array"}, "then": several, "else": one}, kind.doc
+    )
 
 
 def _settings() -> Schema:
     single: Schema = {"type": ["string", "number", "boolean"]}
-    return _named_map({"type": [*single["type"], "array"], "items": single})
+    return _told(
+        _named_map({"type": [*single["type"], "array"], "items": single}),
+        "the settings of the plugin, by its own keys",
+    )
 
 
 def _rule(rule: Constraint) -> list[Schema]:
@@ -284,6 +316,10 @@ def _rule(rule: Constraint) -> list[Schema]:
 
 def _object(properties: dict[str, Schema]) -> Schema:
     return {"type": "object", "properties": properties, "additionalProperties": False}
+
+
+def _told(schema: Schema, description: str) -> Schema:
+    return {**schema, "description": description} if description else schema
 
 
 def _named_map(value: Schema) -> Schema:

@@ -25,7 +25,10 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base)
 WIDTH = 110
 
-_ORDER = "$schema title description $ref type const enum default properties additionalProperties required"
+_ORDER = (
+    "$schema title description markdownDescription $ref type const enum default properties "
+    "additionalProperties required"
+)
 _RANK = {key: rank for rank, key in enumerate(_ORDER.split())} | {"$defs": 1000}
 # Keys of JSON Schema below which the keys are names.
 _NAMES = frozenset({"properties", "$defs"})
@@ -40,10 +43,18 @@ def recipe_schema() -> Schema:
         _describe(model, target.get("properties") or target["anyOf"][-1]["properties"])
     schema = _tidy(schema)
     definitions = {name: _tidy(each) for name, each in definitions.items()}
+    needed = definitions[Attachment.__name__].pop("required")
+    definitions[Attachment.__name__]["allOf"].append({"required": needed})  # as in `element_schema`
     _complete(schema, definitions)
     add_variation(schema, definitions)
-    head = {"$schema": DIALECT, "title": "mjcompose recipe", "description": "What a MuJoCo model is made of."}
-    return {**schema, **head, "$defs": dict(sorted(definitions.items()))}
+    # No title: editors would set it before every description.
+    head = {"$schema": DIALECT, "description": "A recipe of mjcompose: what a MuJoCo model is made of."}
+    whole = {**schema, **head, "$defs": dict(sorted(definitions.items()))}
+    for each in _mappings(whole):
+        description = each.get("description")
+        if isinstance(description, str) and "`" in description:
+            each["markdownDescription"] = description  # else editors show the marks
+    return whole
 
 
 def text() -> str:

@@ -69,7 +69,6 @@ MODELS = {
     "camera.xml": PROP.format("camera", "", ""),
     "table.xml": PROP.format("table", "", ""),
     "mug.xml": PROP.format("mug", "", "<freejoint/>"),
-    "table.xml": PROP.format("table", "", ""),
     "target.xml": PROP.format("target", 'mocap="true"', ""),
     "mobile_base.xml": PROP.format("cart", "", ""),
     "gripper.yaml": "recipe: 1\nbase: ./gripper.xml\n",
@@ -104,6 +103,7 @@ NOT_A_BUILD = {
     **dict.fromkeys(
         ("bundle-changed", "bundle-manifest", "part-changed", "part-not-compared"), "tests/verify"
     ),
+    "cannot-format": "is not about a build: tests/formatting",
     "mujoco-crash": "a model that crashes one MuJoCo is refused by another",
     "mujoco-timeout": "takes long by its nature",
     "mujoco-warning": "not every MuJoCo warns",

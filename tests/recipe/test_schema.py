@@ -16,7 +16,7 @@ from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 from composer.recipe import validate
 from composer.recipe.recipe import SETTABLE
-from composer.recipe.schema import text
+from composer.recipe.schema import recipe_schema, text
 from composer.recipe.tendon import MARKS
 
 ROOT = Path(__file__).parents[2]
@@ -259,3 +259,28 @@ def pruned(value: Any, chance: random.Random) -> Any:
         for name, item in value.items()
         if chance.random() > 0.04 or name == "recipe"
     }
+
+
+def test_every_key_is_explained() -> None:
+    """Each property has a description, its own or that of what it refers to; conditions are not shown."""
+    schema = recipe_schema()
+    silent: list[str] = []
+
+    def walk(value: Any, place: str) -> None:
+        if isinstance(value, list):
+            for index, each in enumerate(value):
+                walk(each, f"{place}/{index}")
+        if not isinstance(value, dict):
+            return
+        properties = value.get("properties", {})
+        for name, each in properties.items():
+            if isinstance(each, dict):
+                target = schema["$defs"].get(each.get("$ref", "").rpartition("/")[2], {})
+                if not each.get("description") and not target.get("description"):
+                    silent.append(f"{place}/{name}")
+        for key, each in value.items():
+            if key != "if":
+                walk(each, f"{place}/{key}")
+
+    walk(schema, "")
+    assert silent == []
