@@ -16,7 +16,7 @@ from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
 from composer.steps.load import Library
 from composer.steps.measure import measure_with
-from composer.verify.checks import run_checks
+from composer.verify.checks import Hear, run_checks, unheard
 from composer.verify.judged import judge
 from composer.verify.parts import WHOLE
 
@@ -46,18 +46,19 @@ def build(
     given: Given | None = None,
     name: str | None = None,
     library: Library | None = None,
+    hear: Hear = unheard,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
     `given` are values of parameters and variants, `name` that of a cell of the matrix; `library` has source files that
-    were read before. All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends
-    with the build.
+    were read before; `hear` is told what came of each check. All that MuJoCo does is done in one process: that of
+    `session`, or one with `limits` that ends with the build.
     """
     if session is None:
         with engine.Session(limits) as own:
             return build(
                 recipe, context, verified=verified, deduplicated=deduplicated, session=own,
-                given=given, name=name, library=library,
+                given=given, name=name, library=library, hear=hear,
             )  # fmt: skip
     if (plan := plan_what_remains(recipe, context, given, name)) is None:
         return None
@@ -72,7 +73,7 @@ def build(
         return None
     compiled = judge(bundle, composed.model, context, session, keep=WHOLE) if verified else None
     if compiled is not None:
-        run_checks(plan, composed.members, session, context, merged)
+        run_checks(plan, composed.members, session, context, merged, hear)
     if context.sink.has_errors:
         return None
     bundle = described(bundle, plan, composed.members, compiled, context, merged)
