@@ -107,7 +107,7 @@ def _value(keys: Keys, index: int | None) -> tuple[Number, ...] | None:
 
 def _number(keys: Keys, value: Any, *at: str | int) -> Number | None:
     if isinstance(value, bool):
-        return float(value), None
+        return value, None
     angle = Angle.read(value) if isinstance(value, str) else None
     if angle is not None:
         return angle.value, angle.unit

@@ -32,6 +32,8 @@ class Quantity:
         return self.number * self.per_unit
 
     def __str__(self) -> str:
+        if isinstance(self.number, bool):
+            return str(self.number).lower()
         return f"{self.number:.9g}{self.unit or ''}"
 
     def like(self, value: float) -> str:
@@ -66,17 +68,17 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
             )
             return [Finding(message, ("value",), code="wrong-length")]
         if not _equal(actual, [each.value for each in expected], asked["tol"]):
+            tolerance = "" if asked["tol"] is None else f" ± {expected[0].like(asked['tol'])}"
             have = [each.like(value) for each, value in zip(expected, actual.tolist(), strict=True)]
-            wrong.append((scope.called(tag, index), _listed([str(each) for each in expected]), _listed(have)))
+            wanted = _listed([str(each) for each in expected])
+            wrong.append((scope.called(tag, index), wanted + tolerance, _listed(have)))
     if not wrong:
         return []
-    name, wanted, have = wrong[0]
+    name, wanted, found = wrong[0]
     attr = asked["attr"] + ("" if asked["index"] is None else f"[{asked['index']}]")
-    tolerance = "" if asked["tol"] is None else f" ± {asked['tol']:g}"
     more = [f"{other}: {value}" for other, _, value in wrong[1:_SHOWN]]
     more += [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
-    message = f"`{attr}` of {name} is {have}, not {wanted}"
-    return [failed(message, wanted + tolerance, have, "value", more=more)]
+    return [failed(f"`{attr}` of {name} is {found}, not {wanted}", wanted, found, "value", more=more)]
 
 
 def _value(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:

@@ -19,7 +19,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
         count = "at least one" if expect is None else str(expect)
         seen = unknown(tag, glob, scope.names(tag))
         if matched:
-            message = f"there are {len(matched)} {tag} elements that `{glob}` names, not {expect}"
+            message = f"`{glob}` names {len(matched)} elements `{tag}`, not {expect}"
             names = ", ".join(scope.written(tag, each) for each in matched[:8])
             more = [f"they are: {names}" + (", …" if len(matched) > 8 else "")]
         else:

@@ -16,6 +16,8 @@ _LONGEST_STEP = 0.5
 """The greatest change of a joint in one step, in radians or metres: beyond it, the linear picture is wrong."""
 _LOOSE = 1e-3
 """How far equality constraints may be open where the site is, in metres or radians; they are soft in MuJoCo."""
+_CLOSED = 100.0
+"""How much more it counts that they stay closed than that the site comes near."""
 _NEAR = 1e-6
 
 
@@ -92,7 +94,8 @@ class Solver:
         error = self.target - data.site_xpos[self.site]
         if model.neq:
             rows, residuals = self._equalities()
-            jacobian, error = np.vstack([jacobian, rows]), np.concatenate([error, -residuals])
+            jacobian = np.vstack([jacobian, _CLOSED * rows])
+            error = np.concatenate([error, -_CLOSED * residuals])
         return error, jacobian[:, self.moving]
 
     def _equalities(self) -> tuple[Any, Any]:
@@ -121,7 +124,7 @@ class Solver:
 
     @staticmethod
     def _open(error: Any) -> float:
-        return float(np.abs(error[3:]).max(initial=0.0))
+        return float(np.abs(error[3:]).max(initial=0.0)) / _CLOSED
 
     def _step(self, error: Any, jacobian: Any, damping: float) -> Any:
         """The step of the moving joints; one that would leave its range stays, and the others make up for it."""
