@@ -63,7 +63,7 @@ def _ask(
     """A check on the compiled model, asked in the process that keeps it."""
     document = recipe.plan.document
     asked = {**asdict(check), "angle": recipe.plan.angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
-    about = f"check `{check.name}`"
+    about = f"check `{recipe.part}{check.name}`"
     if check.word == "reachable" and asked["frame"] is None:
         message = (
             f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
@@ -101,13 +101,13 @@ def _unchanged(
     for member in of_part(members, part, separator):
         compared = judge.compare(member, excused)
         if not compared.ok:
-            _tell(compared, recipe.plan, check, context)
+            _tell(compared, recipe, check, context)
 
 
-def _tell(compared: Compared, plan: Plan, check: Unchanged, context: Context) -> None:
+def _tell(compared: Compared, recipe: Nested, check: Unchanged, context: Context) -> None:
     path = (*check.at, "unchanged")
-    span = locate(plan.document, (*path, "part") if check.part else path, key=check.part is None)
-    about = f"check `{check.name}`"
+    span = locate(recipe.plan.document, (*path, "part") if check.part else path, key=check.part is None)
+    about = f"check `{recipe.part}{check.name}`"
     if compared.obscure is not None:
         message = (
             f"{about}: `{compared.member.called}` cannot be compared with its source: {compared.obscure}"

@@ -27,6 +27,9 @@ SEVERAL = {
     "several_names",
     "several_stages",
     "conflicts",
+    "check_failed",
+    "check_names",
+    "check_nested",
 }
 # Not wrong: something is told, and the model is built.
 BUILT = {"conflict_merge", "conflict_warning", "memory_warning", "subtree_cut"}

@@ -29,7 +29,7 @@ def test_a_check_knows_its_name_and_place(recipe: Callable[[str], Recipe]) -> No
         ("{a: unchanged}", "wrong-type", "is a mapping"),
         ("{a: {unchange: {}}}", "unknown-key", "no kind of check"),
         ("{a: {unchanged: gripper}}", "wrong-type", "is a mapping"),
-        ("{a: {unchanged: {parts: gripper}}}", "unknown-key", "has no `parts`"),
+        ("{a: {unchanged: {parts: gripper}}}", "unknown-key", "has no key `parts`"),
         ("{a: {unchanged: {part: [gripper]}}}", "wrong-type", "the prefix of a part"),
         ("{a: {unchanged: {except: gravcomp}}}", "wrong-type", "a list of attributes"),
         ("{a: {unchanged: {except: [gravcom]}}}", "unknown-attribute", "no attribute `gravcom`"),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.checks.arrays import DEGREES, TAGS, attributes
+from composer.recipe.checks.arrays import TAGS, attributes
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import NAME, Kind, mapping_schema
 from composer.recipe.element import Angle
@@ -25,7 +24,7 @@ Number = tuple[float, str | None]
 class Equal:
     """`attr` of every element that the glob `element` names is `value`; with `index`, one number of it is.
 
-    A `tol` of None is rounding.
+    A `tol` without a unit is in that of the compiled model; None is rounding.
     """
 
     word: ClassVar[str] = "equal"
@@ -35,7 +34,7 @@ class Equal:
     attr: str
     index: int | None
     value: tuple[Number, ...]
-    tol: float | None
+    tol: Number | None
     at: Path
 
 
@@ -53,19 +52,20 @@ def read(keys: Keys, at: Path) -> Equal | None:
     element = keys.text(tag, "a name or a glob") if tag else None
     attr, index = _attribute(keys, tag)
     value = _value(keys, index) if "value" in keys.value else None
-    tol = _tolerance(keys, attr)
+    tol = _tolerance(keys)
     if len(keys.faults) > before or tag is None or element is None or attr is None or value is None:
         return None
     return Equal(keys.name, tag, element, attr, index, value, tol, at)
 
 
-def _tolerance(keys: Keys, attr: str | None) -> float | None:
-    """How far off it may be, in the unit of the compiled model; an angle with its unit is turned into that."""
+def _tolerance(keys: Keys) -> Number | None:
+    """How far off it may be: a number, or an angle with its unit."""
     written = keys.value.get("tol")
     angle = Angle.read(written) if isinstance(written, str) else None
-    if angle is None:
-        return keys.number("tol", least=0)
-    return math.degrees(angle.radians) if attr in DEGREES else angle.radians
+    if angle is not None and angle.value >= 0:
+        return angle.value, angle.unit
+    number = keys.number("tol", least=0)
+    return None if number is None else (number, None)
 
 
 def _attribute(keys: Keys, tag: str | None) -> tuple[str | None, int | None]:

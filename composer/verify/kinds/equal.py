@@ -67,8 +67,9 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
                 f"`{asked['attr']}` of {tag} `{glob}` has {actual.size} numbers, `value` has {len(expected)}"
             )
             return [Finding(message, ("value",), code="wrong-length")]
-        if not _equal(actual, [each.value for each in expected], asked["tol"]):
-            tolerance = "" if asked["tol"] is None else f" ± {expected[0].like(asked['tol'])}"
+        tol = None if asked["tol"] is None else _quantity(asked["tol"][0], asked["tol"][1], asked["attr"])
+        if not _equal(actual, [each.value for each in expected], None if tol is None else tol.value):
+            tolerance = "" if tol is None else f" ± {tol}"
             have = [each.like(value) for each, value in zip(expected, actual.tolist(), strict=True)]
             wanted = _listed([str(each) for each in expected])
             wrong.append((scope.called(tag, index), wanted + tolerance, _listed(have)))
@@ -110,11 +111,15 @@ def _expected(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> list
                 help = f"write `{number:.9g}deg` or `{number:.9g}rad`, or `angle: degree` at the top of the recipe"
                 message = f"`{attr}` of {joint} {scope.called(tag, index)} is an angle, `value` has no unit"
                 return Finding(message, ("value",), code="bare-angle", help=help)
-        per_unit = 1.0
-        if unit is not None and unit != (own := "deg" if attr in DEGREES else "rad"):
-            per_unit = math.radians(1) if own == "rad" else math.degrees(1)
-        found.append(Quantity(number, unit, per_unit))
+        found.append(_quantity(number, unit, attr))
     return found
+
+
+def _quantity(number: float, unit: str | None, attr: str) -> Quantity:
+    own = "deg" if attr in DEGREES else "rad"
+    if unit in (None, own):
+        return Quantity(number, unit, 1.0)
+    return Quantity(number, unit, math.radians(1) if own == "rad" else math.degrees(1))
 
 
 def _equal(actual: Any, expected: list[float], tol: float | None) -> bool:

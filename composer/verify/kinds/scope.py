@@ -34,6 +34,10 @@ class Scope:
     def __post_init__(self) -> None:
         self.roster = Roster(self.model)
 
+    def before(self, kind: str) -> str:
+        """What stands before the recipe's names of a kind."""
+        return (self.keys or "") if kind == "key" else self.prefix
+
     def own(self, kind: str) -> Iterator[int]:
         """The ids of the elements that are the recipe's."""
         return (index for index in range(self.roster.count(kind)) if self.owns(kind, index))
@@ -43,6 +47,8 @@ class Scope:
         if self.whole:
             return True
         name = self.roster.names[kind][index]
+        if kind == "key":  # those of several recipes merge into one
+            return self.keys is not None and name.startswith(self.keys)
         if name and not (kind == "body" and index == 0):
             return self._is_own(name)
         if kind == "body":
@@ -66,12 +72,12 @@ class Scope:
 
     def written(self, kind: str, index: int) -> str:
         """What the recipe calls an element, or where an unnamed one is."""
-        return self.roster.describe(kind, index).removeprefix(self.prefix)
+        return self.roster.describe(kind, index).removeprefix(self.before(kind))
 
     def names(self, kind: str) -> list[str]:
         """The names of a kind as the recipe writes them."""
         found = [self.roster.names[kind][index] for index in self.own(kind)]
-        return [name.removeprefix(self.prefix) for name in found if name]
+        return [name.removeprefix(self.before(kind)) for name in found if name]
 
     def find(self, kind: str, name: str, *at: str | int) -> int | Finding:
         """The id of the element that the recipe calls so; the finding that there is none. The world is any recipe's."""
@@ -84,11 +90,11 @@ class Scope:
         """The ids of the recipe's elements that a glob names; `**` alone names those without a name too."""
         if glob == "**":
             return list(self.own(kind))
-        fits = matcher(glob, self.separator)
+        fits, before = matcher(glob, self.separator), self.before(kind)
         return [
             index
             for index in self.own(kind)
-            if (name := self.roster.names[kind][index]) and fits(name.removeprefix(self.prefix))
+            if (name := self.roster.names[kind][index]) and fits(name.removeprefix(before))
         ]
 
     def at_key(self, key: str | None) -> Any | Finding:
@@ -105,8 +111,7 @@ class Scope:
             )
         index = self.roster.ids["key"].get(self.keys + key)
         if index is None:
-            names = [name for name in self.roster.names["key"] if name.startswith(self.keys)]
-            return unknown("keyframe", key, [name.removeprefix(self.keys) for name in names], "key")
+            return unknown("keyframe", key, self.names("key"), "key")
         self.mujoco.mj_resetDataKeyframe(self.model, data, index)
         return data
 

@@ -24,7 +24,9 @@ WORLD = {"body": None, "pos": [0, 0, 0], "quat": [1, 0, 0, 0]}
 def ask() -> Ask:
     """What a check finds in a model: `ask(xml, "size: {nu: 1}")`; more arguments are fields of the scope."""
 
-    def ask(xml: str, check: str, frame: dict[str, Any] = WORLD, head: str = "", **scope: Any) -> list[Finding]:
+    def ask(
+        xml: str, check: str, frame: dict[str, Any] = WORLD, head: str = "", **scope: Any
+    ) -> list[Finding]:
         sink = Sink()
         node = load(f"recipe: 1\n{head}\ncheck: {{it: {{{check}}}}}", "recipe.yaml", sink)
         assert node is not None
@@ -35,7 +37,10 @@ def ask() -> Ask:
         if scope.get("prefix") or scope.get("others"):
             scope["whole"] = False
         question = {"kind": read.word, "asked": asked, "scope": scope}
-        return [Finding.from_json(each) for each in ask_in_child(mujoco, mujoco.MjModel.from_xml_string(xml), question)]
+        return [
+            Finding.from_json(each)
+            for each in ask_in_child(mujoco, mujoco.MjModel.from_xml_string(xml), question)
+        ]
 
     return ask
 

@@ -49,9 +49,15 @@ def test_holds(ask, check: str) -> None:
     ("check", "message"),
     [
         ("joint: hinge, attr: damping, value: 3.00001", "`damping` of joint `hinge` is 3, not 3.00001"),
-        ('joint: hinge, attr: "range[1]", value: 170deg', "`range[1]` of joint `hinge` is 180deg, not 170deg"),
+        (
+            'joint: hinge, attr: "range[1]", value: 170deg',
+            "`range[1]` of joint `hinge` is 180deg, not 170deg",
+        ),
         ("joint: hinge, attr: limited, value: false", "`limited` of joint `hinge` is true, not false"),
-        ("geom: g, attr: friction, value: [1, 0.2, 0.4], tol: 0.05", "`friction` of geom `g` is [1, 0.2, 0.3], not [1, 0.2, 0.4] ± 0.05"),
+        (
+            "geom: g, attr: friction, value: [1, 0.2, 0.4], tol: 0.05",
+            "`friction` of geom `g` is [1, 0.2, 0.3], not [1, 0.2, 0.4] ± 0.05",
+        ),
         ('geom: "*", attr: "friction[0]", value: 1', "`friction[0]` of geom `h` is 0.5, not 1"),
     ],
 )
@@ -77,7 +83,10 @@ def test_what_makes_no_sense_of_this_model(ask, check: str, code: str, at: str) 
 
 def test_bare_angles_have_the_unit_of_the_recipe(ask) -> None:
     assert ask(MODEL, 'equal: {joint: hinge, attr: "range[1]", value: 180}', head="angle: degree") == []
-    assert ask(MODEL, 'equal: {joint: hinge, attr: "range[1]", value: 3.14159265359}', head="angle: radian") == []
+    assert (
+        ask(MODEL, 'equal: {joint: hinge, attr: "range[1]", value: 3.14159265359}', head="angle: radian")
+        == []
+    )
     assert ask(MODEL, 'equal: {joint: slide, attr: "range[1]", value: 2}', head="angle: degree") == []
 
 

@@ -19,8 +19,14 @@ def test_holds(ask, arm: str, selectors: str, prefix: str) -> None:
     assert ask(arm, f"exists: {selectors}", prefix=prefix) == []
 
 
+def test_keyframes_of_a_nested_recipe_are_called_as_its_policy_says(ask, arm: str) -> None:
+    assert ask(arm, "exists: [{key: home}]", prefix="left/") == []
+    assert ask(arm, "exists: [{key: low}]", prefix="left/", keys="left/") == []
+    assert len(ask(arm, "exists: [{key: home}]", prefix="left/", keys=None)) == 1
+
+
 def test_nothing_of_that_name(ask, arm: str) -> None:
-    (finding,) = ask(arm, 'exists: [{site: left/tcp}, {site: lft/tcp}]')
+    (finding,) = ask(arm, "exists: [{site: left/tcp}, {site: lft/tcp}]")
     assert finding.at == (1, "site")
     assert finding.message == "there is no site `lft/tcp`"
     assert finding.notes == ("expected: at least one", "actual: 0", "sites that exist: left/tcp")

@@ -24,8 +24,18 @@ def test_holds(ask, arm: str, check: str, prefix: str) -> None:
     ("check", "at", "message", "expected"),
     [
         ("range: [1, 2]", "range", "the mass of the model is 10.5 kg", "1 to 2 kg"),
-        ("body: left/base, value: 5.3, tol: 0.2", "value", "the mass of `left/base` is 5 kg", "5.3 kg ± 0.2 kg"),
-        ("subtree: left/base, value: 6.001", "value", "the mass of `left/base` with all below it is 6 kg", "6.001 kg"),
+        (
+            "body: left/base, value: 5.3, tol: 0.2",
+            "value",
+            "the mass of `left/base` is 5 kg",
+            "5.3 kg ± 0.2 kg",
+        ),
+        (
+            "subtree: left/base, value: 6.001",
+            "value",
+            "the mass of `left/base` with all below it is 6 kg",
+            "6.001 kg",
+        ),
     ],
 )
 def test_does_not_hold(ask, arm: str, check: str, at: str, message: str, expected: str) -> None:

@@ -26,7 +26,9 @@ PLANAR = """
 FREE = PLANAR.format(first="", second="")
 
 
-@pytest.mark.parametrize("target", ["[2, 0, 0]", "[0, 1.99, 0]", "[-1, 0.5, 0]", "[0, 0, 0]", "[1.2, -1.2, 0]"])
+@pytest.mark.parametrize(
+    "target", ["[2, 0, 0]", "[0, 1.99, 0]", "[-1, 0.5, 0]", "[0, 0, 0]", "[1.2, -1.2, 0]"]
+)
 def test_within_reach(ask, target: str) -> None:
     assert ask(FREE, f"reachable: {{site: tip, target: {target}, tolerance: 1e-4}}") == []
 
@@ -74,7 +76,9 @@ def test_ball_joints_and_their_limits(ask) -> None:
 
 
 def test_equality_constraints_stay_closed(ask) -> None:
-    coupled = FREE.replace("<keyframe>", '<equality><joint joint1="b" joint2="a" polycoef="0 -2 0 0 0"/></equality><keyframe>')
+    coupled = FREE.replace(
+        "<keyframe>", '<equality><joint joint1="b" joint2="a" polycoef="0 -2 0 0 0"/></equality><keyframe>'
+    )
     # With b = -2a the tip stays on the x axis.
     assert ask(coupled, "reachable: {site: tip, target: [1, 0, 0]}") == []
     (finding,) = ask(coupled, "reachable: {site: tip, target: [1, 1, 0]}")

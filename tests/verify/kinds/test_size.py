@@ -9,7 +9,9 @@ from composer.verify.roster import Roster
 
 
 def test_what_is_there_holds(ask, arm: str) -> None:
-    assert ask(arm, "size: {nq: 9, nv: 8, nu: 3, nbody: 5, ngeom: 6, nsensor: 2, nkey: 2, nactuator: 3}") == []
+    assert (
+        ask(arm, "size: {nq: 9, nv: 8, nu: 3, nbody: 5, ngeom: 6, nsensor: 2, nkey: 2, nactuator: 3}") == []
+    )
 
 
 def test_each_size_that_is_another_is_told_at_its_place(ask, arm: str) -> None:
