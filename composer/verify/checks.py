@@ -9,6 +9,7 @@ from composer import engine
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.dedup import Merged
 from composer.plan.member import Member, of_part
@@ -44,24 +45,30 @@ def run_checks(
 
     `hear` is called with what came of each check, in the order of the recipe.
     """
-    judge = Judge(session, merged)
+    judge, kept = Judge(session, merged), True
     for recipe, check in Nested(plan).checks():
         own = replace(context, sink=Sink())
         if isinstance(check, Unchanged):
             _unchanged(check, recipe, members, plan.separator, judge, own)
         else:
-            _ask(check, recipe, members, session, own)
+            kept = _ask(check, recipe, members, session, own)
         for diagnostic in own.sink.diagnostics:
             context.sink.add(diagnostic)
-        span = locate(recipe.plan.document, (*check.at, check.word), key=True)
-        hear(Outcome(recipe.part + check.name, check.word, span, tuple(own.sink.diagnostics)))
+        hear(
+            Outcome(recipe.part + check.name, check.word, _place(check, recipe), tuple(own.sink.diagnostics))
+        )
+        if not kept:
+            break
+
+
+def _place(check: Check, recipe: Nested) -> Span:
+    return locate(recipe.plan.document, (*check.at, check.word), key=True)
 
 
 def _ask(
     check: Check, recipe: Nested, members: Sequence[Member], session: engine.Session, context: Context
-) -> None:
-    """A check on the compiled model, asked in the process that keeps it."""
-    document = recipe.plan.document
+) -> bool:
+    """A check on the compiled model, asked in the process that keeps it; whether it still does."""
     asked = {**asdict(check), "angle": recipe.plan.angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
     about = f"check `{recipe.part}{check.name}`"
     if check.word == "reachable" and asked["frame"] is None:
@@ -69,22 +76,22 @@ def _ask(
             f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
         )
         help = "move the check to the recipe around it"
-        context.sink.error(
-            "check-failed", message, locate(document, (*check.at, check.word), key=True), help=help
-        )
-        return
+        context.sink.error("check-failed", message, _place(check, recipe), help=help)
+        return True
     question = {"kind": check.word, "asked": asked, "scope": recipe.scope()}
     answer = engine.call(session, ask, [WHOLE], question)
     if not answer.ok:
         code = CRASHES.get(answer.crash or "", "mujoco-crash")
-        span = locate(document, (*check.at, check.word), key=True)
-        context.sink.error(code, f"{about}: {answer.error or answer.crash}", span)
-        return
+        told = [Note("no check behind it was run")] if answer.crash else []
+        message = f"{about}: {answer.error or answer.crash}"
+        context.sink.error(code, message, _place(check, recipe), notes=told)
+        return not answer.crash
     for finding in map(Finding.from_json, answer.value):
         path = (*check.at, check.word, *finding.at)
-        span = locate(document, path, key=not finding.at)
+        span = locate(recipe.plan.document, path, key=not finding.at)
         told = [Note(note) for note in finding.notes]
         context.sink.error(finding.code, f"{about}: {finding.message}", span, notes=told, help=finding.help)
+    return True
 
 
 def _unchanged(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
@@ -11,17 +11,13 @@ from composer.diagnostics.suggest import closest, exists_note
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What does not hold. `at` is the path below the check's kind of what asks for it.
-
-    With `key` the place is the key at the end of that, as in a recipe's own faults.
-    """
+    """What does not hold. `at` is the path below the check's kind of what asks for it."""
 
     message: str
     at: tuple[str | int, ...] = ()
     notes: tuple[str, ...] = ()
     code: str = "check-failed"
     help: str | None = None
-    key: bool = field(default=False)
 
     def to_json(self) -> dict[str, Any]:
         return asdict(self)
