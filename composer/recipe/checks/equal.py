@@ -95,11 +95,13 @@ def _value(keys: Keys, index: int | None) -> tuple[Number, ...] | None:
     if not isinstance(value, list):
         number = _number(keys, value, "value")
         return None if number is None else (number,)
-    if index is not None or not value:
+    if not value:
+        keys.add("wrong-length", f"`value` of {keys.owner} is an empty list", "value")
+        return None
+    if index is not None:
         message = f"`value` of {keys.owner} expects one number, got a list"
-        keys.add(
-            "wrong-type", message, "value", help="without an index, `attr` means all numbers of the attribute"
-        )
+        help = "without an index, `attr` means all numbers of the attribute"
+        keys.add("wrong-type", message, "value", help=help)
         return None
     found = [_number(keys, each, "value", place) for place, each in enumerate(value)]
     return None if None in found else tuple(each for each in found if each is not None)
