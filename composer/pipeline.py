@@ -10,18 +10,17 @@ from composer import engine
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
-from composer.link.dedup import Merged, dedup
+from composer.plan.locked import check_lock
 from composer.plan.make import Given, plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
 from composer.steps.load import Library
 from composer.steps.measure import measure_with
-from composer.verify.checks import Hear, run_checks, unheard
-from composer.verify.judged import judge
-from composer.verify.parts import WHOLE
 
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session
+    from composer.link.dedup import Merged
+    from composer.verify.outcome import Hear
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +45,7 @@ def build(
     given: Given | None = None,
     name: str | None = None,
     library: Library | None = None,
-    hear: Hear = unheard,
+    hear: Hear | None = None,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
@@ -62,19 +61,40 @@ def build(
             )  # fmt: skip
     if (plan := plan_what_remains(recipe, context, given, name)) is None:
         return None
+    check_lock(plan, context)
     composer = Composer(context, measure_with(context, session=session), session, library=library)
     if (composed := composer.compose(plan)) is None:
         return None
     merged: Merged = {}
     if deduplicated:
+        from composer.link.dedup import dedup
+
         merged, files = dedup(composed.model, composed.files, plan.prefixes)
         composed = replace(composed, files=files)
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
-    compiled = judge(bundle, composed.model, context, session, keep=WHOLE) if verified else None
-    if compiled is not None:
-        run_checks(plan, composed.members, session, context, merged, hear)
+    compiled = _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
     if context.sink.has_errors:
         return None
     bundle = described(bundle, plan, composed.members, compiled, context, merged)
     return Built(plan, composed, bundle, compiled, merged)
+
+
+def _verified(
+    plan: Plan,
+    composed: Composed,
+    bundle: Bundle,
+    context: Context,
+    session: Session,
+    merged: Merged,
+    hear: Hear | None,
+) -> Compiled | None:
+    """MuJoCo's verdict, and the recipe's checks."""
+    from composer.verify.checks import run_checks  # a build without verification has no use for that room
+    from composer.verify.judged import judge
+    from composer.verify.parts import WHOLE
+
+    compiled = judge(bundle, composed.model, context, session, keep=WHOLE)
+    if compiled is not None:
+        run_checks(plan, composed.members, session, context, merged, hear)
+    return compiled

@@ -11,7 +11,7 @@ from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
 from composer.bundle.licences import licence_files, licence_folder
 from composer.bundle.manifest import Input, Manifest, Part, Recipe, files_of, index_of, with_manifest
-from composer.context import Context
+from composer.context import Context, as_text
 from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
@@ -56,7 +56,7 @@ def described(
         description=plan.description,
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
-        recipe=Recipe(path=plan.path.name, sha256=_sha256(plan.path)),
+        recipe=Recipe(path=as_text(plan.path.name), sha256=_sha256(plan.path)),
         inputs=tuple(_input(label, source, bundle, folder) for label, source in sources(plan)),
         parts=tuple(_part(member, number) for number, member in enumerate(members)),
         files=files_of(bundle),
@@ -80,7 +80,7 @@ def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:
 def _input(label: str, source: Source, bundle: Bundle, folder: Path) -> Input:
     start = licence_folder(label) + "/"
     return Input(
-        path=_portable(source, folder),
+        path=as_text(_portable(source, folder)),
         reference=source.reference,
         kind=source.kind,
         sha256=_sha256(source.path),
@@ -109,6 +109,8 @@ def _part(member: Member, number: int) -> Part:
 
 def _portable(source: Source, folder: Path) -> str:
     """The path of a source as any machine may say it."""
+    if source.origin is not None:
+        folder = source.origin.root
     try:
         return source.path.resolve().relative_to(folder.resolve()).as_posix()
     except ValueError:

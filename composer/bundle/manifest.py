@@ -23,7 +23,7 @@ SCHEMA_FILE = Path(__file__).resolve().parents[2] / "schemas" / "manifest.schema
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 class Recipe(_Part):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from composer.cli.choices import choice_options, chosen_values
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
+@fetching_options
 @reporting_options
 def command(
     recipe: Path,
@@ -57,7 +59,7 @@ def command(
     from composer.engine import Limits, Session
 
     form = "json" if as_json else form
-    context = Context()
+    context = Context(fetching=fetching())
     given = chosen_values(sets, set_files, variants, context)
     try:
         kind = kind_of_output(out, many=every or len(picks) > 1)
@@ -66,7 +68,7 @@ def command(
     if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    wanted = Wanted(out or "build/{name}.zip", kind, not no_verify, dedup, form)
+    wanted = Wanted("build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form)
     with Session(Limits(seconds=timeout)) as session:
         if every or picks:
             from composer.cli.build_cells import build_cells
@@ -144,9 +146,12 @@ def _file_name(name: str) -> str:
 
 
 def _write(built: Built, out: str, kind: Form, context: Context, session: Session) -> None:
+    from composer.bundle.overwriting import check_is_no_source
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
 
+    if out != "-":
+        check_is_no_source(context.folder / out, built.plan, built.composed.model, built.composed.files)
     if kind is Form.TEXT:
         text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
         if text is not None and sys.stdout is not None:
@@ -173,15 +178,15 @@ def say(built: Built, out: str, form: str) -> None:
         return
     click.echo(f"wrote {out}")
     if sizes:
-        click.echo(
-            f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, "
-            f"{sizes['nbody']} bodies, {sizes['nsensor']} sensors, {sizes['nkey']} keyframes"
-        )
+        counted = ", ".join(_count(*each) for each in (
+            (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
+        ))  # fmt: skip
+        click.echo(f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
     else:
         click.echo("  not verified: MuJoCo has not compiled it")
     if built.merged:
         click.echo(_merging(built))
-    click.echo(f"  sha256 {built.bundle.sha256}")
+    click.echo(f"  contents sha256 {built.bundle.sha256}")
 
 
 def _merging(built: Built) -> str:
@@ -190,3 +195,7 @@ def _merging(built: Built) -> str:
         f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in built.merged.items()
     )
     return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
+
+
+def _count(number: int, noun: str, plural: str | None = None) -> str:
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"

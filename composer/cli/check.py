@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from composer.cli.choices import choice_options, chosen_values
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.junit import junit_option, suite_of, write_junit
 from composer.cli.reporting import FINDINGS, progress, report, reporting_options
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 @choice_options
 @click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo, nor run their checks.")
 @junit_option
+@fetching_options
 @reporting_options
 def command(
     recipes: tuple[Path, ...],
@@ -43,7 +45,7 @@ def command(
     wrong = False
     suites = []
     for recipe in recipes:
-        context = Context()
+        context = Context(fetching=fetching())
         given = chosen_values(sets, set_files, variants, context)
         progress(f"checking {recipe}")
         outcomes: list[Outcome] = []

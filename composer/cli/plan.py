@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from composer.cli.choices import choice_options, chosen_values
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, report, reporting_options
 
 
@@ -18,6 +19,7 @@ from composer.cli.reporting import FINDINGS, report, reporting_options
 @click.option(
     "--expanded", is_flag=True, help="Print the concrete recipe, with the file and line of every value."
 )
+@fetching_options
 @reporting_options
 def command(
     recipe: Path,
@@ -37,7 +39,7 @@ def command(
     from composer.plan.make import make_plan
 
     form = "json" if as_json else form
-    context = Context()
+    context = Context(fetching=fetching())
     given = chosen_values(sets, set_files, variants, context)
     plan = make_plan(recipe, context, given)
     cells = cells_of(recipe, context) if plan is not None else []

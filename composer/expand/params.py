@@ -12,7 +12,7 @@ from composer.document.node import Key, Mapping, Node, Scalar
 from composer.expand.name import is_usable
 from composer.expand.parameter import TYPES, Parameter, Refusal, inferred
 from composer.expand.plain import plain
-from composer.expr.template import is_template
+from composer.expr.opening import is_template
 from composer.expr.value import Value
 
 KEYS = ("type", "default", "min", "max", "choices", "length", "unit", "doc")

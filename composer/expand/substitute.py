@@ -10,9 +10,8 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.expand.plain import node_of
-from composer.expr.error import ExpressionError
-from composer.expr.evaluate import UnknownName
-from composer.expr.template import Template, is_template
+from composer.expr.error import ExpressionError, UnknownName
+from composer.expr.opening import is_template
 from composer.expr.value import Value, shown
 
 if TYPE_CHECKING:
@@ -53,6 +52,8 @@ class Substitution:
     def _scalar(self, node: Scalar) -> Node | None:
         if not isinstance(node.value, str) or not is_template(node.value):
             return node
+        from composer.expr.template import Template  # most recipes have no expression
+
         try:
             template = Template.parse(node.value)
             value = template.value(self.scope)

@@ -12,7 +12,7 @@ from composer.expand.plain import plain, same
 from composer.expand.substitute import tell
 from composer.expand.variants import Axes
 from composer.expr.error import ExpressionError
-from composer.expr.template import Template, is_template
+from composer.expr.opening import is_template
 from composer.expr.value import Value
 
 WHEN = "when"
@@ -79,6 +79,8 @@ class Condition:
         return True
 
     def _true(self, node: Scalar) -> bool:
+        from composer.expr.template import Template  # most recipes have no expression
+
         try:
             value = Template.parse(str(node.value)).value(self.scope)
         except ExpressionError as error:

@@ -8,13 +8,17 @@ from collections.abc import Mapping as Map
 from dataclasses import replace
 from pathlib import Path
 
-from composer.context import Context
+from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import Mapping, Node, find, locate
 from composer.expand.expand import Concrete, expand
-from composer.plan.member import parts_of
+from composer.plan.copies import copies
+from composer.plan.locked import use_lock
+from composer.plan.order import in_order
+from composer.plan.parts import called, parts_of
 from composer.plan.plan import (
     AddElement,
     AppendElement,
@@ -24,12 +28,14 @@ from composer.plan.plan import (
     SetDefault,
     SetSingleton,
     Step,
+    WriteKeyframe,
 )
 from composer.plan.read import folder_of, read_recipe
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.checks.unchanged import Unchanged
 from composer.recipe.element import Element
+from composer.recipe.keyframe import FROM
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
 from composer.sources.error import SourceError
@@ -54,6 +60,8 @@ def plan_what_remains(
 
     `name` is that of a cell of the matrix; without it, the recipe's own.
     """
+    if use_lock(recipe, context) is None:
+        return None
     return _Planner(context).plan(context.folder / recipe, (), given=given or {}, name=name)
 
 
@@ -88,12 +96,12 @@ class _Planner:
         recipe, document, concrete = read
         inside = (*outer, (key, span))
         base = self._base(recipe, document, inside)
-        parts = self._without_rings(tuple(self._parts(recipe, document, inside)))
+        parts = self._without_rings(tuple(self._parts(recipe, document, inside)), recipe.separator)
         if base is None:
             return None
         steps = tuple(_steps(recipe, document))
         plan = Plan(
-            name=name or recipe.name or path.stem,
+            name=name or recipe.name or as_text(path.stem),
             description=recipe.description,
             path=path,
             file=self.context.shown(path),
@@ -110,6 +118,7 @@ class _Planner:
             checks=recipe.check,
         )
         self._checks(plan)
+        _check_sources(plan, self.sink)
         return plan
 
     def _checks(self, plan: Plan) -> None:
@@ -151,26 +160,30 @@ class _Planner:
         self, recipe: Recipe, document: Mapping, inside: tuple[tuple[Path, Span | None], ...]
     ) -> Iterator[AttachPart]:
         taken: dict[str, Span] = {}
-        for key, attachment in recipe.attach.items():
+        for key in in_order(recipe.attach, document, self.sink):
+            attachment = recipe.attach[key]
             at = ("attach", key)
             span = locate(document, at, key=True)
-            own = key if attachment.prefix is None else attachment.prefix
-            prefix = own + recipe.separator if own else ""
-            if prefix and prefix in taken:
+            name = key if attachment.prefix is None else attachment.prefix
+            numbered = [(name + suffix, copy) for suffix, copy in copies(attachment.replicate)]
+            prefixes = {own + recipe.separator if own else "": copy for own, copy in numbered}
+            clash = next((prefix for prefix in prefixes if prefix and prefix in taken), None)
+            if clash is not None:
                 self.sink.error(
                     "name-clash",
-                    f"two parts have the prefix `{prefix}`",
-                    locate(document, (*at, "prefix")),
-                    notes=(Note("the other part", taken[prefix]),),
+                    f"two parts have the prefix `{clash}`",
+                    span if attachment.prefix is None else locate(document, (*at, "prefix")),
+                    notes=(Note("the other part", taken[clash]),),
                     help="give one of them another key, or another `prefix`",
                 )
                 continue
-            taken[prefix] = span
+            taken.update(dict.fromkeys(prefixes, span))
             model = self._model(attachment, at, document, inside, recipe)
             if model is None:
-                self.sink.forgive([own])
+                self.sink.forgive(own for own, _ in numbered)
             else:
-                yield AttachPart(prefix, model, attachment, at, span)
+                for prefix, copy in prefixes.items():
+                    yield AttachPart(prefix, model, attachment, at, span, copy)
 
     def _model(
         self,
@@ -184,7 +197,12 @@ class _Planner:
         span = locate(document, (*at, "model"))
         folder = folder_of(span, self.context)
         try:
-            source = resolve(asked.model, relative_to=folder, environment=self.context.environment)
+            source = resolve(
+                asked.model,
+                relative_to=folder,
+                environment=self.context.environment,
+                fetching=self.context.fetching,
+            )
         except SourceError as error:
             notes = tuple(Note(note) for note in error.notes)
             self.sink.error(error.code, error.message, span, notes=notes, help=error.help)
@@ -240,7 +258,7 @@ class _Planner:
                 )
             yield name, folder
 
-    def _without_rings(self, parts: tuple[AttachPart, ...]) -> tuple[AttachPart, ...]:
+    def _without_rings(self, parts: tuple[AttachPart, ...], separator: str) -> tuple[AttachPart, ...]:
         """Tell parts that hang on one another in a ring, which hang on nothing; the others remain."""
         hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
         told: set[str] = set()
@@ -259,7 +277,7 @@ class _Planner:
                     help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
                 )
         if told:
-            self.sink.forgive(str(part.at[-1]) for part in parts if part.prefix in told)
+            self.sink.forgive(called(part, separator) for part in parts if part.prefix in told)
         return tuple(part for part in parts if part.prefix not in told)
 
 
@@ -292,6 +310,31 @@ def _steps(recipe: Recipe, document: Mapping) -> Iterator[Step]:
     for section in _SECTIONS:
         for element in getattr(recipe, section):
             yield AppendElement(section, element, locate(document, element.at, key=True))
+    for key in recipe.keyframe:
+        yield WriteKeyframe(key, locate(document, key.at, key=True))
+
+
+def _check_sources(plan: Plan, sink: Sink) -> None:
+    """Tell parts that keys are to be made of and that are not there."""
+    parts = list(parts_of(plan))
+    for step in plan.keyframes:
+        for part in step.key.sources:
+            if parts.count(part) > 1:
+                sink.error(
+                    "name-clash",
+                    f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    help="give the one without a prefix another key",
+                )
+            elif part not in parts:
+                near = closest(part, parts)
+                sink.error(
+                    "unknown-name",
+                    f"there is no part `{part}` to take a key from",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    notes=(exists_note("part", parts, part),),
+                    help=f"did you mean `{near[0]}`?" if near else None,
+                )
 
 
 def _settled(steps: tuple[Step, ...]) -> Iterator[str]:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from composer.plan.plan import AttachPart, Plan
 from composer.pose import Pose
 from composer.sources.source import Source
 
-BASE = "base"
 IN_PLACE = Pose()
 
 
@@ -40,21 +38,6 @@ class Member:
     def called(self) -> str:
         """What messages call it."""
         return self.prefix or self.part
-
-
-def called(part: AttachPart, separator: str) -> str:
-    """What a recipe calls a part of its own: its prefix, or its key where it has none."""
-    return part.prefix.removesuffix(separator) or str(part.at[-1])
-
-
-def parts_of(plan: Plan) -> Iterator[str]:
-    """What can be called a part in a recipe, the base and parts of parts included."""
-    pieces = [(BASE, plan.base.model), *((called(part, plan.separator), part.model) for part in plan.parts)]
-    for name, model in pieces:
-        if model is not None:
-            yield name
-        if isinstance(model, Plan):
-            yield from (f"{name}{plan.separator}{inner}" for inner in parts_of(model))
 
 
 def of_part(members: Iterable[Member], part: str | None, separator: str) -> list[Member]:

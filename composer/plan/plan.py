@@ -13,6 +13,7 @@ from composer.expr.value import Value
 from composer.recipe.attach import Attachment
 from composer.recipe.checks.kind import Check
 from composer.recipe.element import Element
+from composer.recipe.keyframe import Keyframe
 from composer.sources.source import Source
 
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -30,13 +31,17 @@ class LoadBase:
 
 @dataclass(frozen=True, slots=True)
 class AttachPart:
-    """Hang a model on a place, its names under `prefix` (separator included)."""
+    """Hang a model on a place, its names under `prefix` (separator included).
+
+    `copy` has its number on each axis of `replicate`, from 0.
+    """
 
     prefix: str
     model: Source | Plan
     attachment: Attachment
     at: tuple[str | int, ...]
     span: Span
+    copy: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +83,15 @@ class AppendElement:
     span: Span
 
 
-Step = LoadBase | AttachPart | AddElement | SetSingleton | SetDefault | AppendElement
+@dataclass(frozen=True, slots=True)
+class WriteKeyframe:
+    """Write a key by the names of joints, actuators and mocap bodies, in place of one of that name."""
+
+    key: Keyframe
+    span: Span
+
+
+Step = LoadBase | AttachPart | AddElement | SetSingleton | SetDefault | AppendElement | WriteKeyframe
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +114,15 @@ class Plan:
     checks: tuple[Check, ...] = ()
     scope: Mapping[str, Value] = field(default_factory=dict)
     """The parameters of the recipe and the chosen variants, by name."""
+
+    @property
+    def keyframes(self) -> tuple[WriteKeyframe, ...]:
+        return tuple(step for step in self.steps if isinstance(step, WriteKeyframe))
+
+    @property
+    def asked(self) -> frozenset[str]:
+        """The parts, by path, of whose keys keys are made."""
+        return frozenset(part for step in self.keyframes for part in step.key.sources)
 
     @property
     def takes_subtrees(self) -> bool:

@@ -62,7 +62,9 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         )
         return None
     try:
-        source = resolve(named.value, relative_to=path.parent, environment=context.environment)
+        source = resolve(
+            named.value, relative_to=path.parent, environment=context.environment, fetching=context.fetching
+        )
     except SourceError as error:
         notes = tuple(Note(note) for note in error.notes)
         sink.error(error.code, error.message, named.span, notes=notes, help=error.help)
@@ -129,10 +131,15 @@ def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> Non
     recipes = [each for each in model_files(folder, 1) if each.endswith((".yaml", ".yml"))]
     if path.is_dir():
         notes = [exists_note("recipe", recipes)]
-        context.sink.error("file-unreadable", f"`{shown}` is a folder, not a recipe", notes=notes)
+        help: str | None = "name a file in it; `mjcompose new` writes a recipe to begin with"
+        if len(recipes) == 1:
+            help = f"did you mean `{context.shown(folder / recipes[0])}`?"
+        context.sink.error("file-unreadable", f"`{shown}` is a folder, not a recipe", notes=notes, help=help)
     elif isinstance(error, FileNotFoundError):
         near = nearest(path.name, recipes)
         help = f"did you mean `{context.shown(folder / near)}`?" if near else None
+        if not recipes:
+            help = f"`mjcompose new {shown}` writes a recipe to begin with"
         notes = [exists_note("recipe", recipes)] if recipes else []
         context.sink.error("file-not-found", f"there is no recipe `{shown}`", notes=notes, help=help)
     else:

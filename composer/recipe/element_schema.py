@@ -12,9 +12,11 @@ from collections.abc import Callable, Iterable, Sequence
 from composer.grammar import GRAMMAR
 from composer.grammar.element import Constraint, ElementType
 from composer.recipe.attribute_schema import attribute_schema, shared
+from composer.recipe.keyframe import FROM, TIME, VECTORS, WIDTHS
 from composer.recipe.reader import CONFIG, FRAGMENT
 from composer.recipe.recipe import SETTABLE
 from composer.recipe.reference import Schema, reference
+from composer.recipe.replicate import ATTRIBUTES, COUNT
 from composer.recipe.tendon import MARKS, PATH
 from composer.recipe.typed import TYPE
 
@@ -38,6 +40,13 @@ def attribute(path: str, name: str) -> Schema:
 def additions() -> Schema:
     """The list `add`."""
     return {"type": "array", "items": reference("addition")}
+
+
+def axes() -> Schema:
+    """The list `replicate`."""
+    kind = GRAMMAR.element("replicate")
+    axis = _object({name: attribute_schema(kind.attributes[name]) for name in ATTRIBUTES})
+    return {"type": "array", "minItems": 1, "items": {**axis, "required": [COUNT]}}
 
 
 def joint(words: Sequence[str], types: Sequence[str]) -> Schema:
@@ -77,6 +86,22 @@ def _extension(tag: str) -> Schema:
     kind = GRAMMAR.section(tag).children["plugin"]
     instances = {"instance": _named_map(reference(f"named:{kind.children['instance'].path}"))}
     return _object({"plugin": _named_map(_element(kind, keyed=("plugin",), properties=instances))})
+
+
+def _keyframes(tag: str) -> Schema:
+    key = GRAMMAR.section(tag).children["key"]
+    sources = {
+        **_named_map({"type": "string", "minLength": 1}),
+        "description": "a key of each part to start from, by the path of the part: `base`, `left`, `left/gripper`",
+    }
+    entries = {
+        vector: {
+            **_named_map(reference(f"number-{WIDTHS[vector]}" if vector in WIDTHS else "number-1-")),
+            "description": f"{key.attributes[vector].doc}: a mapping by {named}",
+        }
+        for vector, named in VECTORS.items()
+    }
+    return _named_map(_object({FROM: sources, TIME: attribute_schema(key.attributes[TIME]), **entries}))
 
 
 def _singleton(tag: str) -> Schema:
@@ -177,6 +202,7 @@ _FORMS: dict[str, Callable[[str], Schema]] = {
     "lists": _lists,
     "extension": _extension,
     "singleton": _singleton,
+    "keyframes": _keyframes,
     "defaults": lambda _: _named_map(reference("class")),
 }
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from composer.document.node import Node, Scalar, Sequence
-from composer.expr.template import is_template
+from composer.expr.opening import is_template
 from composer.recipe.fault import Fault, Path
+from composer.recipe.indentation import fallen_out
 from composer.recipe.unsupported import is_unsupported
 
 
@@ -48,8 +49,13 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     if isinstance(node, Sequence):
         return [_raw(item, (*at, index), faults) for index, item in enumerate(node.items)]
     mapping = Placed(at)
+    fallen = fallen_out(node, at)
+    if fallen is not None:
+        faults.append(fallen[0])
     for name, (_, value) in node.entries.items():
         path = (*at, name)
+        if fallen is not None and name in fallen[1]:
+            continue
         if is_unsupported(path):
             faults.append(_unsupported(path))
             mapping.cut = True

@@ -6,9 +6,9 @@ from composer.recipe.fault import Path
 
 # The keys by the kind of mapping that they stand in. One that works is taken out here.
 UNSUPPORTED: dict[str, frozenset[str]] = {
-    "recipe": frozenset("edit randomize keyframe".split()),
+    "recipe": frozenset("edit randomize".split()),
     "base": frozenset("drop edit".split()),
-    "attach": frozenset("drop edit replicate before after".split()),
+    "attach": frozenset("drop edit".split()),
 }
 
 

@@ -21,13 +21,14 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
-from composer.link.subtree import Subtree
 from composer.plan.member import Member
+from composer.plan.parts import BASE
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
 from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
+from composer.steps.keyframe import write_keyframes
 from composer.steps.load import Library, Loader
 from composer.steps.loose_ends import check_names
 from composer.steps.members import Hung, hung, placed
@@ -40,6 +41,7 @@ from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
     from composer.engine import Session
+    from composer.link.subtree import Subtree
 
 Result = TypeVar("Result")
 
@@ -133,7 +135,7 @@ class Composer:
         """The parts hung on the base, and the recipe's own elements in it."""
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
-        if plan.base.keyframes == "none":
+        if plan.base.keyframes == "none" and BASE not in plan.asked:
             for section in list(base.root.iterchildren("keyframe")):
                 base.root.remove(section)
         self.watch([base, *units], plan)
@@ -146,6 +148,7 @@ class Composer:
         linking = Linking(
             base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
             isolate_base=frozenset(_top_tags(plan)),
+            base_keyframes=plan.base.keyframes, asked=plan.asked if plan.keyframes else None,
             measure=self.measure, watch=self.watch,
         )  # fmt: skip
         self.watch(linking.units, linking)
@@ -155,6 +158,7 @@ class Composer:
         if not link(linking):
             return None
         _carry_out(plan, linking, making)
+        write_keyframes(plan, linking, making)
         if self.context.sink.error_count > before:
             return None
         finish(linking)
@@ -164,7 +168,15 @@ class Composer:
         )
         if self.context.sink.error_count > before:
             return None
-        flat = Unit(base.root, base.file, base.directory, base.label, _contents(linking.files), base.origins)
+        flat = Unit(
+            base.root,
+            base.file,
+            base.directory,
+            base.label,
+            _contents(linking.files),
+            base.origins,
+            base.part_keys,
+        )
         return Composed(flat, tuple(linking.files))
 
     def _anew(self, plan: Plan) -> Iterator[Unit]:

@@ -213,8 +213,11 @@ def joint_attributes(element: Element, making: Making) -> dict[str, str]:
     return {str(name): str(value) for name, value in node.items()}
 
 
-def in_radians(value: object, making: Making) -> float:
-    return _in(value, making, "radian", numbers.orientation_radians)
+def in_radians(
+    value: object, making: Making, radians: Callable[[float], float] = numbers.orientation_radians
+) -> float:
+    """An angle in radians; `radians` turns one in degrees as MuJoCo does there."""
+    return _in(value, making, "radian", radians)
 
 
 def _turned(value: object, making: Making, radians: Callable[[float], float]) -> float:

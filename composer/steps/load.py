@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from composer.context import Context
 from composer.diagnostics.span import Span
 from composer.sources.source import Source
-from composer.steps.urdf import urdf_unit
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
@@ -68,6 +67,8 @@ class Loader:
 
     def _new(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
         if model.format == "urdf":
+            from composer.steps.urdf import urdf_unit  # few recipes need it
+
             return urdf_unit(model, self.context, self.session, span, stands=stands)
         return parse_file(model.path, self.context.sink, file=self.context.shown(model.path), span=span)
 

@@ -16,9 +16,6 @@ from composer.tree.files import file_attributes, is_absolute, written_path
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
-from composer.verify.compiles import CRASHES, parse
-from composer.verify.judged import tell
-from composer.verify.told import told
 
 _SIZES = ("nq", "nv")
 
@@ -79,9 +76,18 @@ def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
 
 
 def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
+    from composer.verify.compiles import (  # most units are not measured, fewer rejected
+        CRASHES,
+        crash_help,
+        parse,
+    )
+    from composer.verify.judged import tell
+    from composer.verify.told import told
+
     if compiled.crash is not None:
         code = CRASHES.get(compiled.crash, "mujoco-crash")
-        context.sink.error(code, f"`{unit.file}` by itself: {compiled.error or compiled.crash}")
+        message = f"`{unit.file}` by itself: {compiled.error or compiled.crash}"
+        context.sink.error(code, message, help=crash_help(code))
         return
     fault = parse(compiled.error or "")
     element = None if fault.line is None else element_at(unit.root, text, fault.line)

@@ -9,7 +9,8 @@ from lxml.etree import _Element as Node
 
 from composer.link.linking import Part
 from composer.link.placing import read_pose
-from composer.plan.member import BASE, IN_PLACE, Member, called, of_part
+from composer.plan.member import IN_PLACE, Member, of_part
+from composer.plan.parts import BASE, called
 from composer.plan.plan import Plan, SetDefault, SetSingleton
 from composer.pose import Pose
 from composer.recipe.checks.unchanged import Unchanged

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 
 from composer import engine
@@ -22,15 +22,9 @@ from composer.verify.excuses import arrays_of
 from composer.verify.kinds.ask import ask
 from composer.verify.kinds.finding import Finding
 from composer.verify.nested import Nested
-from composer.verify.outcome import Outcome
+from composer.verify.outcome import Hear, Outcome
 from composer.verify.parts import WHOLE, Compared, Judge
 from composer.verify.report import causes, changed, notes
-
-Hear = Callable[[Outcome], None]
-
-
-def unheard(outcome: Outcome) -> None:
-    """For who only wants to know what does not hold, which goes to the sink."""
 
 
 def run_checks(
@@ -39,7 +33,7 @@ def run_checks(
     session: engine.Session,
     context: Context,
     merged: Merged,
-    hear: Hear = unheard,
+    hear: Hear | None = None,
 ) -> None:
     """Run every check on the model that the session keeps; what does not hold goes to the sink.
 
@@ -54,9 +48,9 @@ def run_checks(
             kept = _ask(check, recipe, members, session, own)
         for diagnostic in own.sink.diagnostics:
             context.sink.add(diagnostic)
-        hear(
-            Outcome(recipe.part + check.name, check.word, _place(check, recipe), tuple(own.sink.diagnostics))
-        )
+        if hear is not None:
+            told = tuple(own.sink.diagnostics)
+            hear(Outcome(recipe.part + check.name, check.word, _place(check, recipe), told))
         if not kept:
             break
 

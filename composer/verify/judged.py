@@ -12,7 +12,7 @@ from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
-from composer.verify.compiles import Fault, verify
+from composer.verify.compiles import Fault, crash_help, verify
 from composer.verify.told import Told, told, unknown_attribute
 from composer.verify.unread import unread
 
@@ -43,7 +43,7 @@ def judge(
         fault = verified.error
         message = _with_sources(fault.message, model, context)
         if verified.crash:
-            context.sink.error(verified.code, message)
+            context.sink.error(verified.code, message, help=crash_help(verified.code))
         else:
             element = _element(fault, bundle, model)
             tell(told(message, element), element, model, context)

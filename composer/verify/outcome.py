@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from composer.diagnostics.diagnostic import Diagnostic
@@ -20,3 +21,7 @@ class Outcome:
     @property
     def holds(self) -> bool:
         return not self.told
+
+
+Hear = Callable[[Outcome], None]
+"""Who is told of each check that ran."""

@@ -57,6 +57,7 @@ def test_robots_side_by_side(pair: Composition) -> None:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+@pytest.mark.mujoco4("the corpus was measured with MuJoCo 4")
 def test_feature_case(case: Composition) -> None:
     verdict = judge(case)
     assert verdict.fine, "\n".join(verdict.first_differences)

@@ -25,7 +25,7 @@ RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
 CASES = sorted(Path(__file__).parent.joinpath("errors").iterdir())
 
 # What a schema cannot see: how an angle is written, characters that XML cannot hold, what is in a fragment.
-UNSEEN = {"bare_angle", "bare_angle_of_joint", "unprintable", "expression"}
+UNSEEN = {"bare_angle", "bare_angle_of_joint", "no_orientation", "unprintable", "expression"}
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +90,8 @@ def test_refuses_wrong_recipe(validator: Any, case: Path) -> None:
         "{recipe: 1, sensor: {a: {xml: <clock/>}}}",
         "{recipe: 1, base: {model: a.xml, keyframes: none}}",
         "{recipe: 1, attach: {a: {model: m, prefix: '', joint: [{name: x, type: slide}]}}}",
+        "{recipe: 1, attach: {a: {model: m, before: b, replicate: [{count: 2}, {count: '${n}', euler: [0, 0, 9deg]}]}}}",
+        "{recipe: 1, keyframe: {a: {}, b: {time: 1, from: {base: home}, qpos: {x: 90deg, y: [1, 2]}, mpos: {z: [1, 2, 3]}}}}",
     ],
 )
 def test_accepts(validator: Any, text: str) -> None:
@@ -114,6 +116,12 @@ def test_accepts(validator: Any, text: str) -> None:
         "{recipe: 1, attach: {base: {model: m}}}",
         "{recipe: 1, attach: {a: {model: m, joint: hinge}}}",
         "{recipe: 1, compiler: {angle: degree}}",
+        "{recipe: 1, keyframe: {a: {qpos: [1, 2]}}}",
+        "{recipe: 1, keyframe: {a: {from: home}}}",
+        "{recipe: 1, keyframe: {a: {mpos: {x: [1, 2]}}}}",
+        "{recipe: 1, keyframe: {a: {plastic: {x: 1}}}}",
+        "{recipe: 1, attach: {a: {model: m, replicate: [{offset: [1, 0, 0]}]}}}",
+        "{recipe: 1, attach: {a: {model: m, replicate: [{count: 2, sep: _}]}}}",
         "{recipe: 1, tendon: {a: {type: spatial, path: [{joint: j, coef: 1}]}}}",
     ],
 )
