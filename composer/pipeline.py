@@ -20,6 +20,7 @@ from composer.steps.measure import measure_with
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session
     from composer.link.dedup import Merged
+    from composer.verify.outcome import Hear
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +45,19 @@ def build(
     given: Given | None = None,
     name: str | None = None,
     library: Library | None = None,
+    hear: Hear | None = None,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
     `given` are values of parameters and variants, `name` that of a cell of the matrix; `library` has source files that
-    were read before. All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends
-    with the build.
+    were read before; `hear` is told what came of each check. All that MuJoCo does is done in one process: that of
+    `session`, or one with `limits` that ends with the build.
     """
     if session is None:
         with engine.Session(limits) as own:
             return build(
                 recipe, context, verified=verified, deduplicated=deduplicated, session=own,
-                given=given, name=name, library=library,
+                given=given, name=name, library=library, hear=hear,
             )  # fmt: skip
     if (plan := plan_what_remains(recipe, context, given, name)) is None:
         return None
@@ -71,7 +73,7 @@ def build(
         composed = replace(composed, files=files)
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
-    compiled = _verified(plan, composed, bundle, context, session, merged) if verified else None
+    compiled = _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
     if context.sink.has_errors:
         return None
     bundle = described(bundle, plan, composed.members, compiled, context, merged)
@@ -79,7 +81,13 @@ def build(
 
 
 def _verified(
-    plan: Plan, composed: Composed, bundle: Bundle, context: Context, session: Session, merged: Merged
+    plan: Plan,
+    composed: Composed,
+    bundle: Bundle,
+    context: Context,
+    session: Session,
+    merged: Merged,
+    hear: Hear | None,
 ) -> Compiled | None:
     """MuJoCo's verdict, and the recipe's checks."""
     from composer.verify.checks import run_checks  # a build without verification has no use for that room
@@ -88,5 +96,5 @@ def _verified(
 
     compiled = judge(bundle, composed.model, context, session, keep=WHOLE)
     if compiled is not None:
-        run_checks(plan, composed.members, session, context, merged)
+        run_checks(plan, composed.members, session, context, merged, hear)
     return compiled

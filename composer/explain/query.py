@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest
-from composer.explain.glob import is_glob, matcher
 from composer.grammar import GRAMMAR, ElementType
 from composer.mjcf.kinds import kind_of, naming_attribute, query, tags_of
+from composer.tree.glob import is_glob, matcher
 from composer.tree.names import WORLD
 
 if TYPE_CHECKING:

@@ -33,6 +33,7 @@ from composer.plan.plan import (
 from composer.plan.read import folder_of, read_recipe
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
+from composer.recipe.checks.unchanged import Unchanged
 from composer.recipe.element import Element
 from composer.recipe.keyframe import FROM
 from composer.recipe.recipe import Recipe
@@ -124,7 +125,7 @@ class _Planner:
         """What a check is about must be a part."""
         parts = list(parts_of(plan))
         for check in plan.checks:
-            if check.part is None or check.part in parts:
+            if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
                 continue
             near = closest(check.part, parts)
             self.sink.error(

@@ -11,7 +11,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.expr.value import Value
 from composer.recipe.attach import Attachment
-from composer.recipe.check import Unchanged
+from composer.recipe.checks.kind import Check
 from composer.recipe.element import Element
 from composer.recipe.keyframe import Keyframe
 from composer.sources.source import Source
@@ -111,7 +111,7 @@ class Plan:
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
-    checks: tuple[Unchanged, ...] = ()
+    checks: tuple[Check, ...] = ()
     scope: Mapping[str, Value] = field(default_factory=dict)
     """The parameters of the recipe and the chosen variants, by name."""
 

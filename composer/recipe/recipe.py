@@ -13,7 +13,8 @@ from composer.recipe.add import Addition, Additions
 from composer.recipe.attach import Attachment, Prefixes
 from composer.recipe.base import Base
 from composer.recipe.by_tag import ByTag, Lists
-from composer.recipe.check import Checks, Unchanged
+from composer.recipe.check import Checks
+from composer.recipe.checks.kind import Check
 from composer.recipe.default_class import DefaultClass, Defaults
 from composer.recipe.element import Element
 from composer.recipe.extension import Extension
@@ -124,5 +125,5 @@ class Recipe(Model):
     """Flexes and skins: by tag, a mapping from their names."""
     keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
-    check: Annotated[tuple[Unchanged, ...], Checks()] = ()
+    check: Annotated[tuple[Check, ...], Checks()] = ()
     """What must hold of the model: a mapping from a name to a check."""

@@ -9,7 +9,6 @@ UNSUPPORTED: dict[str, frozenset[str]] = {
     "recipe": frozenset("edit randomize".split()),
     "base": frozenset("drop edit".split()),
     "attach": frozenset("drop edit".split()),
-    "check": frozenset("size mass exists stable no_penetration reachable equal".split()),
 }
 
 
@@ -27,4 +26,4 @@ def _kind(path: Path) -> str:
     section, depth = path[0], len(path)
     if depth == 1:
         return "recipe"
-    return str(section) if (section, depth) in (("base", 2), ("attach", 3), ("check", 3)) else ""
+    return str(section) if (section, depth) in (("base", 2), ("attach", 3)) else ""

@@ -82,6 +82,7 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     definitions["addition"]["maxProperties"] += 2
     for name in _SINGLETONS:
         _into(properties[name], "when", _WHEN)
+    _into(properties["check"]["additionalProperties"], "when", _WHEN)
     pieces = {
         name: {"description": each.get("description", ""), "$ref": f"#/properties/{name}"}
         for name, each in properties.items()

@@ -13,6 +13,7 @@ from composer.plan.member import IN_PLACE, Member, of_part
 from composer.plan.parts import BASE, called
 from composer.plan.plan import Plan, SetDefault, SetSingleton
 from composer.pose import Pose
+from composer.recipe.checks.unchanged import Unchanged
 from composer.steps.subtree import Wanted
 from composer.tree.classes import MAIN
 from composer.tree.settings import read_settings
@@ -117,6 +118,8 @@ def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
                 reason = f"the recipe sets `compiler.{name}`, which takes elements away"
                 found = [Hung(replace(each.member, obscure=reason), each.content) for each in found]
     for check in plan.checks:
+        if not isinstance(check, Unchanged):
+            continue
         meant = of_part([each.member for each in found], check.part, plan.separator)
         arrays = [array for name in check.excepted for array in arrays_of(name)]
         found = [_with(each, arrays) if each.member in meant else each for each in found]

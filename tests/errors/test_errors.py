@@ -27,6 +27,9 @@ SEVERAL = {
     "several_names",
     "several_stages",
     "conflicts",
+    "check_failed",
+    "check_names",
+    "check_nested",
     "keyframe_several",
 }
 # Not wrong: something is told, and the model is built.

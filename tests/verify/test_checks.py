@@ -9,8 +9,10 @@ import pytest
 
 from composer.bundle.manifest import from_json
 from composer.context import Context
-from composer.engine import Session
+from composer.diagnostics import Note
+from composer.engine import Limits, Session
 from composer.pipeline import Built, build
+from composer.verify.outcome import Outcome
 
 Run = Callable[[str], tuple[Built | None, list[str]]]
 
@@ -191,6 +193,43 @@ def test_a_check_in_a_nested_recipe_is_told_there(tmp_path: Path, run: Run) -> N
     (tmp_path / "inner.yaml").write_text(inner.lstrip())
     _, told = run("recipe: 1\nattach:\n  nest: {model: ./inner.yaml}\n")
     assert told == ["inner.yaml:7:30 part-changed"]
+
+
+def test_every_check_is_heard_in_order_with_what_came_of_it(tmp_path: Path, run: Run) -> None:
+    run(EVERYTHING)
+    heard: list[Outcome] = []
+    recipe = "recipe: 1\nattach:\n  nest: {model: ./inner.yaml}\ncheck:\n  dims: {size: {nq: 2}, mass: {range: [0, 9e9]}}\n"
+    (tmp_path / "recipe.yaml").write_text(recipe)
+    context = Context(folder=tmp_path, environment={})
+    assert build(tmp_path / "recipe.yaml", context, hear=heard.append) is not None, context.sink.diagnostics
+    assert [(each.name, each.kind, each.span.file, each.span.line, each.holds) for each in heard] == [
+        ("dims", "size", "recipe.yaml", 5, True),
+        ("dims", "mass", "recipe.yaml", 5, True),
+        ("nest/inside", "unchanged", "inner.yaml", 7, True),
+    ]
+
+
+def test_a_check_that_takes_too_long_is_told_at_its_place(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "recipe.yaml").write_text(
+        "recipe: 1\nbase: ./cube.xml\ncheck:\n  rest: {stable: {seconds: 1e9}}\n  have: {exists: [{body: cube}]}\n"
+    )
+    context = Context(folder=tmp_path, environment={})
+    with Session(Limits(seconds=3)) as session:
+        assert build(tmp_path / "recipe.yaml", context, session=session) is None
+    (late,) = context.sink.errors
+    assert late.code == "mujoco-timeout"
+    assert late.span is not None and late.span.line == 4
+    assert late.notes == (Note("no check behind it was run"),)
+
+
+def test_a_target_in_a_nested_recipe_is_in_that_one_s_world(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "aim.yaml").write_text(
+        "recipe: 1\nbase: ./cube.xml\ncheck:\n  aim: {reachable: {site: tip, target: [0.2, 0, 1.1]}}\n"
+        "  not: {reachable: {site: tip, target: [5, 0, 1]}}\n"
+    )
+    place = "site: s, joint: weld, pos: [0.1, 0, 0], euler: [40deg, 0, 10deg]"
+    _, told = run(f"recipe: 1\nbase: ./base.xml\nattach:\n  a: {{model: ./aim.yaml, {place}}}\n")
+    assert told == ["aim.yaml:5:40 check-failed"]
 
 
 def test_what_takes_elements_away_cannot_be_compared(run: Run) -> None:

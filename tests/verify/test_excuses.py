@@ -6,7 +6,7 @@ import mujoco
 import pytest
 
 from composer.grammar import GRAMMAR
-from composer.recipe.check import attributes
+from composer.recipe.checks.unchanged import attributes
 from composer.verify.excuses import _BECOMES, _KINDS, arrays_of
 from composer.verify.unchanged import compare
 

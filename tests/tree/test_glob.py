@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from composer.explain.glob import is_glob, matcher
+from composer.tree.glob import is_glob, matcher
 
 
 @pytest.mark.parametrize(
