@@ -19,6 +19,7 @@ _VERBS = {
     "verify": "Hold a bundle against its manifest, MuJoCo and the sources of its parts.",
     "plan": "Print in words what a build will do.",
     "explain": "Say where an element or attribute came from, and what changed it.",
+    "diff": "Say what differs between two models, in physics terms.",
     "new": "Write a commented starter recipe that builds.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }
