@@ -8,8 +8,9 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from composer.diagnostics.span import Span
-from composer.diff.change import SETTINGS, Cause, Change
+from composer.diff.change import SETTINGS, Cause, Change, Contrast
 from composer.diff.elements import Elements
+from composer.diff.excerpt import block, different
 from composer.diff.fields import quantity
 from composer.diff.side import Side
 from composer.document.node import locate
@@ -32,9 +33,15 @@ _TARGETS = {"joint": "joint", "jointinparent": "joint", "tendon": "tendon"}
 
 
 class Causes:
-    """`counts` has by kind how many elements MuJoCo made of A and of B."""
+    """Looks things up in both trees, which `found` is the contrast of."""
 
-    def __init__(self, a: Side, b: Side, counts: dict[str, tuple[int, int]]) -> None:
+    def __init__(self, a: Side, b: Side, found: Contrast) -> None:
+        counts = found.elements
+        self.alone: set[tuple[int, str | None]] = {
+            (("removed", "added").index(each.what), each.name)
+            for each in found.changes
+            if each.kind == "body" and each.what in ("removed", "added")
+        }
         self.sides = a, b
         self.a = (
             None if a.traced is None else Elements(a.traced, {kind: n for kind, (n, _) in counts.items()})
@@ -72,6 +79,8 @@ class Causes:
 
     def _changed(self, change: Change, before: Node, after: Node) -> Cause | None:
         wanted = quantity(change.field).attributes
+        if "pos" in wanted and (attached := self._attached(before, after)) is not None:
+            return attached
         for mine, theirs, attributes in self._reasons(change, before, after, wanted):
             cause = self._attribute(mine, theirs, attributes)
             if cause is not None:
@@ -99,10 +108,28 @@ class Causes:
             for mine, theirs in zip_longest(before.iterchildren("*"), after.iterchildren("*")):
                 yield mine, theirs, None
 
+    def _attached(self, before: Node, after: Node) -> Cause | None:
+        """The lines that attach a part to its place, where these are not the same."""
+        assert self.a is not None and self.b is not None
+        for mine, theirs in zip(self.a.frames(before), self.b.frames(after), strict=False):
+            parts = self.a.carried(mine), self.b.carried(theirs)
+            if parts[0] is None or parts[1] is None:
+                continue
+            lines = [block(part.span, side) for part, side in zip(parts, self.sides, strict=True) if part]
+            if different(*lines) or different(*lines[::-1]):
+                return Cause(f"part `{parts[1].called}`", parts[0].span, parts[1].span)
+        return None
+
     def _frames(self, before: Node, after: Node) -> Iterator[Pair]:
         """What an element stands in, up to its body: the place of a part among them."""
         assert self.a is not None and self.b is not None
         for mine, theirs in zip_longest(self.a.frames(before)[::-1], self.b.frames(after)[::-1]):
+            places = [
+                None if node is None else side.place(node)
+                for side, node in ((self.a, mine), (self.b, theirs))
+            ]
+            if None not in places:
+                yield places[0], places[1], None
             yield mine, theirs, None
 
     def _referred(self, before: Node | None, after: Node | None, kinds: Mapping[str, str]) -> Iterator[Pair]:
@@ -150,12 +177,13 @@ class Causes:
         if node is None:
             return None
         part = self._part(side, node)
+        if part is None:
+            node = self._outermost(node, side)
         if part is not None:
             there = self.parts[1 - side].get(part.called)
             return _cause(f"part `{part.called}`", part.span, None if there is None else there[0], side)
         traced, other = self.sides[side].traced, self.sides[1 - side].traced
         assert traced is not None
-        bases = [_base(each) for each in self.sides]
         bases = _base(self.sides[0]), _base(self.sides[1])
         owner = traced.watch.life(node).owner
         if other is not None and all(bases) and owner == traced.model.file:
@@ -165,6 +193,14 @@ class Causes:
             if files[0] != files[1]:
                 return Cause("base", bases[0], bases[1])
         return _cause("element", self._span(side, node, None), None, side)
+
+    def _outermost(self, node: Node, side: int) -> Node:
+        """The outermost body that came or went with the element, or the element itself."""
+        for above in node.iterancestors("body"):
+            if (side, name_of(above)) not in self.alone:
+                break
+            node = above
+        return node
 
     def _part(self, side: int, node: Node) -> Part | None:
         """The outermost part that an element belongs to and that the other side has not got so."""
@@ -186,11 +222,11 @@ class Causes:
         if name.startswith("flag "):
             path, name = [*path, "flag"], name.removeprefix("flag ")
         mine, theirs = self.a.setting(*path), self.b.setting(*path)
-        spans = [
+        said = [
             None if node is None or node.get(name) is None else self._span(side, node, name)
             for side, node in ((0, mine), (1, theirs))
         ]
-        return _cause(f"`{name}`", spans[0], spans[1], 0)
+        return _cause(f"`{name}`", said[0], said[1], 0)
 
     def _entry(self, change: Change) -> Cause | None:
         """The keys that say the number of one joint, actuator or body; else what moves the body with its key."""
@@ -203,6 +239,11 @@ class Causes:
         )
         if mine.text != theirs.text:
             return Cause("key", mine.span, theirs.span)
+        bodies = _body(mine.holder), _body(theirs.holder)
+        if bodies[0] is not None and bodies[1] is not None:
+            attached = self._attached(bodies[0], bodies[1])
+            if attached is not None:
+                return attached
         for before, after, attributes in self._holding(mine.holder, theirs.holder):
             if (cause := self._attribute(before, after, attributes)) is not None:
                 return cause
@@ -213,9 +254,7 @@ class Causes:
         if before is None or after is None:
             return
         yield before, after, ("ref",)
-        mine, theirs = (
-            node if node.tag == "body" else next(node.iterancestors("body"), None) for node in (before, after)
-        )
+        mine, theirs = _body(before), _body(after)
         if mine is not None and theirs is not None:
             yield mine, theirs, quantity("body_pos").attributes
             yield from self._frames(mine, theirs)
@@ -250,6 +289,13 @@ def _said(elements: Elements, key: Node | None, vector: str, entry: str) -> _Sai
             said = row.key.attributes.get(vector)
             return _Said(row.holder, said, row.key.span(traced.model.origins, vector))
     return _Said(None, key.get(vector), traced.written_at(key, vector))
+
+
+def _body(node: Node | None) -> Node | None:
+    """The body itself, or the one that a joint belongs to."""
+    if node is None or node.tag == "body":
+        return node
+    return next(node.iterancestors("body"), None)
 
 
 def _cause(words: str, here: Span | None, there: Span | None, side: int) -> Cause | None:

@@ -65,12 +65,13 @@ def diff(
 def _told(
     found: Contrast, a: Side, b: Side, tolerance: float, only: Collection[str], everything: bool
 ) -> Diff:
+    causes = Causes(a, b, found)
     found = _narrowed(found, tolerance, only)
     follows = [each for each in found.changes if each.follows]
     wanted = [each for each in found.changes if not each.follows]
     if everything or not wanted:
         wanted, follows = list(found.changes), []
-    groups = grouped(wanted, Causes(a, b, found.elements), a, b)
+    groups = grouped(wanted, causes, a, b)
     paths = sorted({*a.digests, *b.digests})
     files = tuple(path for path in paths if a.digests.get(path) != b.digests.get(path))
     return Diff(a.end, b.end, found, tuple(groups), files, len(follows))

@@ -16,6 +16,8 @@ from composer.verify.roster import KINDS
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
+    from composer.link.linking import Part
+
 _HOLDERS = ("body", "worldbody")
 _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}
 
@@ -62,6 +64,18 @@ class Elements:
                 break
             found.append(above)
         return found
+
+    def carried(self, frame: Node) -> Part | None:
+        """The part that the linker made a frame for."""
+        made = self.traced.watch.life(frame).made_by
+        return made.part if made is not None and made.is_pass else None
+
+    def place(self, frame: Node) -> Node | None:
+        """The site, body or frame of the model that a part hangs on."""
+        part = self.carried(frame)
+        if part is None or part.place.name is None:
+            return None
+        return self.named.get((part.place.kind, part.place.name))
 
     def value(self, node: Node, attribute: str) -> tuple[str | None, Node | None]:
         """An attribute as it is in effect, and the element that writes it: this one, or one of a class."""

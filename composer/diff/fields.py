@@ -165,6 +165,8 @@ cam_bodyid | body | |
 light_bodyid | body | |
 """)
 
+_RANKS = {field: number for number, field in enumerate(_QUANTITIES)}
+
 _FOLLOWING = frozenset(
     """
     geom_rbound geom_aabb body_sameframe geom_sameframe site_sameframe
@@ -192,6 +194,16 @@ def quantity(field: str) -> Quantity:
         return known
     plain = field.partition("_")[2] or field
     return Quantity(plain.replace("_", " "), attributes=(plain.partition("[")[0],))
+
+
+def rank(field: str) -> int:
+    """The order in which quantities are told: as in the table above, the others after that."""
+    return _RANKS.get(field.partition("[")[0], len(_RANKS))
+
+
+def is_place(field: str) -> bool:
+    """Whether it is a position or a state, of which a share means nothing."""
+    return field.endswith(("pos", "qpos0", "quat")) or field.startswith("key_")
 
 
 def unit(field: str, form: str) -> str:

@@ -20,6 +20,8 @@ from composer.verify.matching import ABSENT, ON_BODIES, Matching
 from composer.verify.mount import Mount
 from composer.verify.roster import KINDS, Model, Roster
 
+_TARGETS = 3
+
 
 def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
     """For `composer.engine.call`: a `Contrast` as JSON data; ``given`` has the ``tolerance``."""
@@ -86,11 +88,11 @@ def _presence(matching: Matching) -> Iterator[Change]:
         )
         for index in sorted(lost):
             if not _goes_along(matching.alone, kind, index, matching.ids["body"], None):
-                name = matching.alone.describe(kind, index)
+                name = named(matching.alone, kind, index)
                 yield Change("removed", kind, name, index=(index, ABSENT), name_before=name)
         for index in sorted(new):
             if not _goes_along(matching.composed, kind, index, None, matching.taken["body"]):
-                yield Change("added", kind, matching.composed.describe(kind, index), index=(ABSENT, index))
+                yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
 
 
 def _goes_along(roster: Roster, kind: str, index: int, ids: list[int] | None, taken: set[int] | None) -> bool:
@@ -132,12 +134,22 @@ def _references_of(matching: Matching, kind: str, index: int, target: int) -> It
         yield _changed(matching, kind, index, target, field, None, named)
 
 
+def named(roster: Roster, kind: str, index: int) -> str:
+    """What an element is called; of what has no name and stands on no body also what it refers to."""
+    name = roster.describe(kind, index)
+    if not name.startswith("#") or kind in ON_BODIES or kind == "body":
+        return name
+    targets = [each for each in links(roster.model, kind, index) if each.index >= 0][:_TARGETS]
+    told = ", ".join(f"`{roster.describe(each.kind, each.index)}`" for each in targets)
+    return f"{name} ({told})" if told else name
+
+
 def _changed(
     matching: Matching, kind: str, index: int, target: int, field: str, before: Value, after: Value
 ) -> Change:
     return Change(
-        "changed", kind, matching.composed.describe(kind, target), field, before, after,
-        index=(index, target), name_before=matching.alone.describe(kind, index), follows=follows(field),
+        "changed", kind, named(matching.composed, kind, target), field, before, after,
+        index=(index, target), name_before=named(matching.alone, kind, index), follows=follows(field),
     )  # fmt: skip
 
 

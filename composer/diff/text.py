@@ -28,9 +28,9 @@ def verdict(diff: Diff) -> str:
 
 
 def place(cause: Cause) -> str:
-    """`recipe.yaml:12`, with A's place where that is another one."""
+    """`recipe.yaml:12`, with A's place where that is another one, not only in another revision."""
     spans = [None if span is None else f"{span.file}:{span.line}" for span in (cause.before, cause.after)]
-    if spans[0] == spans[1] or spans[0] is None:
+    if spans[0] is None or spans[0] == spans[1] or (spans[1] and spans[0].endswith(f":{spans[1]}")):
         return str(spans[1])
     if spans[1] is None:
         return f"{spans[0]} (A)"

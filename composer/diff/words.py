@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
 from composer.diff.change import SETTINGS, Change, Count, Move, Value
-from composer.diff.fields import quantity, unit
+from composer.diff.fields import is_place, quantity, rank, unit
 
 _NAMED = 5
 _PLURALS = {
@@ -22,7 +22,7 @@ _ORDER = ("renamed", "removed", "added", "changed")
 
 def sentences(changes: Iterable[Change]) -> Iterator[str]:
     """One line for each change, or for all that say the same of several elements."""
-    changes = sorted(changes, key=lambda each: _ORDER.index(each.what))
+    changes = sorted(changes, key=lambda each: (_ORDER.index(each.what), rank(each.field)))
     found: dict[tuple[object, ...], list[Change]] = {}
     for change in changes:
         if change.what == "renamed":
@@ -68,7 +68,7 @@ def subject(kind: str, names: Sequence[str]) -> str:
     >>> subject("body", ["a", "b"])
     '2 bodies `a`, `b`'
     """
-    shown = ", ".join(quoted(name) for name in names[:_NAMED])
+    shown = ", ".join(_quoted(names[:_NAMED]))
     if len(names) > _NAMED:
         shown += f", … and {len(names) - _NAMED} more"
     return (
@@ -81,21 +81,34 @@ def quoted(name: str) -> str:
     return name if name.startswith("#") else f"`{name}`"
 
 
+def _quoted(names: Sequence[str]) -> Iterator[str]:
+    """Names in backquotes; of several unnamed things on one body the body once."""
+    for (place, _), run in groupby(map(_placed, names), key=lambda each: (each[1], each[1] or each[0])):
+        several = [first for first, _ in run]
+        yield f"{', '.join(several)} {place}" if place else quoted(several[0])
+
+
+def _placed(name: str) -> tuple[str, str]:
+    """`#2 of body ...` in its two parts."""
+    first, space, place = name.partition(" ")
+    return (first, place) if name.startswith("#") and space else (name, "")
+
+
 def plural(kind: str) -> str:
     return _PLURALS.get(kind, f"{kind}s")
 
 
-def arrow(before: Value, after: Value, unit: str = "") -> str:
+def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) -> str:
     """`0.25 kg → 0.3 kg (+20 %)`."""
     unit = f" {unit}" if unit else ""
     ours, theirs = shown(before), shown(after)
     if ours == theirs:
-        ours, theirs = shown(before, 17), shown(after, 17)
+        ours, theirs = shown(before, None), shown(after, None)
     if before is None and isinstance(after, str) and " differ" in after:
         return after
-    change = relative(before, after)
-    share = "" if change is None or abs(change) < 5e-4 else f" ({_percent(change)})"
-    return f"{ours}{unit if before is not None else ''} → {theirs}{unit if after is not None else ''}{share}"
+    change = relative(before, after) if share else None
+    grown = "" if change is None or abs(change) < 5e-4 else f" ({_percent(change)})"
+    return f"{ours}{unit if before is not None else ''} → {theirs}{unit if after is not None else ''}{grown}"
 
 
 def relative(before: Value, after: Value) -> float | None:
@@ -115,8 +128,8 @@ def _percent(change: float) -> str:
     return f"{'+' if change > 0 else '−'}{abs(100 * change):.3g} %"
 
 
-def shown(value: Value, digits: int = 6) -> str:
-    """A value as text: six digits, lists in brackets."""
+def shown(value: Value, digits: int | None = 6) -> str:
+    """A value as text, lists in brackets; without `digits` every number to the bit."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if value is None:
@@ -124,7 +137,7 @@ def shown(value: Value, digits: int = 6) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(shown(each, digits) for each in value)}]"
     if isinstance(value, float):
-        return f"{value:.{digits}g}"
+        return repr(value) if digits is None else f"{value:.{digits}g}"
     return str(value)
 
 
@@ -138,7 +151,9 @@ def _sentence(alike: Sequence[Change]) -> str:
             return f"part `{prefixes[0]}` is called `{prefixes[1]}`: {len(alike)} names"
         return f"{change.kind} `{change.before}` is called `{change.after}`"
     known = quantity(change.field)
-    told = arrow(change.before, change.after, unit(change.field, change.form))
+    told = arrow(
+        change.before, change.after, unit(change.field, change.form), share=not is_place(change.field)
+    )
     if change.kind.partition("/")[0] in SETTINGS:
         return f"{change.kind} {change.field}: {told}"
     if change.kind == "key":
