@@ -64,6 +64,8 @@ class Causes:
             return self._one_sided(before, 0)
         if before is None or after is None:
             return None
+        if (swapped := self._swapped(after)) is not None:
+            return swapped
         if change.what == "renamed":
             return self._renamed(before, after)
         return self._changed(change, before, after)
@@ -85,6 +87,27 @@ class Causes:
             cause = self._attribute(mine, theirs, attributes)
             if cause is not None:
                 return cause
+        return self._content(change, before, after)
+
+    def _swapped(self, after: Node) -> Cause | None:
+        """The part of another model, where both sides have a part of that name."""
+        part = self._part(1, after)
+        there = None if part is None else self.parts[0].get(part.called)
+        return None if part is None or there is None else Cause(f"part `{part.called}`", there[0], part.span)
+
+    def _content(self, change: Change, before: Node, after: Node) -> Cause | None:
+        """The file that is named as before and has other bytes, of the element or the asset that it refers to."""
+        pairs: list[Pair] = [(before, after, None), *self._referred(before, after, _ASSETS)]
+        if change.field in _INERTIAL:
+            assert self.a is not None and self.b is not None
+            for geom, other in zip(self.a.inside(before, "geom"), self.b.inside(after, "geom"), strict=False):
+                pairs += self._referred(geom, other, _ASSETS)
+        for mine, theirs, _ in pairs:
+            files = [None if node is None else node.get("file") for node in (mine, theirs)]
+            digests = [side.digests.get(str(file)) for side, file in zip(self.sides, files, strict=True)]
+            if None not in digests and digests[0] != digests[1]:
+                words = f"`{files[1]}` has other bytes"
+                return Cause(words, self._span(0, mine, "file"), self._span(1, theirs, "file"))
         return None
 
     def _reasons(self, change: Change, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
@@ -207,10 +230,12 @@ class Causes:
         traced = self.sides[side].traced
         if traced is None:
             return None
-        for part in reversed(traced.watch.life(node).parts):
-            there = self.parts[1 - side].get(part.called)
-            if there is None or there[1] != _file(self.sides[side], part.unit.file):
-                return part
+        life = traced.watch.life(node)
+        for each in (life, *life.sources):
+            for part in reversed(each.parts):
+                there = self.parts[1 - side].get(part.called)
+                if there is None or there[1] != _file(self.sides[side], part.unit.file):
+                    return part
         return None
 
     # -- settings and keyframes --------------------------------------------------------------------------------

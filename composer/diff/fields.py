@@ -176,6 +176,7 @@ _FOLLOWING = frozenset(
     sensor_needstage sensor_datatype cam_intrinsic
     mesh_normal mesh_normalnum mesh_facenormal mesh_graph mesh_polynum mesh_polynormal mesh_polyvert
     mesh_polyvertnum mesh_polymap mesh_polymapnum mesh_texcoordnum mesh_bvhnum mesh_octnum mesh_extrema
+    mesh_facetexcoord mesh_texcoord
     oct_depth oct_aabb oct_coeff hfield_nrow hfield_ncol text_size numeric_size tuple_size
     meaninertia meanmass meansize extent center
     """.split()
@@ -192,8 +193,9 @@ def quantity(field: str) -> Quantity:
     known = _QUANTITIES.get(field.partition("[")[0])
     if known is not None:
         return known
-    plain = field.partition("_")[2] or field
-    return Quantity(plain.replace("_", " "), attributes=(plain.partition("[")[0],))
+    array = field.partition("[")[0]
+    plain = array.partition("_")[2] or array
+    return Quantity(plain.replace("_", " "), attributes=(plain,))
 
 
 def rank(field: str) -> int:
@@ -216,6 +218,7 @@ def unit(field: str, form: str) -> str:
 
 def follows(field: str) -> bool:
     """Whether MuJoCo computes the array from what is compared too."""
+    field = field.partition("[")[0]
     rule = RULES.get(field)
     return field in _FOLLOWING or (
         rule is not None and rule.treatment in (Treatment.DERIVED, Treatment.SUBTREE)

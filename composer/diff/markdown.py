@@ -52,7 +52,10 @@ def _group(group: Group) -> Iterator[str]:
     if group.cause is None:
         yield "#### Without a line of its own"
     else:
-        yield f"#### {_code(place(group.cause))}"
+        words = (
+            "" if group.cause.lines_before or group.cause.lines_after else f": {_escaped(group.cause.words)}"
+        )
+        yield f"#### {_code(place(group.cause))}{words}"
         lines = [f"- {line}" for line in group.cause.lines_before] + [
             f"+ {line}" for line in group.cause.lines_after
         ]

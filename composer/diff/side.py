@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from composer import engine
 from composer.bundle.assemble import assemble
-from composer.bundle.bundle import MANIFEST, Bundle
+from composer.bundle.bundle import MANIFEST, MODEL, Bundle
 from composer.bundle.collect import collect
 from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 class Side:
     """`kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path.
 
-    `traced` is None where nothing tells where elements came from, `plan` for what is no recipe.
+    Of an MJCF file that is the file alone. `traced` is None where nothing tells where elements came from, `plan` for what is no recipe.
     """
 
     operand: Operand
@@ -100,7 +100,7 @@ def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
         return None
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     unit = parse_file(path, Sink(), file=shown)
-    return Side(operand, kept, {path.name: digest}, _traced(unit, context))
+    return Side(operand, kept, {MODEL: digest}, _traced(unit, context))
 
 
 def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:

@@ -37,6 +37,12 @@ def place(cause: Cause) -> str:
     return f"{spans[0]} → {spans[1]}"
 
 
+def heading(cause: Cause) -> str:
+    """The place, and in words what is not told by its lines."""
+    told = cause.lines_before or cause.lines_after
+    return place(cause) if told else f"{place(cause)}: {cause.words}"
+
+
 def following(diff: Diff) -> str | None:
     """What is not told one by one."""
     if not diff.follows:
@@ -75,7 +81,7 @@ def _group(group: Group) -> Iterator[str]:
     if group.cause is None:
         yield "without a line of its own"
     else:
-        yield place(group.cause)
+        yield heading(group.cause)
         yield from (f"  - {line}" for line in group.cause.lines_before)
         yield from (f"  + {line}" for line in group.cause.lines_after)
     indent = "    " if group.cause is not None else "  "

@@ -30,6 +30,12 @@ _ENUMS = {
     "actuator_dyntype": ("mjtDyn", "mjDYN_"), "actuator_gaintype": ("mjtGain", "mjGAIN_"),
     "actuator_biastype": ("mjtBias", "mjBIAS_"), "actuator_trntype": ("mjtTrn", "mjTRN_"),
 }  # fmt: skip
+_COUNTED = ("mesh_vert", "mesh_face")
+"""Of these the number is told by an array of its own."""
+
+_SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
+"""Data of these is never told number by number."""
+
 _FIXED, _NONE, _AFFINE = 0, 0, 1
 
 
@@ -149,11 +155,11 @@ class Values:
             if before != after:
                 yield name, before, after
         elif mine.shape != theirs.shape:
-            if mine.size <= _SHOWN and theirs.size <= _SHOWN:
+            if mine.size <= _SHOWN and theirs.size <= _SHOWN and not name.startswith(_SHAPES):
                 yield name, _value(_one(mine.tolist())), _value(_one(theirs.tolist()))
-            else:
-                yield name, f"{len(mine)} of them", f"{len(theirs)} of them"
-        elif mine.size <= _SHOWN:
+            elif name not in _COUNTED:
+                yield name, f"{len(mine)} rows", f"{len(theirs)} rows"
+        elif mine.size <= _SHOWN and not name.startswith(_SHAPES):
             before, after = mine.tolist(), theirs.tolist()
             if before != after and name.endswith("limited"):
                 yield name, bool(before[0]), bool(after[0])

@@ -9,6 +9,7 @@ from composer.diff.change import SETTINGS, Change, Count, Move, Value
 from composer.diff.fields import is_place, quantity, rank, unit
 
 _NAMED = 5
+_NOISE = 1e-12
 _PLURALS = {
     "body": "bodies",
     "mesh": "meshes",
@@ -58,7 +59,7 @@ def moved(moves: Iterable[Move]) -> Iterator[str]:
         else:
             yield (
                 f"addresses of {subject(kind, [each.name for each in several])} {where}: "
-                f"{first.before}…{last.before} → {first.after}…{last.after} ({by:+d})"
+                f"{first.before}…{last.before} → {first.after}…{last.after} ({_signed(by)})"
             )
 
 
@@ -100,7 +101,7 @@ def plural(kind: str) -> str:
 
 def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) -> str:
     """`0.25 kg → 0.3 kg (+20 %)`."""
-    unit = f" {unit}" if unit else ""
+    unit = f" {unit}" if unit and not isinstance(before, str) and not isinstance(after, str) else ""
     ours, theirs = shown(before), shown(after)
     if ours == theirs:
         ours, theirs = shown(before, None), shown(after, None)
@@ -114,6 +115,8 @@ def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) ->
 def relative(before: Value, after: Value) -> float | None:
     """The change as a share of what was; of several numbers where all grew alike. None where that has no meaning."""
     ours, theirs = _numbers(before), _numbers(after)
+    if all(isinstance(each, int) for each in (*ours, *theirs)):
+        return None
     if not ours or len(ours) != len(theirs) or not any(ours):
         return None
     ratios = [y / x for x, y in zip(ours, theirs, strict=True) if x]
@@ -128,6 +131,10 @@ def _percent(change: float) -> str:
     return f"{'+' if change > 0 else '−'}{abs(100 * change):.3g} %"
 
 
+def _signed(number: int) -> str:
+    return f"{number:+d}".replace("-", "−")
+
+
 def shown(value: Value, digits: int | None = 6) -> str:
     """A value as text, lists in brackets; without `digits` every number to the bit."""
     if isinstance(value, bool):
@@ -135,10 +142,16 @@ def shown(value: Value, digits: int | None = 6) -> str:
     if value is None:
         return "none"
     if isinstance(value, tuple):
-        return f"[{', '.join(shown(each, digits) for each in value)}]"
+        negligible = 0.0 if digits is None else _NOISE * max(map(abs, _numbers(value)), default=0.0)
+        return f"[{', '.join(shown(_without_noise(each, negligible), digits) for each in value)}]"
     if isinstance(value, float):
         return repr(value) if digits is None else f"{value:.{digits}g}"
     return str(value)
+
+
+def _without_noise(value: Value, negligible: float) -> Value:
+    """Zero for what rounding left beside a larger number."""
+    return 0.0 if isinstance(value, float) and abs(value) < negligible else value
 
 
 def _sentence(alike: Sequence[Change]) -> str:
@@ -176,4 +189,4 @@ def _numbers(value: Value) -> list[float]:
         return []
     if isinstance(value, tuple):
         return [number for each in value for number in _numbers(each)]
-    return [float(value)]
+    return [value]

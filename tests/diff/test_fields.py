@@ -40,4 +40,5 @@ def test_an_array_without_words_has_its_own() -> None:
 
 
 def test_what_follows() -> None:
+    assert follows("mesh_extrema[3]")
     assert follows("geom_rbound") and follows("body_invweight0") and not follows("body_mass")

@@ -10,11 +10,14 @@ def test_a_share_of_what_was() -> None:
     assert arrow(1.0, 20.0) == "1 → 20 (×20)"
     assert arrow((1.0, 2.0), (2.0, 2.0)) == "[1, 2] → [2, 2]"
     assert arrow(0.0, 1.0) == "0 → 1" and arrow(1.0, -1.0) == "1 → -1"
+    assert arrow(3, 6) == "3 → 6"
     assert relative(True, False) is None and relative("a", "b") is None
 
 
 def test_what_looks_the_same_is_told_in_full() -> None:
-    assert arrow(0.1, 0.1 + 1e-12) == "0.1 → 0.100000000001"
+    other = 1.0 + 2**-30
+    assert arrow(1.0, other) == f"1.0 → {other!r}"
+    assert arrow((1.0, 1e-17), (2.0, 1e-17)) == "[1, 0] → [2, 0]"
 
 
 def test_words_in_place_of_numbers() -> None:
