@@ -23,7 +23,8 @@ class Change:
     lacks it; an element without a name is told by its place. ``field`` is the array of `mjModel`, or the setting;
     empty where the element itself is ``added``, ``removed`` or ``renamed``. ``form`` is the type of the joint whose
     units count. ``entry`` is whose number of a keyframe it is. ``index`` are the ids in A and B, -1 where there is
-    none. ``follows`` says that MuJoCo computes it from others that are told too.
+    none. ``follows`` says that MuJoCo computes it from others that are told too. ``note`` tells in words what is too
+    long to be listed.
     """
 
     what: What
@@ -37,6 +38,7 @@ class Change:
     index: tuple[int, int] = (-1, -1)
     name_before: str = ""
     follows: bool = False
+    note: str = ""
 
 
 @dataclass(frozen=True, slots=True)

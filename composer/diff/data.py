@@ -50,6 +50,8 @@ def _change(change: Change) -> dict[str, Any]:
             "unit": unit(change.field, change.form) or None,
             "relative": relative(change.before, change.after),
         }
+        if change.note:
+            told["note"] = change.note
         if change.entry:
             told["entry"] = change.entry
     return told

@@ -10,6 +10,7 @@ from composer.diff.change import Change, Contrast, Count, Move, Value
 from composer.diff.fields import follows
 from composer.diff.identity import unequal_arrays
 from composer.diff.layout import counts, moves
+from composer.diff.named import named
 from composer.diff.renames import Names, renames
 from composer.diff.settings import setting_changes
 from composer.diff.values import JOINTS, Values
@@ -19,8 +20,6 @@ from composer.verify.links import UNORDERED, links
 from composer.verify.matching import ABSENT, ON_BODIES, Matching
 from composer.verify.mount import Mount
 from composer.verify.roster import KINDS, Model, Roster
-
-_TARGETS = 3
 
 
 def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -132,16 +131,6 @@ def _references_of(matching: Matching, kind: str, index: int, target: int) -> It
     for field, link in after.items():
         named = None if link.index < 0 else matching.composed.describe(link.kind, link.index)
         yield _changed(matching, kind, index, target, field, None, named)
-
-
-def named(roster: Roster, kind: str, index: int) -> str:
-    """What an element is called; of what has no name and stands on no body also what it refers to."""
-    name = roster.describe(kind, index)
-    if not name.startswith("#") or kind in ON_BODIES or kind == "body":
-        return name
-    targets = [each for each in links(roster.model, kind, index) if each.index >= 0][:_TARGETS]
-    told = ", ".join(f"`{roster.describe(each.kind, each.index)}`" for each in targets)
-    return f"{name} ({told})" if told else name
 
 
 def _changed(

@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 class Side:
     """`kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path.
 
-    Of an MJCF file that is the file alone. `traced` is None where nothing tells where elements came from, `plan` for what is no recipe.
+    Of an MJCF file that is the file alone. `traced` is None where nothing tells where elements came from, `plan` for
+    what is no recipe.
     """
 
     operand: Operand

@@ -7,6 +7,7 @@ from typing import Any
 
 from composer.diff.change import Change, Value
 from composer.diff.fields import follows
+from composer.diff.named import named
 from composer.verify.fields import BEFORE_CONTROLS, Treatment
 from composer.verify.matching import Matching
 from composer.verify.roster import JOINT_VELOCITIES, KINDS, Model
@@ -62,10 +63,14 @@ class Values:
                 for field, before, after in self._of(kind, index, target):
                     if field not in seen:
                         seen.add(field)
+                        note = str(after) if before is None and isinstance(after, str) else ""
+                        names = (
+                            named(self.matching.alone, kind, index),
+                            named(self.matching.composed, kind, target),
+                        )
                         yield Change(
-                            "changed", kind, self.matching.composed.describe(kind, target), field, before, after,
-                            self._form(kind, target), "", (index, target),
-                            self.matching.alone.describe(kind, index), follows(field),
+                            "changed", kind, names[1], field, before, None if note else after,
+                            self._form(kind, target), "", (index, target), names[0], follows(field), note,
                         )  # fmt: skip
 
     def _of(self, kind: str, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:

@@ -29,7 +29,7 @@ def sentences(changes: Iterable[Change]) -> Iterator[str]:
         if change.what == "renamed":
             key: tuple[object, ...] = (change.what, _prefixes(change) or (change.kind, change.name))
         elif change.what == "changed":
-            key = (change.kind, change.field, change.before, change.after, change.form,
+            key = (change.kind, change.field, change.before, change.after, change.note, change.form,
                    change.name if change.kind == "key" else "")  # fmt: skip
         else:
             key = (change.what, change.kind)
@@ -105,8 +105,6 @@ def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) ->
     ours, theirs = shown(before), shown(after)
     if ours == theirs:
         ours, theirs = shown(before, None), shown(after, None)
-    if before is None and isinstance(after, str) and " differ" in after:
-        return after
     change = relative(before, after) if share else None
     grown = "" if change is None or abs(change) < 5e-4 else f" ({_percent(change)})"
     return f"{ours}{unit if before is not None else ''} → {theirs}{unit if after is not None else ''}{grown}"
@@ -164,7 +162,7 @@ def _sentence(alike: Sequence[Change]) -> str:
             return f"part `{prefixes[0]}` is called `{prefixes[1]}`: {len(alike)} names"
         return f"{change.kind} `{change.before}` is called `{change.after}`"
     known = quantity(change.field)
-    told = arrow(
+    told = change.note or arrow(
         change.before, change.after, unit(change.field, change.form), share=not is_place(change.field)
     )
     if change.kind.partition("/")[0] in SETTINGS:

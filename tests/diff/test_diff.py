@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -73,6 +74,24 @@ def test_a_bundle_and_the_recipe_that_it_is_of(session: Session, tmp_path: Path)
     assert found is not None and found.files == ("model.xml",)
     cause = found.groups[0].cause
     assert cause is not None and cause.before is not None and cause.before.file == "old.zip/model.xml"
+
+
+def test_a_mesh_file_of_other_bytes(session: Session, tmp_path: Path) -> None:
+    mesh = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    for end, text in (("a", mesh), ("b", mesh.replace("0 0 0.1", "0 0 0.2"))):
+        shutil.copytree(CASES / "same" / "a", tmp_path / end)
+        hand = tmp_path / end / "hand.xml"
+        shell = '<asset><mesh name="shell" file="shell.obj"/></asset>\n  <worldbody>'
+        hand.write_text(hand.read_text().replace("<worldbody>", shell)
+                        .replace('type="box" size="0.03 0.03 0.02" mass="0.25"', 'type="mesh" mesh="shell"'))  # fmt: skip
+        (tmp_path / end / "shell.obj").write_text(text)
+    found = diff("a/recipe.yaml", "b/recipe.yaml", Context(folder=tmp_path), session)
+    assert found is not None and found.files == ("assets/hand/shell.obj",)
+    text = render(found)
+    assert "a/hand.xml:3 → b/hand.xml:3: `assets/hand/shell.obj` has other bytes\n" in text
+    assert "mass of body `gripper/palm`: 0.166667 kg → 0.333333 kg (+100 %)" in text
+    assert "vertices of mesh `gripper/shell`: 12 of 12 numbers differ, by up to 0." in text
+    assert len(found.groups) == 1
 
 
 def test_values_are_given_to_recipes(session: Session, tmp_path: Path) -> None:

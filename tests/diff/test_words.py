@@ -22,7 +22,10 @@ def test_what_looks_the_same_is_told_in_full() -> None:
 
 def test_words_in_place_of_numbers() -> None:
     assert shown(True) == "yes" and shown(None) == "none" and shown((1.0, 0.5)) == "[1, 0.5]"
-    assert arrow(None, "3 of 12 numbers differ, by up to 0.1") == "3 of 12 numbers differ, by up to 0.1"
+    note = "3 of 12 numbers differ, by up to 0.1"
+    assert list(sentences([Change("changed", "mesh", "cup", "mesh_vert", note=note)])) == [
+        f"vertices of mesh `cup`: {note}"
+    ]
 
 
 def test_equal_changes_are_one_sentence() -> None:
