@@ -5,17 +5,17 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from itertools import zip_longest
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from composer.diagnostics.span import Span
 from composer.diff.change import SETTINGS, Cause, Change, Contrast
 from composer.diff.elements import Elements
 from composer.diff.excerpt import block, different
 from composer.diff.fields import quantity
+from composer.diff.said import said
 from composer.diff.side import Side
 from composer.document.node import locate
 from composer.explain.query import name_of
-from composer.explain.rows import VECTORS, rows
 from composer.mjcf.kinds import kind_of
 
 if TYPE_CHECKING:
@@ -184,7 +184,12 @@ class Causes:
             text, writer = self.a.value(before, name)
             other, theirs = self.b.value(after, name)
             if not _same(text, other):
-                return Cause(f"`{name}`", self._span(0, writer, name), self._span(1, theirs, name))
+                spans = self._span(0, writer, name), self._span(1, theirs, name)
+                if writer is None and theirs is after:  # where it could stand: the same line without it
+                    spans = self._span(0, before, None), spans[1]
+                if theirs is None and writer is before:
+                    spans = spans[0], self._span(1, after, None)
+                return Cause(f"`{name}`", *spans)
         return None
 
     def _renamed(self, before: Node, after: Node) -> Cause:
@@ -247,11 +252,11 @@ class Causes:
         if name.startswith("flag "):
             path, name = [*path, "flag"], name.removeprefix("flag ")
         mine, theirs = self.a.setting(*path), self.b.setting(*path)
-        said = [
+        spans = [
             None if node is None or node.get(name) is None else self._span(side, node, name)
             for side, node in ((0, mine), (1, theirs))
         ]
-        return _cause(f"`{name}`", said[0], said[1], 0)
+        return _cause(f"`{name}`", spans[0], spans[1], 0)
 
     def _entry(self, change: Change) -> Cause | None:
         """The keys that say the number of one joint, actuator or body; else what moves the body with its key."""
@@ -259,7 +264,7 @@ class Causes:
             return None
         vector = change.field.removeprefix("key_")
         mine, theirs = (
-            _said(elements, node, vector, change.entry)
+            said(elements, node, vector, change.entry)
             for elements, node in zip((self.a, self.b), self._nodes(change), strict=True)
         )
         if mine.text != theirs.text:
@@ -293,27 +298,6 @@ class Causes:
                 (reason.span for reason in traced.written(traced.watch.life(node)) if reason.span), None
             )
         return traced.written_at(node, attribute)
-
-
-class _Said(NamedTuple):
-    """What a key of a file says of one joint, actuator or body, which `holder` is."""
-
-    holder: Node | None
-    text: str | None
-    span: Span | None
-
-
-def _said(elements: Elements, key: Node | None, vector: str, entry: str) -> _Said:
-    traced = elements.traced
-    if key is None or vector not in VECTORS:
-        return _Said(None, None, None)
-    for row in rows(traced.model, key, vector, traced.watch):
-        if name_of(row.holder) == entry:
-            if row.key is None:
-                return _Said(row.holder, None, None)
-            said = row.key.attributes.get(vector)
-            return _Said(row.holder, said, row.key.span(traced.model.origins, vector))
-    return _Said(None, key.get(vector), traced.written_at(key, vector))
 
 
 def _body(node: Node | None) -> Node | None:
