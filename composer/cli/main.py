@@ -24,6 +24,7 @@ _VERBS = {
     "lock": "Write down what every source of a recipe is.",
     "update": "Lock sources as they are now.",
     "cache": "Look after the store of what was fetched.",
+    "diff": "Say what differs between two models, in physics terms.",
     "new": "Write a commented starter recipe that builds.",
     "fmt": "Put recipes into their canonical layout, comments kept.",
     "import": "Propose the recipe that makes a merged model of its parts.",

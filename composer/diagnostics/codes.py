@@ -19,6 +19,7 @@ CODES: dict[str, str] = {
     "file-not-found": "a file or folder is not there",
     "file-unreadable": "a file is there but cannot be read",
     "freejoint-on-body": "a free joint would stand below another body",
+    "git-revision": "a git revision cannot be read",
     "keyframe-conflict": "two keyframes disagree about the same entry",
     "lock-invalid": "a lock cannot be read",
     "lock-stale": "the lock does not have what the recipe uses",
