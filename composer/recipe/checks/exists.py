@@ -96,7 +96,7 @@ KIND = Kind(
             "maxProperties": 2,
             "additionalProperties": False,
             "properties": {
-                **{tag: dict(NAME) for tag in TAGS},
+                **{tag: {**NAME, "description": f"a glob over the names: {tag}"} for tag in TAGS},
                 EXPECT: {
                     "type": ["integer", "string"],
                     "minimum": 0,
