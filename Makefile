@@ -12,7 +12,7 @@ BIN := $(VENV)/bin
 endif
 STAMP := $(VENV)/.ready$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
-.PHONY: demo test lint format bench schemas constraints clean
+.PHONY: demo test lint format bench fidelity schemas constraints clean
 .DELETE_ON_ERROR:
 
 demo: $(STAMP)
@@ -35,6 +35,12 @@ format: $(STAMP)
 
 bench: $(STAMP)
 	@$(BIN)/python -m bench
+
+# Everything against MuJoCo, into docs/fidelity.md; models from MJCOMPOSE_CORPUS, dm_control where it is installed.
+#   FIDELITY_ARGS="--sample 10"      every tenth of each set, nothing written
+FIDELITY_ARGS ?= --write
+fidelity: $(STAMP)
+	@$(BIN)/python tests/fidelity/run.py $(FIDELITY_ARGS)
 
 schemas: $(STAMP)
 	@for what in recipe manifest; do \

@@ -6,20 +6,34 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from composer.diagnostics.sink import Sink
+
+if TYPE_CHECKING:
+    from composer.sources.fetching import Fetching
 
 
 @dataclass(slots=True)
 class Context:
-    """The environment variables, the folder that paths are shown from, and where faults go."""
+    """The environment variables, the folder that paths are shown from, where faults go, and how to fetch."""
 
     sink: Sink = field(default_factory=Sink)
     environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
     folder: Path = field(default_factory=Path.cwd)
+    fetching: Fetching | None = None
 
     def shown(self, path: Path) -> str:
         """A path as messages name it: from the user's folder where it is below that."""
         absolute = os.path.abspath(self.folder / path)
         relative = os.path.relpath(absolute, self.folder)
         return absolute if relative.startswith("..") else relative
+
+
+def as_text(name: str) -> str:
+    r"""A file's name as text: bytes that are not UTF-8, which some file systems allow, are replaced.
+
+    >>> as_text("caf\udce9")
+    'caf�'
+    """
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

@@ -6,18 +6,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer import engine
 from composer.bundle.assemble import assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
-from composer.link.dedup import Merged, dedup
-from composer.plan.make import plan_what_remains
+from composer.plan.locked import check_lock
+from composer.plan.make import Given, plan_what_remains
 from composer.plan.plan import Plan
 from composer.steps.compose import Composed, Composer
+from composer.steps.load import Library
 from composer.steps.measure import measure_with
-from composer.verify.judged import judge
 
 if TYPE_CHECKING:
-    from composer.engine import Compiled, Limits
+    from composer.engine import Compiled, Limits, Session
+    from composer.link.dedup import Merged
+    from composer.verify.outcome import Hear
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,19 +41,60 @@ def build(
     verified: bool = True,
     deduplicated: bool = False,
     limits: Limits | None = None,
+    session: Session | None = None,
+    given: Given | None = None,
+    name: str | None = None,
+    library: Library | None = None,
+    hear: Hear | None = None,
 ) -> Built | None:
-    """The bundle of a recipe, nothing written yet; None where `context.sink` has errors."""
-    if (plan := plan_what_remains(recipe, context)) is None:
+    """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
+
+    `given` are values of parameters and variants, `name` that of a cell of the matrix; `library` has source files that
+    were read before; `hear` is told what came of each check. All that MuJoCo does is done in one process: that of
+    `session`, or one with `limits` that ends with the build.
+    """
+    if session is None:
+        with engine.Session(limits) as own:
+            return build(
+                recipe, context, verified=verified, deduplicated=deduplicated, session=own,
+                given=given, name=name, library=library, hear=hear,
+            )  # fmt: skip
+    if (plan := plan_what_remains(recipe, context, given, name)) is None:
         return None
-    if (composed := Composer(context, measure_with(context, limits), limits).compose(plan)) is None:
+    check_lock(plan, context)
+    composer = Composer(context, measure_with(context, session=session), session, library=library)
+    if (composed := composer.compose(plan)) is None:
         return None
     merged: Merged = {}
     if deduplicated:
+        from composer.link.dedup import dedup
+
         merged, files = dedup(composed.model, composed.files, plan.prefixes)
         composed = replace(composed, files=files)
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
-    compiled = judge(bundle, composed.model, context, limits) if verified else None
+    compiled = _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
     if context.sink.has_errors:
         return None
-    return Built(plan, composed, described(bundle, plan, compiled, context, merged), compiled, merged)
+    bundle = described(bundle, plan, composed.members, compiled, context, merged)
+    return Built(plan, composed, bundle, compiled, merged)
+
+
+def _verified(
+    plan: Plan,
+    composed: Composed,
+    bundle: Bundle,
+    context: Context,
+    session: Session,
+    merged: Merged,
+    hear: Hear | None,
+) -> Compiled | None:
+    """MuJoCo's verdict, and the recipe's checks."""
+    from composer.verify.checks import run_checks  # a build without verification has no use for that room
+    from composer.verify.judged import judge
+    from composer.verify.parts import WHOLE
+
+    compiled = judge(bundle, composed.model, context, session, keep=WHOLE)
+    if compiled is not None:
+        run_checks(plan, composed.members, session, context, merged, hear)
+    return compiled

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import os
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What only MuJoCo 4 does, or does so, is tested with MuJoCo 4."""
+    if not version("mujoco").startswith("3."):
+        return
+    for item in items:
+        for mark in item.iter_markers("mujoco4"):
+            item.add_marker(pytest.mark.skip(reason=f"MuJoCo 3: {mark.args[0]}"))
 
 
 def _package(name: str) -> Path:

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
 from composer.bundle.licences import licence_files, licence_folder
-from composer.bundle.manifest import Input, Manifest, Recipe, files_of, index_of, with_manifest
-from composer.context import Context
+from composer.bundle.manifest import Input, Manifest, Part, Recipe, files_of, index_of, with_manifest
+from composer.context import Context, as_text
 from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
+from composer.plan.member import Member
 from composer.plan.plan import Plan
 from composer.sources.source import Source
 from composer.tree.unit import Unit
@@ -41,7 +42,12 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 
 
 def described(
-    bundle: Bundle, plan: Plan, compiled: Compiled | None, context: Context, merged: Merged
+    bundle: Bundle,
+    plan: Plan,
+    members: Iterable[Member],
+    compiled: Compiled | None,
+    context: Context,
+    merged: Merged,
 ) -> Bundle:
     """The bundle with its manifest; `compiled` is what MuJoCo made of it, None where nobody asked."""
     folder = plan.path.parent
@@ -50,8 +56,9 @@ def described(
         description=plan.description,
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
-        recipe=Recipe(path=plan.path.name, sha256=_sha256(plan.path)),
+        recipe=Recipe(path=as_text(plan.path.name), sha256=_sha256(plan.path)),
         inputs=tuple(_input(label, source, bundle, folder) for label, source in sources(plan)),
+        parts=tuple(_part(member, number) for number, member in enumerate(members)),
         files=files_of(bundle),
         merged=merged,
         index=index_of(compiled.index) if compiled and compiled.index else None,
@@ -73,7 +80,7 @@ def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:
 def _input(label: str, source: Source, bundle: Bundle, folder: Path) -> Input:
     start = licence_folder(label) + "/"
     return Input(
-        path=_portable(source, folder),
+        path=as_text(_portable(source, folder)),
         reference=source.reference,
         kind=source.kind,
         sha256=_sha256(source.path),
@@ -83,8 +90,27 @@ def _input(label: str, source: Source, bundle: Bundle, folder: Path) -> Input:
     )
 
 
+def _part(member: Member, number: int) -> Part:
+    pose = member.pose
+    return Part(
+        part=member.part,
+        input=number,
+        prefix=member.prefix,
+        body=member.body,
+        pos=None if pose is None else pose.pos,
+        quat=None if pose is None else pose.quat,
+        keys=member.keys,
+        welded=member.welded,
+        stands=member.stands,
+        changed=member.changed,
+        obscure=member.obscure,
+    )
+
+
 def _portable(source: Source, folder: Path) -> str:
     """The path of a source as any machine may say it."""
+    if source.origin is not None:
+        folder = source.origin.root
     try:
         return source.path.resolve().relative_to(folder.resolve()).as_posix()
     except ValueError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import hashlib
 import os
 from collections.abc import Callable, Iterable
@@ -77,6 +78,10 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
             message += f", and neither is the folder `{shown(source.parent)}`"
     if near := closest(source.name, beside):
         help = f"did you mean `{near[0]}`?"
+    elif elsewhere := _elsewhere(source):
+        help = f"there is one at `{shown(elsewhere)}`"
+    else:
+        help = "compare the path with what is on the disk"
     if not isinstance(error, FileNotFoundError):
         message, help = (
             f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}",
@@ -84,3 +89,14 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
         )
     span = model.origins.span(use.element, model.file, use.attribute)
     sink.error("asset-missing", message, span, help=help)
+
+
+def _elsewhere(source: Path) -> Path | None:
+    """A file of that name in a folder beside or below that of the missing one."""
+    for folder in (source.parent, source.parent.parent):
+        found = next(
+            (path for path in sorted(folder.glob(f"*/{glob.escape(source.name)}")) if path.is_file()), None
+        )
+        if found is not None:
+            return found
+    return None

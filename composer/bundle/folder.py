@@ -25,6 +25,8 @@ def write_folder(bundle: Bundle, out: Path) -> None:
     `out` is as it was before.
     """
     target = real(out)
+    if not target.name:
+        raise OutputError("output-unwritable", f"`{out}` cannot be replaced", "choose a folder below it")
     stage = sibling(target, "tmp")
     try:
         _check_replaceable(target, out)

@@ -23,7 +23,7 @@ SCHEMA_FILE = Path(__file__).resolve().parents[2] / "schemas" / "manifest.schema
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 class Recipe(_Part):
@@ -43,6 +43,31 @@ class Input(_Part):
     licences: tuple[str, ...] = Field(default=(), description="Its licence files, as paths in this bundle.")
     package: str | None = Field(default=None, description="The Python package it came from.")
     version: str | None = Field(default=None, description="The version of that package, or the commit.")
+
+
+class Part(_Part):
+    """What an input became: where its own world stands, and what of it the recipe changed on purpose."""
+
+    part: str = Field(
+        description="What the recipe calls it; `base` is the model that the recipe starts from."
+    )
+    input: int = Field(ge=0, description="Which of the inputs it is, counted from 0.")
+    prefix: str = Field(description="What stands before its names, separator included.")
+    body: str | None = Field(default=None, description="The body it is fixed to; null for the world.")
+    pos: tuple[float, float, float] | None = Field(
+        default=(0, 0, 0), description="Of its world in the frame of that body, in metres; null if not known."
+    )
+    quat: tuple[float, float, float, float] | None = Field(default=(1, 0, 0, 0), description="Likewise.")
+    keys: str | None = Field(
+        default="",
+        description="What stands before the names of its keyframes; null where they were left out.",
+    )
+    welded: bool = Field(default=False, description="Whether free joints at its root were taken away.")
+    stands: bool = Field(default=True, description="Whether it is fixed in the world.")
+    changed: tuple[str, ...] = Field(
+        default=(), description="The arrays of mjModel that the recipe changes in it."
+    )
+    obscure: str | None = Field(default=None, description="Why it cannot be compared with its source, if so.")
 
 
 class File(_Part):
@@ -124,6 +149,7 @@ class Manifest(_Part):
     sample: int | None = Field(default=None, ge=0, description="The sample's number; 0 is the nominal model.")
     draws: tuple[Draw, ...] = ()
     inputs: tuple[Input, ...] = ()
+    parts: tuple[Part, ...] = ()
     files: tuple[File, ...]
     merged: Mapping[str, Mapping[str, str]] = Field(
         default={},

@@ -23,6 +23,7 @@ def write_mjb(
     Raises OutputError, also when the model does not compile; then an older `out` is untouched.
     """
     with staged_file(out) as stage:
+        stage.touch()  # whoever may not write there learns it now, from the operating system
         try:
             with tempfile.TemporaryDirectory(prefix="mjcompose-", ignore_cleanup_errors=True) as folder:
                 write_files(bundle, Path(folder))

@@ -32,5 +32,7 @@ def unwritable(out: str | PathLike[str], error: OSError) -> OutputError:
     """The operating system's refusal in the user's terms."""
     reason = error.strerror or str(error) or type(error).__name__
     return OutputError(
-        "output-unwritable", f"cannot write `{out}`: {reason.lower()}", _HELP.get(error.errno or 0)
+        "output-unwritable",
+        f"cannot write `{out}`: {reason.lower()}",
+        _HELP.get(error.errno or 0, "choose another place"),
     )

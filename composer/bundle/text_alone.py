@@ -28,10 +28,22 @@ def write_text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Pat
                 f"text alone cannot hold `{use.path}`, which was made for this model",
                 f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)",
             )
-        use.element.set(use.attribute, Path(os.path.relpath(use.source, start)).as_posix())
+        path = Path(os.path.relpath(use.source, start)).as_posix()
+        if not _is_text(path):
+            raise OutputError(
+                "output-kind",
+                f"text alone cannot name `{path}`: that path is not UTF-8",
+                f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)",
+            )
+        use.element.set(use.attribute, path)
     text = write(model.root)
     if out == "-":
         return text
     with staged_file(target) as stage:
         stage.write_bytes(text)
     return None
+
+
+def _is_text(path: str) -> bool:
+    """Whether a path is text; bytes that the file system allows and UTF-8 does not are surrogates in it."""
+    return not any("\ud800" <= char <= "\udfff" for char in path)

@@ -39,6 +39,10 @@ def form_of(out: str | PathLike[str]) -> Form:
     """
     name = fspath(out)
     path = Path(name)
+    if not name:
+        raise OutputError(
+            "output-kind", "the output has no name", "write where the model should go: `-o out/`"
+        )
     if name.endswith(("/", "\\")) or not path.suffix or os.path.isdir(path):
         return Form.FOLDER
     form = _SUFFIXES.get(path.suffix.lower())

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import re
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from composer.cli.choices import choice_options, chosen_values
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
 
 if TYPE_CHECKING:
     from composer.bundle.write import Form
     from composer.context import Context
-    from composer.engine import Limits
+    from composer.document import Node
+    from composer.engine import Session
     from composer.pipeline import Built
 
 
@@ -22,50 +26,118 @@ if TYPE_CHECKING:
 @click.argument("recipe", type=click.Path(path_type=Path))
 @click.option(
     "-o", "--output", "out", metavar="OUT",
-    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output) or FILE.mjb;"
-    " default: build/NAME.zip.",
+    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output) or FILE.mjb, in which {name} is"
+    " the name of the model; default: build/{name}.zip.",
 )  # fmt: skip
+@choice_options
+@click.option("--all", "every", is_flag=True, help="Build every cell of the recipe's matrix.")
+@click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
+@fetching_options
 @reporting_options
 def command(
-    recipe: Path, out: str | None, no_verify: bool, dedup: bool, timeout: float, form: str, as_json: bool
+    recipe: Path,
+    out: str | None,
+    sets: tuple[str, ...],
+    set_files: tuple[Path, ...],
+    variants: tuple[str, ...],
+    every: bool,
+    picks: tuple[str, ...],
+    no_verify: bool,
+    dedup: bool,
+    timeout: float,
+    form: str,
+    as_json: bool,
 ) -> None:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     from composer.bundle.output_error import OutputError
-    from composer.bundle.write import Form, form_of
     from composer.context import Context
-    from composer.engine import Limits
-    from composer.pipeline import build
+    from composer.engine import Limits, Session
 
     form = "json" if as_json else form
-    context = Context()
+    context = Context(fetching=fetching())
+    given = chosen_values(sets, set_files, variants, context)
     try:
-        kind = Form.TEXT if out in (None, "-") else form_of(str(out))
+        kind = kind_of_output(out, many=every or len(picks) > 1)
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
+    if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    progress(f"building {recipe}")
-    built = build(recipe, context, verified=not no_verify, deduplicated=dedup, limits=Limits(seconds=timeout))
-    if built is None:
-        report(context, form)
-        sys.exit(FINDINGS)
-    target = out or f"build/{_file_name(built.plan.name)}.zip"
-    try:
-        _write(built, target, kind if out else Form.ARCHIVE, context, Limits(seconds=timeout))
-    except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
-    report(context, form, err=out == "-")
-    if context.sink.has_errors:
-        sys.exit(FINDINGS)
-    if out != "-":
-        _say(built, target, form)
+    wanted = Wanted("build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form)
+    with Session(Limits(seconds=timeout)) as session:
+        if every or picks:
+            from composer.cli.build_cells import build_cells
+
+            sys.exit(build_cells(recipe, wanted, given, picks, context, session))
+        progress(f"building {recipe}")
+        sys.exit(_build_one(recipe, wanted, given, context, session))
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is built of a recipe, where it goes, and how it is told."""
+
+    out: str
+    kind: Form
+    verified: bool
+    deduplicated: bool
+    form: str
+
+
+def kind_of_output(out: str | None, many: bool) -> Form:
+    """What OUT asks for; raises OutputError where that cannot be told, or `many` models would go to one place."""
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.write import Form, form_of
+
+    if out is None:
+        return Form.ARCHIVE
+    if many and "{name}" not in out:
+        folder = out if out.endswith("/") else f"{out}/"
+        help = f"write for instance `-o '{folder}{{name}}/'` or `-o '{folder}{{name}}.zip'`"
+        raise OutputError("output-kind", f"several models cannot all be `{out}`", help)
+    return Form.TEXT if out == "-" else form_of(out)
+
+
+def _build_one(
+    recipe: Path, wanted: Wanted, given: dict[str, Node], context: Context, session: Session
+) -> int:
+    from composer.pipeline import build
+
+    built = build(
+        recipe,
+        context,
+        given=given,
+        verified=wanted.verified,
+        deduplicated=wanted.deduplicated,
+        session=session,
+    )
+    target = None if built is None else put(built, wanted, context, session)
+    report(context, wanted.form, err=wanted.out == "-")
+    if built is None or target is None or context.sink.has_errors:
+        return FINDINGS
+    if wanted.out != "-":
+        say(built, target, wanted.form)
     elif built.merged:
         click.echo(_merging(built), err=True)
+    return 0
+
+
+def put(built: Built, wanted: Wanted, context: Context, session: Session) -> str | None:
+    """Write a model where it is wanted; gives the place, or None where that cannot be, which is told."""
+    from composer.bundle.output_error import OutputError
+
+    target = wanted.out.replace("{name}", _file_name(built.plan.name))
+    try:
+        _write(built, target, wanted.kind, context, session)
+    except OutputError as error:
+        context.sink.error(error.code, error.message, help=error.help)
+        return None
+    return target
 
 
 def _file_name(name: str) -> str:
@@ -73,20 +145,23 @@ def _file_name(name: str) -> str:
     return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"
 
 
-def _write(built: Built, out: str, kind: Form, context: Context, limits: Limits) -> None:
+def _write(built: Built, out: str, kind: Form, context: Context, session: Session) -> None:
+    from composer.bundle.overwriting import check_is_no_source
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
 
+    if out != "-":
+        check_is_no_source(context.folder / out, built.plan, built.composed.model, built.composed.files)
     if kind is Form.TEXT:
         text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
         if text is not None and sys.stdout is not None:
             sys.stdout.buffer.write(text)
             sys.stdout.buffer.flush()
         return
-    write(built.bundle, out, environment=context.environment, limits=limits)
+    write(built.bundle, out, environment=context.environment, session=session)
 
 
-def _say(built: Built, out: str, form: str) -> None:
+def say(built: Built, out: str, form: str) -> None:
     import json
 
     sizes = built.compiled.sizes if built.compiled else {}
@@ -103,15 +178,15 @@ def _say(built: Built, out: str, form: str) -> None:
         return
     click.echo(f"wrote {out}")
     if sizes:
-        click.echo(
-            f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, "
-            f"{sizes['nbody']} bodies, {sizes['nsensor']} sensors, {sizes['nkey']} keyframes"
-        )
+        counted = ", ".join(_count(*each) for each in (
+            (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
+        ))  # fmt: skip
+        click.echo(f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
     else:
         click.echo("  not verified: MuJoCo has not compiled it")
     if built.merged:
         click.echo(_merging(built))
-    click.echo(f"  sha256 {built.bundle.sha256}")
+    click.echo(f"  contents sha256 {built.bundle.sha256}")
 
 
 def _merging(built: Built) -> str:
@@ -120,3 +195,7 @@ def _merging(built: Built) -> str:
         f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in built.merged.items()
     )
     return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
+
+
+def _count(number: int, noun: str, plural: str | None = None) -> str:
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"

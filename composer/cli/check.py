@@ -4,29 +4,66 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from composer.cli.choices import choice_options, chosen_values
+from composer.cli.fetching import fetching, fetching_options
+from composer.cli.junit import junit_option, suite_of, write_junit
 from composer.cli.reporting import FINDINGS, progress, report, reporting_options
+
+if TYPE_CHECKING:
+    from composer.verify.outcome import Outcome
 
 
 @click.command()
 @click.argument("recipes", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo.")
+@choice_options
+@click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo, nor run their checks.")
+@junit_option
+@fetching_options
 @reporting_options
-def command(recipes: tuple[Path, ...], no_verify: bool, form: str, as_json: bool) -> None:
-    """Say whether each of RECIPES is right: read, planned, composed and compiled in MuJoCo, nothing written."""
+def command(
+    recipes: tuple[Path, ...],
+    sets: tuple[str, ...],
+    set_files: tuple[Path, ...],
+    variants: tuple[str, ...],
+    no_verify: bool,
+    junit: str | None,
+    form: str,
+    as_json: bool,
+) -> None:
+    """Say whether each of RECIPES is right: read, planned, composed, compiled in MuJoCo, and its checks hold.
+
+    Nothing is written but what --junit asks for.
+    """
     from composer.context import Context
     from composer.pipeline import build
 
     form = "json" if as_json else form
     wrong = False
+    suites = []
     for recipe in recipes:
-        context = Context()
+        context = Context(fetching=fetching())
+        given = chosen_values(sets, set_files, variants, context)
         progress(f"checking {recipe}")
-        built = build(recipe, context, verified=not no_verify)
-        report(context, form)
+        outcomes: list[Outcome] = []
+        built = build(recipe, context, given=given, verified=not no_verify, hear=outcomes.append)
+        report(context, form, err=junit == "-")
         wrong |= built is None
-        if built is not None and form == "text":
-            click.echo(f"{recipe}: ok")
+        suites.append(suite_of(recipe, outcomes, context))
+        if built is not None and form == "text" and junit != "-":
+            click.echo(f"{recipe}: ok{_counted(outcomes)}")
+    if junit is not None:
+        context = Context()
+        write_junit(suites, junit, context)
+        report(context, form)
+        wrong |= context.sink.has_errors
     sys.exit(FINDINGS if wrong else 0)
+
+
+def _counted(outcomes: list[Outcome]) -> str:
+    if not outcomes:
+        return ""
+    return f", {len(outcomes)} check{'s hold' if len(outcomes) > 1 else ' holds'}"

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, source_reader
 
 
@@ -15,9 +16,10 @@ from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, s
 @click.argument("model", type=click.Path(path_type=Path))
 @click.argument("query")
 @click.argument("attribute", required=False)
+@fetching_options
 @reporting_options
 def command(model: Path, query: str, attribute: str | None, form: str, as_json: bool) -> None:
-    r"""Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
+    """Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
 
     \b
     QUERY says which thing:
@@ -27,7 +29,7 @@ def command(model: Path, query: str, attribute: str | None, form: str, as_json: 
       'geom#3'                      without a name: by its number in MuJoCo
       'option timestep'             a setting
       'gripper.xml:12'              what became of the element on that line
-    """
+    """  # noqa: D301  (a backspace, by which click keeps the lines)
     from composer.context import Context
     from composer.explain.explain import explain
     from composer.explain.explanation import as_data
@@ -35,7 +37,7 @@ def command(model: Path, query: str, attribute: str | None, form: str, as_json: 
     from composer.explain.text import render
 
     form = "json" if as_json else form
-    context = Context()
+    context = Context(fetching=fetching())
     asked = read(query, attribute, context.sink)
     if asked is None:
         report(context, form)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import io
+import keyword
 import os
 import signal
 import sys
@@ -16,12 +18,22 @@ from composer.version import __version__
 _VERBS = {
     "build": "Build the model of a recipe: one MJCF file and its assets.",
     "check": "Say whether a recipe is right, without writing anything.",
+    "verify": "Hold a bundle against its manifest, MuJoCo and the sources of its parts.",
     "plan": "Print in words what a build will do.",
     "explain": "Say where an element or attribute came from, and what changed it.",
+    "lock": "Write down what every source of a recipe is.",
+    "update": "Lock sources as they are now.",
+    "cache": "Look after the store of what was fetched.",
+    "diff": "Say what differs between two models, in physics terms.",
     "new": "Write a commented starter recipe that builds.",
+    "fmt": "Put recipes into their canonical layout, comments kept.",
+    "import": "Propose the recipe that makes a merged model of its parts.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }
 
+
+# Pydantic would look for plugins in every package that is installed, which takes longer than a small build.
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 _FAILED, _INTERRUPTED, _TERMINATED, _BUG = 1, 130, 143, 70
 
@@ -33,7 +45,8 @@ class _Verbs(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _VERBS:
             return None
-        module = importlib.import_module(f"composer.cli.{cmd_name}")
+        room = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        module = importlib.import_module(f"composer.cli.{room}")
         command = module.command
         assert isinstance(command, click.Command)
         return command
@@ -57,6 +70,7 @@ class _Verbs(click.Group):
         """Run the verb. An interruption ends it in order: what was begun is taken away again, and no trace is shown."""
         with contextlib.suppress(ValueError):  # not in the main thread, where signals do not arrive
             signal.signal(signal.SIGTERM, _terminate)
+        _print_any_name()
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
@@ -70,15 +84,33 @@ class _Verbs(click.Group):
             what = f"`{error.filename}`: " if error.filename else ""
             click.echo(f"cannot go on: {what}{(error.strerror or str(error)).lower()}", err=True)
             ctx.exit(_FAILED)
+        except UnicodeEncodeError as error:
+            if error.encoding.startswith("utf"):
+                self._bug(ctx, error)
+            what = error.object[error.start : error.end].encode("ascii", "backslashreplace").decode()
+            click.echo(
+                f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1", err=True
+            )
+            ctx.exit(_FAILED)
         except Exception as error:
-            if os.environ.get("MJCOMPOSE_TRACEBACK"):
-                raise
-            click.echo(_bug(error), err=True)
-            ctx.exit(_BUG)
+            self._bug(ctx, error)
+
+    def _bug(self, ctx: click.Context, error: Exception) -> None:
+        if os.environ.get("MJCOMPOSE_TRACEBACK"):
+            raise error
+        click.echo(_bug(error), err=True)
+        ctx.exit(_BUG)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(_VERBS.items()))
+
+
+def _print_any_name() -> None:
+    """Standard output takes what standard error takes: names of files that are no text in this locale."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        utf8 = sys.stdout.encoding.lower().replace("-", "") == "utf8"
+        sys.stdout.reconfigure(errors="surrogateescape" if utf8 else "backslashreplace")
 
 
 def _terminate(signum: int, frame: object) -> None:

@@ -68,7 +68,7 @@ def command(path: Path) -> None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds as it stands."""
     from composer.bundle.output_error import OutputError, unwritable
     from composer.bundle.staging import staged_file
-    from composer.context import Context
+    from composer.context import Context, as_text
 
     if path.suffix.lower() not in (".yaml", ".yml"):
         raise click.UsageError(f"a recipe's name ends in .yaml: {path.with_suffix('.yaml')}")
@@ -83,7 +83,7 @@ def command(path: Path) -> None:
         sys.exit(FINDINGS)
     try:
         with staged_file(path) as stage:
-            stage.write_text(_STARTER.format(name=_yaml(path.stem)), encoding="utf-8")
+            stage.write_text(_STARTER.format(name=_yaml(as_text(path.stem))), encoding="utf-8")
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
     except OSError as error:

@@ -8,29 +8,64 @@ from pathlib import Path
 
 import click
 
+from composer.cli.choices import choice_options, chosen_values
+from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, report, reporting_options
 
 
 @click.command()
 @click.argument("recipe", type=click.Path(path_type=Path))
+@choice_options
+@click.option(
+    "--expanded", is_flag=True, help="Print the concrete recipe, with the file and line of every value."
+)
+@fetching_options
 @reporting_options
-def command(recipe: Path, form: str, as_json: bool) -> None:
-    """Print what a build of RECIPE will do, step by step."""
+def command(
+    recipe: Path,
+    sets: tuple[str, ...],
+    set_files: tuple[Path, ...],
+    variants: tuple[str, ...],
+    expanded: bool,
+    form: str,
+    as_json: bool,
+) -> None:
+    """Print what a build of RECIPE will do, step by step, and the cells of its matrix."""
+    from composer.build.cells import cells_of
     from composer.context import Context
+    from composer.expr.value import shown
     from composer.plan.describe import Subtrees, as_data, describe
+    from composer.plan.expanded import expanded_text
     from composer.plan.make import make_plan
 
     form = "json" if as_json else form
-    context = Context()
-    plan = make_plan(recipe, context)
+    context = Context(fetching=fetching())
+    given = chosen_values(sets, set_files, variants, context)
+    plan = make_plan(recipe, context, given)
+    cells = cells_of(recipe, context) if plan is not None else []
     subtrees: Subtrees = {}
-    if plan is not None and plan.takes_subtrees:
+    if plan is not None and plan.takes_subtrees and not expanded:
         from composer.steps.left_behind import left_behind
 
         subtrees = left_behind(plan, context)
     report(context, form)
     if plan is None:
         sys.exit(FINDINGS)
-    click.echo(json.dumps(as_data(plan, subtrees), indent=2) if form == "json" else describe(plan, subtrees))
+    if expanded:
+        click.echo(expanded_text(plan.document))
+    elif form == "json":
+        data = as_data(plan, subtrees)
+        if cells:
+            data["cells"] = [{"name": cell.name, "set": cell.values()} for cell in cells]
+        click.echo(json.dumps(data, indent=2))
+    else:
+        click.echo(describe(plan, subtrees))
+        if cells:
+            click.echo(f"{len(cells)} cells of the matrix, built by --all or --pick:")
+            for cell in cells:
+                values = ", ".join(
+                    f"{name} = {shown(value)}" for name, value in cell.values().items() if value is not None
+                )
+                click.echo(f"  {cell.name}  {values}")
     if context.sink.has_errors:
         sys.exit(FINDINGS)

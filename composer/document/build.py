@@ -247,7 +247,7 @@ class Builder:
             value = self._tagged(event, text, span)
         elif not event.style:
             value = self._resolved(text, span)
-        node = Scalar(value, span, text, not event.style)
+        node = Scalar(value, span, text, not event.style, self._marks.block(event))
         if event.anchor is not None:
             self._anchors[event.anchor] = _Anchored(node, 1, 0)
         return node

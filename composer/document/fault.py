@@ -15,6 +15,7 @@ _GLOB_CHOICE = re.compile(r"[\w,*?/.:\- ]*")
 _FLOW_TEXT = re.compile(r""" *("(?:[^"\\]|\\.)*"|'[^']*'|[^,\[\]{}"'\r\n]+)""")
 _MAX_KEY = 1024
 _LINE = re.compile(r"[^\r\n]*")
+_KEY = re.compile(r"[A-Za-z_][\w-]*")
 
 
 def explain(error: Any, text: str, file: str, outer: bool) -> Fault:
@@ -99,6 +100,13 @@ def _colon_in_flow(it: Complaint) -> Fault | None:
     if "plain scalar" not in it.context or "unexpected ':'" not in it.problem:
         return None
     end = max(unquoted_end(it.text, it.since, True), it.at + 1)
+    key, _, value = it.text[it.since : end].partition(":")
+    if _KEY.fullmatch(key) and value[:1] in ("[", "{", '"', "'"):
+        return it.fault(
+            f"there is no space behind the colon of `{key}`",
+            it.span(it.since, it.since + len(key) + 1),
+            f"write `{key}: {value}`",
+        )
     message = f"`{it.text[it.since : end]}` has a colon, and inside `[ ]` or `{{ }}` must be in quotes"
     return it.unquoted("yaml-syntax", it.since, end, message)
 
@@ -262,6 +270,15 @@ def _block(it: Complaint) -> Fault | None:
     lead = it.text[begin : it.at]
     if lead.strip():
         quote = lead.rstrip()[-1:]
+        if quote in ("'", '"') and lead.count(quote) % 2 and quote in it.text[:begin]:
+            opening = it.text.rindex(quote, 0, begin)
+            return it.fault(
+                "this quote is not closed on its line",
+                it.span(opening),
+                f"close it with another `{quote}`",
+                "yaml-syntax",
+                Note("it ends here, at the next one", it.span(begin + lead.rindex(quote))),
+            )
         if quote in ("'", '"'):
             return it.fault(
                 f"{it.shown} follows a closing quote",

@@ -36,6 +36,14 @@ class Marks:
             column = min(column + self.properties(event), last)
         return Span(self.file, line, column, line, last)
 
+    def block(self, event: Any) -> tuple[int, int] | None:
+        """Where the text of a literal block begins, as line and column; None for all other scalars."""
+        if event.style != "|":
+            return None
+        written = self.text[event.start_mark.index : event.end_mark.index].splitlines()[1:]
+        indent = next((len(line) - len(line.lstrip(" ")) for line in written if line.strip()), 0)
+        return event.start_mark.line + 2, indent + 1
+
     def properties(self, event: Any) -> int:
         """How many characters anchor and tag take before the value, if it follows on their line."""
         found = _PROPERTIES.match(self.text, event.start_mark.index)

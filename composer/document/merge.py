@@ -158,6 +158,28 @@ def _appended(lower: Sequence, upper: Sequence) -> Sequence:
     return Sequence(tuple(items), upper.span)
 
 
+def without_ids(document: Mapping) -> Mapping:
+    """The recipe without the `id`s of items, which are for merging alone."""
+    return _bare(document, ())
+
+
+def _bare(node: Mapping, path: Path) -> Mapping:
+    entries = dict(node.entries)
+    for name, (key, value) in node.entries.items():
+        below = (*path, name)
+        if _pattern(below) in _APPENDED and isinstance(value, Sequence):
+            entries[name] = (key, Sequence(tuple(_no_id(item) for item in value.items), value.span))
+        elif isinstance(value, Mapping) and (below in (("base",), ("attach",)) or path == ("attach",)):
+            entries[name] = (key, _bare(value, below))
+    return Mapping(entries, node.span)
+
+
+def _no_id(item: Node) -> Node:
+    if not isinstance(item, Mapping):
+        return item
+    return Mapping({name: entry for name, entry in item.entries.items() if name != "id"}, item.span)
+
+
 def _id(item: Node) -> str | None:
     found = item.entries.get("id") if isinstance(item, Mapping) else None
     return found[1].text if found is not None and isinstance(found[1], Scalar) else None

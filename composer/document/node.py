@@ -13,13 +13,15 @@ class Scalar:
     """A single value.
 
     `text` is what is written, without quotes and with escapes resolved; `plain` tells that it has neither
-    quotes nor a block style, so that `value` was found by the rules of the YAML 1.2 core schema.
+    quotes nor a block style, so that `value` was found by the rules of the YAML 1.2 core schema. Of a literal block
+    (`|`), `block` is the line and column at which its text begins: each line of `text` is one of the file.
     """
 
     value: bool | int | float | str | None
     span: Span
     text: str
     plain: bool
+    block: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,22 +38,30 @@ class Converted:
 
 
 def convert_urdf(
-    path: Path, packages: Mapping[str, Path], *, stands: bool = True, limits: Limits | None = None
+    path: Path,
+    packages: Mapping[str, Path],
+    *,
+    stands: bool = True,
+    limits: Limits | None = None,
+    session: Session | None = None,
 ) -> Converted:
     """Convert a file; `packages` has the folders that `package://NAME` stands for.
 
     Whether it `stands` in the world decides about the root link: as long as it does, MuJoCo fuses it with the
     world, which has no inertia; what shall move or hang on something keeps it as a body.
-    Needs all meshes, for MuJoCo saves only what compiles. Never raises for what the file holds.
+    Needs all meshes, for MuJoCo saves only what compiles. Never raises for what the file holds. `limits` count only
+    without a `session`, which has its own.
     """
+    if session is None:
+        with Session(limits) as own:
+            return convert_urdf(path, packages, stands=stands, session=own)
     argument = {
         "path": str(path.absolute()),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},
         "stands": stands,
     }
-    with Session(limits) as session:
-        read = call(session, read_meshes, (), argument)
-        converted = call(session, convert, (), argument) if read.ok and not read.value["error"] else read
+    read = call(session, read_meshes, (), argument)
+    converted = call(session, convert, (), argument) if read.ok and not read.value["error"] else read
     meshes, folder = (read.value["meshes"], read.value["folder"]) if read.ok else ([], "")
     error = converted.value["error"] if converted.ok else converted.error
     return Converted(

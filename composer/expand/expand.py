@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest, exists_note
+from composer.document.merge import without_ids
 from composer.document.node import Mapping, Node
 from composer.expand.parameter import Parameter
 from composer.expand.params import read_params, settle
@@ -46,8 +47,9 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink) -> Concrete:
     rest = Mapping(
         {name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span
     )
-    substitution = Substitution(scope, parameters, sink)
-    substituted = substitution.of(Condition(scope, axes, sink).kept(rest))
+    broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
+    substitution = Substitution(scope, parameters, broken, sink)
+    substituted = substitution.of(without_ids(Condition(scope, axes, broken, sink).kept(rest)))
     assert isinstance(substituted, Mapping)
     return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost))
 
@@ -65,10 +67,9 @@ def _check_names(
             variants.entries[name][0].span,
             notes=(note,),
         )
-    declared = document.entries.get("params")
-    tried = declared[1].entries if declared and isinstance(declared[1], Mapping) else {}
+    tried = _declared(document, "params") | _declared(document, "variants")
     for name, node in given.items():
-        if name not in axes and name not in tried:
+        if name not in tried:
             known = [*axes, *parameters]
             near = closest(name, known)
             sink.error(
@@ -78,3 +79,9 @@ def _check_names(
                 notes=(exists_note("name", known, name),),
                 help=f"did you mean `{near[0]}`?" if near else None,
             )
+
+
+def _declared(document: Mapping, section: str) -> frozenset[str]:
+    """The names in a section, those of what is wrong too."""
+    found = document.entries.get(section)
+    return frozenset(found[1].entries) if found is not None and isinstance(found[1], Mapping) else frozenset()

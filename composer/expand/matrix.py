@@ -156,7 +156,7 @@ class _Matrix:
         try:
             return str(Template.parse(node.value).value({**scope, "name": name}))
         except ExpressionError as error:
-            tell(error, node, ["name", *scope], self.sink)
+            tell(error, node, ["name", *scope], frozenset(), self.sink)
             return name
 
 

@@ -6,8 +6,6 @@ import re
 
 from composer.diagnostics.sink import Sink
 from composer.document.node import Key
-from composer.expr.functions import CONSTANTS, FUNCTIONS
-from composer.expr.tokens import KEYWORDS
 
 # What expressions inside `edit` know, and what a reader would confuse with parts of the language.
 RESERVED = frozenset({"name", "value", "index", "parent", "base"})
@@ -16,6 +14,9 @@ _NAME = re.compile(r"[^\W\d]\w*")
 
 def is_usable(key: Key, what: str, sink: Sink) -> bool:
     """Whether an expression can use the name; `what` is what it names, as messages call it."""
+    from composer.expr.functions import CONSTANTS, FUNCTIONS
+    from composer.expr.tokens import KEYWORDS
+
     if _NAME.fullmatch(key.name) is None:
         help = f"write `{suggested}`" if _NAME.fullmatch(suggested := re.sub(r"\W", "_", key.name)) else None
         sink.error(

@@ -12,7 +12,7 @@ from composer.document.node import Key, Mapping, Node, Scalar
 from composer.expand.name import is_usable
 from composer.expand.parameter import TYPES, Parameter, Refusal, inferred
 from composer.expand.plain import plain
-from composer.expr.template import is_template
+from composer.expr.opening import is_template
 from composer.expr.value import Value
 
 KEYS = ("type", "default", "min", "max", "choices", "length", "unit", "doc")
@@ -113,14 +113,15 @@ def _number(node: Node | None, what: str, name: str, sink: Sink) -> float | None
 
 
 def settle(parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink) -> dict[str, Value]:
-    """The value of every parameter: what is given, else its default. Of one with a fault there is none."""
-    scope: dict[str, Value] = {}
+    """The value of every parameter: what is given, else its default, which also stands in for what is told as wrong.
+
+    One that has no default and is not given has no value.
+    """
+    scope = {name: each.default for name, each in parameters.items() if each.default is not None}
     for name, parameter in parameters.items():
         node = given.get(name)
         if node is None:
-            if parameter.default is not None:
-                scope[name] = parameter.default
-            else:
+            if parameter.default is None:
                 help = f"build with `--set {name}=…`, or write `with: {{{name}: …}}` where the recipe is used"
                 message = f"parameter `{name}` has no default and must be given"
                 sink.error("missing-key", message, parameter.span, help=help)

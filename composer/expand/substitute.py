@@ -10,9 +10,8 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.expand.plain import node_of
-from composer.expr.error import ExpressionError
-from composer.expr.evaluate import UnknownName
-from composer.expr.template import Template, is_template
+from composer.expr.error import ExpressionError, UnknownName
+from composer.expr.opening import is_template
 from composer.expr.value import Value, shown
 
 if TYPE_CHECKING:
@@ -24,8 +23,10 @@ Path = tuple[str | int, ...]
 class Substitution:
     """`lost` has the keys and texts of what had to be left out because an expression in it is wrong."""
 
-    def __init__(self, scope: Map[str, Value], parameters: Map[str, Parameter], sink: Sink) -> None:
-        self.scope, self.parameters, self.sink = scope, parameters, sink
+    def __init__(
+        self, scope: Map[str, Value], parameters: Map[str, Parameter], broken: frozenset[str], sink: Sink
+    ) -> None:
+        self.scope, self.parameters, self.broken, self.sink = scope, parameters, broken, sink
         self.lost: set[str] = set()
 
     def of(self, node: Node, path: Path = ()) -> Node | None:
@@ -36,6 +37,8 @@ class Substitution:
             return self._scalar(node)
         if isinstance(node, Sequence):
             items = [self.of(item, (*path, index)) for index, item in enumerate(node.items)]
+            if any(item is None for item in items):  # a list without one of its values is another list
+                return None
             return Sequence(tuple(item for item in items if item is not None), node.span)
         entries: dict[str, tuple[Key, Node]] = {}
         for name, (key, value) in node.entries.items():
@@ -49,12 +52,14 @@ class Substitution:
     def _scalar(self, node: Scalar) -> Node | None:
         if not isinstance(node.value, str) or not is_template(node.value):
             return node
+        from composer.expr.template import Template  # most recipes have no expression
+
         try:
             template = Template.parse(node.value)
             value = template.value(self.scope)
         except ExpressionError as error:
             self.lost.add(node.text)
-            tell(error, node, [*self.scope], self.sink)
+            tell(error, node, [*self.scope], self.broken, self.sink)
             return None
         alone = self.parameters.get(template.is_one_name or "")
         if alone is not None and alone.is_angle and isinstance(value, (int, float)):
@@ -62,8 +67,10 @@ class Substitution:
         return node_of(value, node.span)
 
 
-def tell(error: ExpressionError, node: Scalar, known: list[str], sink: Sink) -> None:
-    """An expression's fault, at its place in the scalar."""
+def tell(error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink) -> None:
+    """An expression's fault, at its place in the scalar; that a `broken` name has no value is told where it broke."""
+    if isinstance(error, UnknownName) and error.name in broken:
+        return
     span = within(node, error.start, error.end)
     if not isinstance(error, UnknownName):
         sink.error("expression", error.message, span, help=error.help)

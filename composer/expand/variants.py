@@ -11,7 +11,7 @@ from composer.document.node import Mapping, Node, Scalar
 from composer.expand.name import is_usable
 
 # What belongs to the recipe as a whole and to no piece of it.
-_NO_PIECE = ("recipe", "extends", "variants", "matrix", "separator")
+NO_PIECE = ("recipe", "extends", "variants", "matrix", "separator")
 
 Axes = dict[str, Mapping]
 
@@ -46,7 +46,7 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
                     help=f"write `{value.name}: {{}}` for one that changes nothing",
                 )
                 continue
-            for name in _NO_PIECE:
+            for name in NO_PIECE:
                 if name in piece.entries:
                     sink.error("unknown-key", f"`{name}` cannot stand in a variant", piece.entries[name][0].span,
                                help="write it at the top of the recipe")  # fmt: skip
@@ -86,6 +86,4 @@ def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> 
 
 
 def _permitted(piece: Mapping) -> Mapping:
-    return Mapping(
-        {name: entry for name, entry in piece.entries.items() if name not in _NO_PIECE}, piece.span
-    )
+    return Mapping({name: entry for name, entry in piece.entries.items() if name not in NO_PIECE}, piece.span)

@@ -12,7 +12,7 @@ from composer.expand.plain import plain, same
 from composer.expand.substitute import tell
 from composer.expand.variants import Axes
 from composer.expr.error import ExpressionError
-from composer.expr.template import Template, is_template
+from composer.expr.opening import is_template
 from composer.expr.value import Value
 
 WHEN = "when"
@@ -29,8 +29,8 @@ _MAX_DEPTH = 3
 class Condition:
     """Decides what belongs to this build by the values of variants and parameters."""
 
-    def __init__(self, scope: Map[str, Value], axes: Axes, sink: Sink) -> None:
-        self.scope, self.axes, self.sink = scope, axes, sink
+    def __init__(self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink) -> None:
+        self.scope, self.axes, self.broken, self.sink = scope, axes, broken, sink
 
     def kept(self, document: Mapping) -> Mapping:
         """The recipe of this build, without any `when`."""
@@ -79,10 +79,12 @@ class Condition:
         return True
 
     def _true(self, node: Scalar) -> bool:
+        from composer.expr.template import Template  # most recipes have no expression
+
         try:
             value = Template.parse(str(node.value)).value(self.scope)
         except ExpressionError as error:
-            tell(error, node, [*self.scope], self.sink)
+            tell(error, node, [*self.scope], self.broken, self.sink)
             return True
         if not isinstance(value, bool):
             self.sink.error("wrong-type", "`when` needs `true` or `false`", node.span)
@@ -90,6 +92,8 @@ class Condition:
         return value
 
     def _is_one_of(self, key: Key, node: Node) -> bool:
+        if key.name in self.broken:
+            return True
         if key.name not in self.scope:
             near = closest(key.name, self.scope)
             self.sink.error(

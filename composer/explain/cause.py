@@ -277,6 +277,8 @@ class Causes:
         return Reason("the settings that hold for every part")
 
     def _keyframes_made(self, life: Life, cause: Cause) -> Reason:
+        if not isinstance(life.owner, str):
+            return Reason("written in the recipe, laid out for the whole model", _owned(life.owner, None))
         if len(life.sources) > 1:
             return Reason(f"{len(life.sources)} keys of that name made one, laid out for the whole model")
         return Reason("laid out anew for the whole model")

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 from composer.explain.trace import Life, Trace
-from composer.link.keyframes import holders
+from composer.link.key_layouts import holders
 from composer.link.layout import Unknown, lay_out
+from composer.link.multiplied import element_of
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -36,11 +37,12 @@ def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
     found, at = [], 0
     written = {each.root: each for each in _leaves(trace.life(key)) if each.attributes.get(vector)}
     for holder, width in owners:
-        life = trace.life(holder)
+        element = element_of(holder)
+        life = trace.life(element)
         said = (
             written.get(life.root) if life.made_by is None else None
         )  # no file knows of what was added since
-        found.append(Row(holder, " ".join(numbers[at : at + width]), said))
+        found.append(Row(element, " ".join(numbers[at : at + width]), said))
         at += width
     return found
 

@@ -194,6 +194,8 @@ class Trace:
     def _succeed(self, life: Life, lost: list[Life]) -> None:
         """What a pass writes anew takes the place of elements: those of its tag and name that are no more."""
         assert life.made_by is not None
+        if life.tag == "key" and not isinstance(life.owner, str):
+            return  # a recipe writes it
         for old in lost:
             if old.tag == life.tag and dict(old.items).get("name") == life.name:
                 life.sources.append(old)

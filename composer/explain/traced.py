@@ -90,14 +90,14 @@ class Traced:
             label=self.labels[node],
             text=_start_tag(node),
             holder=self._holder(node),
-            written=tuple(self._written(life)),
+            written=tuple(self.written(life)),
             end_line=life.line if isinstance(life.owner, str) else None,
             parts=tuple(self._parts(life)),
             changes=tuple(self._changes(life)),
             in_force=self._in_force(node) if reached else None,
             classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes)) if reached else (),
             given=tuple(
-                Given(attribute.name, str(level.text), str(level.name), self._written_at(level.writer, attribute.name))
+                Given(attribute.name, str(level.text), str(level.name), self.written_at(level.writer, attribute.name))
                 for attribute, level in given(node, kind, self.classes)
             ) if reached else (),
             sets=tuple(self._sets(node)) if node.tag == "default" else (),
@@ -135,7 +135,7 @@ class Traced:
 
     def _listed(self, node: Node, attribute: str | None) -> Listed:
         text, life = None, self.watch.life(node)
-        written = list(self._written(life))
+        written = list(self.written(life))
         reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
         if attribute is not None:
             kind = kind_of(node)
@@ -157,12 +157,12 @@ class Traced:
     def _sets(self, node: Node) -> Iterator[Listed]:
         for child in node.iterchildren("*"):
             for name, text in child.items() if child.tag != "default" else ():
-                reason = Reason("", self._written_at(child, str(name)))
+                reason = Reason("", self.written_at(child, str(name)))
                 yield Listed(f"{child.tag!s} {name!s}", str(text), reason)
 
     # -- what it came from -------------------------------------------------------------------------------------
 
-    def _written(self, life: Life) -> Iterator[Reason]:
+    def written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:
             told = self.causes.made(life)
             yield Reason(told.words, told.span or (None if life.sources else self._span(life)))
@@ -256,26 +256,26 @@ class Traced:
         if force.attribute is None or force.writer is None:
             return Reason("as the top class: no other is named")
         if force.attribute == "class":
-            return Reason("by its own `class`", self._written_at(force.writer, "class"))
+            return Reason("by its own `class`", self.written_at(force.writer, "class"))
         made = self.watch.life(force.writer).made_by
         if made is not None and made.is_pass and made.part is not None and force.writer.tag == "frame":
             return Reason(f"as the class of the part `{made.part.called}`", made.part.span)
         where = self.labels[force.writer]
-        return Reason(f"by `childclass` of `{where}`", self._written_at(force.writer, "childclass"))
+        return Reason(f"by `childclass` of `{where}`", self.written_at(force.writer, "childclass"))
 
     def _class_step(self, name: str) -> ClassStep:
         node = self.declared.get(name)
         if node is None:
             return ClassStep(name, Reason("the top class, which sets nothing"))
-        return ClassStep(name, next(self._written(self.watch.life(node))))
+        return ClassStep(name, next(self.written(self.watch.life(node))))
 
     def _level_span(self, kind: str, name: str | None, writer: Node | None, attribute: str) -> Span | None:
         if writer is not None:
-            return self._written_at(writer, attribute)
+            return self.written_at(writer, attribute)
         node = self.declared.get(str(name)) if kind == "class" else None
-        return None if node is None else next(self._written(self.watch.life(node))).span
+        return None if node is None else next(self.written(self.watch.life(node))).span
 
-    def _written_at(self, node: Node | None, attribute: str) -> Span | None:
+    def written_at(self, node: Node | None, attribute: str) -> Span | None:
         """Where the value of an attribute stands: in the file it was read from, or where it was set."""
         if node is None:
             return None

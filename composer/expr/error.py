@@ -16,3 +16,14 @@ class ExpressionError(Exception):
     def moved(self, by: int) -> ExpressionError:
         """The same fault in a text in which the expression stands `by` characters later."""
         return ExpressionError(self.message, self.start + by, self.end + by, self.help)
+
+
+class UnknownName(ExpressionError):
+    """A name that the scope does not have; who knows what there is can tell more."""
+
+    def __init__(self, name: str, start: int, end: int) -> None:
+        super().__init__(f"there is no `{name}`", start, end)
+        self.name = name
+
+    def moved(self, by: int) -> UnknownName:
+        return UnknownName(self.name, self.start + by, self.end + by)

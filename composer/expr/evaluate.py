@@ -6,7 +6,7 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
-from composer.expr.error import ExpressionError
+from composer.expr.error import ExpressionError, UnknownName
 from composer.expr.functions import CONSTANTS, FUNCTIONS
 from composer.expr.tree import (
     Binary,
@@ -100,17 +100,6 @@ def _name(tree: Name, scope: Mapping[str, Value]) -> Value:
     if tree.name in FUNCTIONS:
         raise ExpressionError(f"`{tree.name}` is a function", tree.start, tree.end, f"write `{tree.name}(…)`")
     raise UnknownName(tree.name, tree.start, tree.end)
-
-
-class UnknownName(ExpressionError):
-    """A name that the scope does not have; who knows what there is can tell more."""
-
-    def __init__(self, name: str, start: int, end: int) -> None:
-        super().__init__(f"there is no `{name}`", start, end)
-        self.name = name
-
-    def moved(self, by: int) -> UnknownName:
-        return UnknownName(self.name, self.start + by, self.end + by)
 
 
 def _item(tree: Item, scope: Mapping[str, Value]) -> Value:

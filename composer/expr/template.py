@@ -7,16 +7,10 @@ from dataclasses import dataclass
 
 from composer.expr.error import ExpressionError
 from composer.expr.evaluate import evaluate, names
+from composer.expr.opening import OPENING
 from composer.expr.parse import parse
 from composer.expr.tree import Expression, Name
 from composer.expr.value import Value, shown
-
-OPENING = "${"
-
-
-def is_template(text: str) -> bool:
-    """Whether there is an expression in the text."""
-    return OPENING in text
 
 
 @dataclass(frozen=True, slots=True)

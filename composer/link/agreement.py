@@ -5,9 +5,10 @@ The model's value is the base's, where it writes one, else MuJoCo's default; wha
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 from lxml.etree import _Element as Node
 
@@ -65,7 +66,9 @@ def agreement(linking: Linking) -> None:
             _set(linking.base, path, settled)
             model[path] = _Written(settled, wanted.element, part.unit)
     for path, wishes in conflicts.items():
-        _tell(linking, path, wishes, model.get(path))
+        section = path.split("/")[0] + "/"
+        together = {each: asked[0][1].value for each, asked in conflicts.items() if each.startswith(section)}
+        _tell(linking, path, wishes, model.get(path), settling(together, linking.settled))
     _sizes(linking)
 
 
@@ -127,7 +130,9 @@ def _set(unit: Unit, path: str, value: str) -> None:
     element.set(name, value)
 
 
-def _tell(linking: Linking, path: str, wishes: list[tuple[Part, _Written]], have: _Written | None) -> None:
+def _tell(
+    linking: Linking, path: str, wishes: list[tuple[Part, _Written]], have: _Written | None, help: str
+) -> None:
     """One finding for each value of the model, whoever else wants another: one line settles it."""
     (part, wanted), *others = wishes
     message = f"{_wish(part, path, wanted)}, {_model_has(have, _default(path))}"
@@ -139,7 +144,7 @@ def _tell(linking: Linking, path: str, wishes: list[tuple[Part, _Written]], have
     if linking.conflict == "warning":
         linking.sink.warning("option-conflict", f"{message}, which stands", span, notes=notes)
     else:
-        linking.sink.error("option-conflict", message, span, notes=notes, help=settle(path, wanted.value))
+        linking.sink.error("option-conflict", message, span, notes=notes, help=help)
 
 
 def _wish(part: Part, path: str, wanted: _Written) -> str:
@@ -164,15 +169,31 @@ def _name(path: str) -> str:
     return path.rsplit("/", 1)[1]
 
 
-def settle(path: str, value: str) -> str:
-    """The lines of a recipe that settle a conflict."""
-    section, *inner, name = path.split("/")
-    tokens = value.split()
-    text = f"[{', '.join(tokens)}]" if len(tokens) > 1 else value
-    entry = f"{name}: {text}"
-    for tag in reversed(inner):
-        entry = f"{tag}: {{{entry}}}"
-    return f"say in the recipe which it is, for example `{section}: {{{entry}}}`"
+def settling(wanted: Mapping[str, str], settled: Collection[str]) -> str:
+    """What to write in a recipe to settle conflicts of one section, all of them at once.
+
+    `wanted` has the value that one part asks for, by path; `settled` are the paths that the recipe sets already.
+
+    >>> settling({"option/cone": "elliptic", "option/flag/gravity": "disable"}, ())
+    'say in the recipe which it is, for example `option: {cone: elliptic, flag: {gravity: disable}}`'
+    """
+    tree: dict[str, Any] = {}
+    for path, value in wanted.items():
+        section, *inner, name = path.split("/")
+        place = tree
+        for tag in inner:
+            place = place.setdefault(tag, {})
+        tokens = value.split()
+        place[name] = f"[{', '.join(tokens)}]" if len(tokens) > 1 else value
+    entries = _flow(tree)
+    if any(path.startswith(f"{section}/") for path in settled):
+        return f"say which it is in the recipe's `{section}`, for example `{entries[1:-1]}`"
+    return f"say in the recipe which it is, for example `{section}: {entries}`"
+
+
+def _flow(tree: Mapping[str, Any]) -> str:
+    entries = (f"{name}: {value if isinstance(value, str) else _flow(value)}" for name, value in tree.items())
+    return f"{{{', '.join(entries)}}}"
 
 
 def _sizes(linking: Linking) -> None:

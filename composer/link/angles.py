@@ -116,6 +116,11 @@ def _joints(unit: Unit) -> None:
                     own.append((joint, attribute))
             else:
                 given.setdefault((writer, attribute), []).append((joint, turns))
+    for flex, body in _flexes(unit.root) if in_classes else ():
+        for attribute in _ANGULAR:
+            writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute)
+            if writer is not None:
+                given.setdefault((writer, attribute), []).append((flex, False))
     for (writer, attribute), users in given.items():
         done.add((writer, attribute))
         if all(turns for _, turns in users):
@@ -141,6 +146,14 @@ def _joints_of_bodies(root: Node) -> Iterator[Node]:
             parent = joint.getparent()
             if parent is not None and parent.tag in NESTED:
                 yield joint
+
+
+def _flexes(root: Node) -> Iterator[tuple[Node, Node]]:
+    """Every flex with the body whose joint defaults its vertices take: they slide."""
+    for flex in root.iter("flexcomp"):
+        body = next(flex.iterancestors("body", "worldbody"), None)
+        if body is not None:
+            yield flex, body
 
 
 def _writer(joint: Node, classes: Classes, childclass: str | None, attribute: str) -> Node | None:

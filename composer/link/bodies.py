@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from lxml.etree import _Element as Node
 
@@ -10,11 +11,14 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
 from composer.link.angles import model_angle
+from composer.link.flex_joints import taken_back
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
-from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag
+from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, through_frames
 from composer.tree.names import word
+from composer.tree.scaled import scaled_above
 
+_BODIES = ("body", "replicate", "flexcomp", "composite", "attach")
 _PLACES = ("site", "body", "frame")
 _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
@@ -22,10 +26,11 @@ _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 def bodies(linking: Linking) -> None:
     """Hang the parts in their order; a part that hangs on another part waits for it."""
     waiting = list(linking.parts)
+    tops: dict[Part, Node] = {}
     while waiting:
         ready = [part for part in waiting if _mount(linking, part)]
         for part in ready:
-            _hang(linking, part)
+            _hang(linking, part, tops)
         if not ready:
             lost = [part for part in waiting if part.mount is None]
             for part in lost:
@@ -34,6 +39,17 @@ def bodies(linking: Linking) -> None:
                 _ring(linking, waiting)
             return
         waiting = [part for part in waiting if part not in ready]
+    _in_order(linking, tops)
+
+
+def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
+    """What floats in the world but waited for its place goes back among its siblings."""
+    if not tops:
+        return
+    world = linking.base.section("worldbody")
+    hung = [tops[part] for part in linking.parts if part in tops and tops[part].getparent() is world]
+    if hung != sorted(hung, key=world.index):
+        world.extend(hung)
 
 
 def _ring(linking: Linking, waiting: list[Part]) -> None:
@@ -64,6 +80,11 @@ def _nowhere(linking: Linking, part: Part) -> None:
     other = [each for each in linking.names.kinds_of(name) if each != kind]
     near = closest(name, names)
     help = f"did you mean `{kind}: {near[0]}`?" if near else None
+    if not near and not names:
+        bodies = [each for each in linking.names.of("body") if not each.startswith(part.prefix or "\0")]
+        if bodies and kind != "body":
+            notes.append(exists_note("body", bodies, name))
+            help = "hang it on a body, with a `pos` if need be: `body: NAME`"
     if usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
@@ -89,7 +110,8 @@ def _mount(linking: Linking, part: Part) -> bool:
     return part.mount is not None and part.mount.getroottree().getroot() is linking.base.root
 
 
-def _hang(linking: Linking, part: Part) -> None:
+def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
+    """Hang a part; `tops` gets the outermost element that is made for it."""
     mount = part.mount
     assert mount is not None
     parent = mount
@@ -98,10 +120,19 @@ def _hang(linking: Linking, part: Part) -> None:
         holder = mount.getparent()
         assert holder is not None
         parent, pose = holder, effective_pose(mount, linking.base.classes)
+    if (scaled := scaled_above(parent)) is not None:
+        _scaled(linking, part, scaled)
+    if (
+        part.place.kind != "world"
+        and not part.floats
+        and (aligned := _aligned_by(linking, parent)) is not None
+    ):
+        _aligned(linking, part, aligned)
     offset = dict(part.place.offset)
     if part.floats and part.place.kind != "world":
         pose = _in_world(linking, parent, pose, offset)
         parent, offset = linking.base.section("worldbody"), {}
+    outer, count = parent, len(parent)
     if pose and offset:
         parent = _child(linking, part, parent, "frame", pose)
         pose = {}
@@ -110,8 +141,12 @@ def _hang(linking: Linking, part: Part) -> None:
         body = _child(linking, part, parent, "body", {"name": part.prefix, **pose})
         if part.mocap:
             body.set("mocap", "true")
+        if any(flex.part is part for flex in linking.flexes):
+            body.set("childclass", part.top_class)
         for joint in part.joints:
-            _child(linking, part, body, joint.tag, dict(joint.attributes))
+            undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
+            added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
+            _declare_joint(linking, part, added)
         linking.names.declared.setdefault("body", {})[part.prefix] = body
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
@@ -122,12 +157,67 @@ def _hang(linking: Linking, part: Part) -> None:
                 part.unit.origins.owners.setdefault(child, owner)
         frame.extend(list(worldbody))
         part.unit.root.remove(worldbody)
+    part.content = parent
     if len(frame):
         parent.append(frame)
+        part.content = frame
+    if len(outer) > count:
+        tops[part] = outer[-1]
     if part.layout is not None and part.layout.in_world_coordinates:
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)
+
+
+def _scaled(linking: Linking, part: Part, frame: Node) -> None:
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` cannot hang on the {part.place.kind} `{part.place.name}`: "
+        "it is inside a frame that scales, and the part would be scaled with it",
+        part.place.span or part.span,
+        notes=(Note("the frame", linking.span(linking.base, frame, "scale")),),
+        help="attach the part outside the frame, or apply the scale to the source",
+    )
+
+
+def _aligned_by(linking: Linking, mount: Node) -> Node | None:
+    """The free joint for whose sake MuJoCo moves the frame of the mount's body, as long as nothing hangs on it."""
+    body = mount if mount.tag == "body" else next(mount.iterancestors("body"), None)
+    inside = list(through_frames(body)) if body is not None else []
+    if any(child.tag in _BODIES for child in inside):
+        return None
+    by_default = "true" if linking.base.settings.alignfree == "true" else "false"
+    for child in inside:
+        align = child.get("align") or "auto"
+        if child.tag == "freejoint" and (by_default if align == "auto" else align) == "true":
+            return child
+    return None
+
+
+def _aligned(linking: Linking, part: Part, joint: Node) -> None:
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` cannot hang on the {part.place.kind} `{part.place.name}`: MuJoCo aligns its body with "
+        "the inertia, and would no longer with something on it",
+        part.place.span or part.span,
+        notes=(Note("the free joint that is aligned", linking.span(linking.base, joint)),),
+        help='write `align="false"` on the free joint in the source, or in a copy of it',
+    )
+
+
+def _declare_joint(linking: Linking, part: Part, joint: Node) -> None:
+    name = str(joint.get("name") or "")
+    if not name:
+        return
+    earlier = linking.names.declared.setdefault("joint", {}).setdefault(name, joint)
+    if earlier is not joint:
+        linking.sink.error(
+            "name-clash",
+            f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint",
+            part.span,
+            notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
+            help="choose another name",
+        )
 
 
 def _reading(linking: Linking) -> tuple[bool, str]:

@@ -11,8 +11,9 @@ from collections.abc import Set
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.link.flex_joints import in_world, keep_in_main
 from composer.link.linking import Linking
-from composer.tree.classes import NESTED
+from composer.tree.classes import NESTED, says_something
 from composer.tree.order import place_of
 from composer.tree.unit import Unit
 
@@ -56,6 +57,7 @@ def _join(linking: Linking) -> None:
                 top.append(wrapped)
                 linking.base.origins.own(wrapped, part.unit.origins.owner(section, part.unit.file))
             part.unit.root.remove(section)
+    keep_in_main(linking, top)
     base.forget_classes()
 
 
@@ -69,7 +71,8 @@ def choose_classes(linking: Linking) -> None:
         own = part.prefix or f"{part.unit.model or part.unit.label}{separator}"
         part.top_class = _free(own, taken if part.prefix else taken | prefixes)
         taken.add(part.top_class)
-    if linking.parts and (linking.isolate_base or _top_kinds(linking.base.root)):
+    needed = any(flex.joint for flex in in_world(linking))
+    if linking.parts and (linking.isolate_base or needed or _top_kinds(linking.base.root)):
         linking.base_class = _free(f"base{separator}", taken | prefixes)
 
 
@@ -94,7 +97,7 @@ def _top_kinds(root: Node) -> set[str]:
         str(element.tag)
         for section in root.iterchildren("default")
         for element in section.iterchildren(etree.Element)
-        if element.tag != "default" and (element.attrib or len(element))
+        if element.tag != "default" and says_something(element)
     }
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
+from composer.link.multiplied import Copy, actuators_in_order, element_of
 from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
 from composer.tree.unit import Unit
 
@@ -29,6 +30,10 @@ _ACTIVATIONS = {
     "cylinder": 1,
     "muscle": 1,
 }
+
+
+Holder = Node | Copy
+"""What holds numbers of a key: an element, or one copy of an actuator that MuJoCo multiplies."""
 
 
 class Unknown(Exception):
@@ -72,7 +77,7 @@ class Layout:
     """In the order of the numbers. Widths of `joints` are (nq, nv), of `actuators` (nctrl, nact)."""
 
     joints: dict[Node, Slot] = field(default_factory=dict)
-    actuators: dict[Node, Slot] = field(default_factory=dict)
+    actuators: dict[Holder, Slot] = field(default_factory=dict)
     mocaps: list[Node] = field(default_factory=list)
 
     @property
@@ -112,9 +117,9 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
         layout.mocaps.extend(
             body for body in through_frames(worldbody) if body.tag == "body" and body.get("mocap") == "true"
         )
-    for section in unit.root.iterchildren("actuator"):
-        actuators = section.iterchildren("*")
-        layout.actuators.update([(each, known.get(each) or reader.actuator(each)) for each in actuators])
+    for holder in actuators_in_order(unit.root):
+        each = element_of(holder)
+        layout.actuators[holder] = known.get(each) or reader.actuator(each)
     return layout
 
 

@@ -12,20 +12,26 @@ from composer.link.compiler import compiler
 from composer.link.defaults import choose_classes, defaults
 from composer.link.files import files
 from composer.link.fitting import fitting
+from composer.link.flex_joints import check_flexes, note_flexes
 from composer.link.inertia import inertia
-from composer.link.keyframes import keyframes, layouts
+from composer.link.key_layouts import layouts
+from composer.link.keyframes import keyframes
 from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
 from composer.link.reductions import reductions
-from composer.link.roots import check_planes, roots
+from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
+from composer.link.spurious import note_replicates, spurious
 from composer.link.submodels import submodels
 
 Pass = Callable[[Linking], None]
 
 # In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
 PASSES: tuple[Pass, ...] = (
+    note_flexes,
+    note_replicates,
+    layouts,
     reductions,
     choose_classes,
     alignment,
@@ -34,21 +40,22 @@ PASSES: tuple[Pass, ...] = (
     lengthranges,
     angles,
     agreement,
-    layouts,
     roots,
     files,
     submodels,
     names,
     defaults,
     bodies,
-    check_planes,
+    spurious,
+    check_roots,
+    check_flexes,
     sections,
     compiler,
 )
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (alignment, agreement, roots, names, bodies, check_planes)
+_HINDERS_NOTHING = (alignment, agreement, roots, names, bodies, spurious, check_roots, check_flexes)
 
 
 def link(linking: Linking) -> bool:

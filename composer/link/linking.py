@@ -14,6 +14,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.link.layout import Layout, Slot
 from composer.pose import Pose
+from composer.tree.key import Key, PartKeys
 from composer.tree.names import Names
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
@@ -45,7 +46,12 @@ class Joint:
 
 @dataclass(eq=False)
 class Part:
-    """A unit, the prefix that its names get (separator included), and how it hangs on the model."""
+    """A unit, the prefix that its names get (separator included), and how it hangs on the model.
+
+    `content` is the element of the model in which the part's world is, once it hangs there.
+    `by_itself`: it stands in the world by the free joint, or as the mocap body, that it brings, wherever its place is.
+    `key` is its key in a recipe.
+    """
 
     unit: Unit
     prefix: str
@@ -54,21 +60,50 @@ class Part:
     joints: tuple[Joint, ...] = ()
     weld: bool = False
     mocap: bool = False
+    by_itself: bool = False
     span: Span | None = None
+    key: str = ""
     mount: Node | None = None
     top_class: str = ""
     layout: Layout | None = None
     pose_in_world: Pose | None = None
+    content: Node | None = None
 
     @property
     def called(self) -> str:
         """What messages call it: its prefix, or its file where it has none."""
         return self.prefix or self.unit.label
 
+    def path(self, separator: str) -> str:
+        """What a recipe calls it among the parts: its prefix, or its key where it has none."""
+        return self.prefix.removesuffix(separator) or self.key
+
     @property
     def floats(self) -> bool:
         """Whether it moves freely, so that it can only stand in the world."""
-        return self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
+        return self.by_itself or self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
+
+
+class Floating(NamedTuple):
+    """A body at the root of a part that is free by a `joint` or (None) a mocap body; what messages call it.
+
+    `alone`: there is nothing else in the part's world.
+    """
+
+    part: Part
+    body: Node
+    joint: Node | None
+    called: str
+    alone: bool
+
+
+class Flex(NamedTuple):
+    """A `<flexcomp>` at the root of a unit, and the joint settings of the unit's top class that it takes."""
+
+    element: Node
+    unit: Unit
+    part: Part | None
+    joint: Mapping[str, str]
 
 
 class Measure(Protocol):
@@ -97,8 +132,10 @@ class Linking:
 
     `settled` holds the option paths (`option/cone`) that the recipe sets itself: no conflict there. `isolate_base` has
     the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
-    `alignfree`. Edits of what is linked note in `reshaped` whose numbers in a key may be more or fewer now, and in
-    `emptied` whose old numbers have no meaning any more.
+    `alignfree`. `asked` are the parts, by path, of whose keys the recipe makes its own; None where it makes no key.
+    `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
+    recipe's. Edits of what is linked note in `reshaped` whose numbers in a key may be more or
+    fewer now, and in `emptied` whose old numbers have no meaning any more.
     """
 
     base: Unit
@@ -108,6 +145,8 @@ class Linking:
     conflict: Policy = "error"
     settled: frozenset[str] = frozenset()
     isolate_base: frozenset[str] = frozenset()
+    base_keyframes: KeyPolicy = "merge"
+    asked: frozenset[str] | None = None
     measure: Measure | None = None
     watch: Watch = nobody
     names: Names = field(default_factory=Names)
@@ -117,9 +156,16 @@ class Linking:
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
+    floating: list[Floating] = field(default_factory=list)
+    own_keys: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
+    part_keys: dict[str, PartKeys] | None = None
+    written_keys: list[Key] = field(default_factory=list)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
     reshaped: set[Node] = field(default_factory=set)
     emptied: set[Node] = field(default_factory=set)
+    flexes: list[Flex] = field(default_factory=list)
+    replicates: list[tuple[Unit, Node]] = field(default_factory=list)
+    main_joint: dict[str, str] = field(default_factory=dict)
 
     @property
     def units(self) -> list[Unit]:
@@ -136,7 +182,15 @@ class Linking:
         contents = {
             use.path: use.content if use.content is not None else Path(use.source) for use in self.files
         }
-        return Unit(base.root, base.file, base.directory, base.label, contents or base.contents, base.origins)
+        return Unit(
+            base.root,
+            base.file,
+            base.directory,
+            base.label,
+            contents or base.contents,
+            base.origins,
+            base.part_keys,
+        )
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
         """Where an element of a unit, or the value of its attribute, is written."""

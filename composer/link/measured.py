@@ -9,6 +9,7 @@ from lxml.etree import _Element as Node
 from composer.link import numbers
 from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, lay_out
 from composer.link.linking import Linking
+from composer.link.multiplied import actuators_in_order, element_of
 from composer.tree.unit import Unit
 
 _ARRAYS = (
@@ -30,16 +31,13 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     if not arrays:
         return None
     found: dict[Node, Slot] = {}
-    actuators = [
-        element
-        for section in unit.root.iterchildren("actuator")
-        for element in section
-        if isinstance(element.tag, str)
-    ]
+    actuators = list(map(element_of, actuators_in_order(unit.root)))
     acts = [int(n) for n in arrays["actuator_actnum"]]
     controls = [int(n) for n in arrays.get("actuator_ctrlnum") or [1.0] * len(acts)]
     if len(acts) == len(actuators):
         found.update(zip(actuators, map(actuator_slot, acts, controls), strict=True))
+    elif (replicate := next(unit.root.iter("replicate"), None)) is not None:
+        raise Unknown(replicate)  # it multiplies actuators that refer to nothing in it: see `spurious.py`
     unknown: list[Node] = []
     while True:
         try:

@@ -52,6 +52,7 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part 
         if namespace not in _MAY_REPEAT and not earlier_ones.keys().isdisjoint(declared.keys()):
             for name in [name for name in declared if name in earlier_ones]:
                 clashes.append((namespace, name, declared[name], earlier_ones[name]))
+                declared[name] = earlier_ones[name]  # the first one keeps it
         earlier_ones.update(declared)
     if part is not None and clashes:
         clash_with_others(linking, part, clashes)

@@ -8,13 +8,16 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.link.layout import joint_type
-from composer.link.linking import Linking, Part
+from composer.link.linking import Floating, Linking, Part
 from composer.tree.classes import childclass_of, through_frames
+from composer.tree.unit import Unit
 
 
 def roots(linking: Linking) -> None:
-    """Weld what is asked to be welded; refuse what MuJoCo cannot have below a body."""
+    """Weld what is asked to be welded, and note what MuJoCo cannot have below a body."""
     for part in linking.parts:
+        if part.by_itself:
+            continue
         for body in list(_at_the_root(part.unit.root, "body")):
             for joint in list(_own_joints(body)):
                 if joint.tag != "freejoint" and joint_type(joint, part.unit.classes) != "free":
@@ -23,12 +26,47 @@ def roots(linking: Linking) -> None:
                     holder = joint.getparent()
                     assert holder is not None
                     holder.remove(joint)
-                elif part.place.kind != "world" or part.joints or part.mocap:
-                    _free_joint(linking, part, body, joint)
-            if body.get("mocap") == "true" and (part.place.kind != "world" or part.joints or part.mocap):
-                _mocap(linking, part, body)
+                else:
+                    alone = floats_by_itself(part.unit)
+                    linking.floating.append(Floating(part, body, joint, _called(body), alone))
+            if body.get("mocap") == "true":
+                alone = floats_by_itself(part.unit, mocap=True)
+                linking.floating.append(Floating(part, body, None, _called(body), alone))
         if part.place.kind != "world" or part.joints or part.mocap:
             _planes(linking, part)
+
+
+def check_roots(linking: Linking) -> None:
+    """Refuse free joints, mocap bodies and planes where they hang on a body; frames of the world are no bodies."""
+    for part, body, joint, called, alone in linking.floating:
+        if next(body.iterancestors("body"), None) is not None:
+            if joint is not None:
+                _free_joint(linking, part, joint, called, alone)
+            else:
+                _mocap(linking, part, body, called, alone)
+    for part, geom in linking.planes:
+        if _moves(geom):
+            linking.sink.error(
+                "plane-on-body",
+                f"`{part.called}` brings a plane and hangs {_where(part)}, which moves: "
+                "MuJoCo allows planes only on what is static",
+                part.place.span or part.span or linking.span(part.unit, geom),
+                notes=(Note("the plane", linking.span(linking.base, geom)),),
+                help="attach the part to the world or to what does not move, or take the plane out of its file",
+            )
+
+
+def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
+    """Whether the whole of a unit is one body that floats by a free joint of its own, or is a mocap body.
+
+    Such a part needs no other body around it to stand freely in the world.
+    """
+    top = [child for worldbody in unit.root.iterchildren("worldbody") for child in through_frames(worldbody)]
+    if len(top) != 1 or top[0].tag != "body":
+        return False
+    if mocap:
+        return top[0].get("mocap") == "true"
+    return any(joint_type(joint, unit.classes) == "free" for joint in _own_joints(top[0]))
 
 
 def _at_the_root(root: Node, tag: str) -> Iterator[Node]:
@@ -50,29 +88,40 @@ def _called(body: Node) -> str:
     return f"body `{body.get('name')}`" if body.get("name") else "body, which has no name"
 
 
-def _free_joint(linking: Linking, part: Part, body: Node, joint: Node) -> None:
+def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: bool) -> None:
     if part.place.kind == "world":
         help = "leave `joint` out: the part floats in the world by its own free joint"
     else:
-        help = f"write `joint: weld` to fix it there, or leave `{part.place.kind}` out to let it float in the world"
+        away = (
+            "`joint: free` to let it float in the world from there"
+            if alone
+            else f"leave `{part.place.kind}` out to let it float in the world"
+        )
+        help = f"write `joint: weld` to fix it there, or {away}"
     linking.sink.error(
         "freejoint-on-body",
         f"`{part.called}` has a free joint at its root and cannot hang {_where(part)}: "
         "MuJoCo allows free joints only in the world",
         part.place.span or part.span or linking.span(part.unit, joint),
-        notes=(Note(f"the free joint of {_called(body)}", linking.span(part.unit, joint)),),
+        notes=(Note(f"the free joint of {called}", linking.span(part.unit, joint)),),
         help=help,
     )
 
 
-def _mocap(linking: Linking, part: Part, body: Node) -> None:
+def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -> None:
     linking.sink.error(
         "mocap-on-body",
         f"`{part.called}` has a mocap body at its root and cannot hang {_where(part)}: "
         "MuJoCo allows mocap bodies only in the world",
         part.place.span or part.span or linking.span(part.unit, body),
-        notes=(Note(f"the mocap {_called(body)}", linking.span(part.unit, body)),),
-        help=f"leave `{'joint' if part.place.kind == 'world' else part.place.kind}` out: then it stands in the world",
+        notes=(Note(f"the mocap {called}", linking.span(part.unit, body)),),
+        help=(
+            "leave `joint` out: then it stands in the world"
+            if part.place.kind == "world"
+            else "write `joint: mocap` to put it into the world at the pose of that place"
+            if alone
+            else f"leave `{part.place.kind}` out: then it stands in the world"
+        ),
     )
 
 
@@ -80,20 +129,6 @@ def _planes(linking: Linking, part: Part) -> None:
     for geom in _at_the_root(part.unit.root, "geom"):
         if part.unit.classes.effective(geom, childclass_of(geom), "type") == "plane":
             linking.planes.append((part, geom))
-
-
-def check_planes(linking: Linking) -> None:
-    """A plane on something that moves is refused; the mounts are known only after the parts have been hung."""
-    for part, geom in linking.planes:
-        if _moves(geom):
-            linking.sink.error(
-                "plane-on-body",
-                f"`{part.called}` brings a plane and hangs {_where(part)}, which moves: "
-                "MuJoCo allows planes only on what is static",
-                part.place.span or part.span or linking.span(part.unit, geom),
-                notes=(Note("the plane", linking.span(linking.base, geom)),),
-                help="attach the part to the world or to what does not move, or take the plane out of its file",
-            )
 
 
 def _moves(geom: Node) -> bool:

@@ -16,9 +16,12 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link.concern import Concern, Side
 from composer.link.inertia import MEASURED, write_inertias
-from composer.link.keyframes import VECTORS, cut_row, keys_of, layout_of
+from composer.link.key_layouts import VECTORS, keys_of, layout_of
+from composer.link.layout import Holder
 from composer.link.linking import KeyPolicy, Linking, Measure
+from composer.link.multiplied import element_of
 from composer.link.needs import drop_unneeded
+from composer.link.part_keys import cut_row
 from composer.tree.classes import childclass_of
 from composer.tree.names import declaration, word
 from composer.tree.unit import Unit
@@ -265,7 +268,7 @@ def _strip(section: Node, looks: bool) -> Iterator[Left]:
 
 # -- keyframes --------------------------------------------------------------------------------------------------
 
-_Rows = Mapping[Node, Mapping[str, Mapping[Node, list[str]]]]
+_Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[str]]]]
 
 
 def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
@@ -298,7 +301,12 @@ def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
     for key, vectors in rows.items():
         said = False
         for vector, columns in vectors.items():
-            row = [number for holder, numbers in columns.items() if holder in staying for number in numbers]
+            row = [
+                number
+                for holder, numbers in columns.items()
+                if element_of(holder) in staying
+                for number in numbers
+            ]
             said = said or bool(row)
             if row:
                 key.set(vector, " ".join(row))

@@ -9,6 +9,7 @@ from lxml.etree import _Element as Node
 
 from composer.link.linking import Linking
 from composer.tree.classes import walk_bodies
+from composer.tree.scaled import first_scaled
 from composer.tree.unit import Unit
 
 BODIES = ("body_mass", "body_ipos", "body_iquat", "body_inertia")
@@ -53,13 +54,15 @@ def survey(
     `pinned` bodies are kept from being fused: something refers to them.
     """
     opaque = next(unit.root.iter(*_OPAQUE), None)
-    if opaque is not None or linking.measure is None:
-        cannot_be_kept(
-            linking,
-            unit,
-            settings,
-            "MuJoCo is not at hand" if opaque is None else f"`<{opaque.tag}>` is expanded by MuJoCo",
-        )
+    why = None
+    if opaque is not None:
+        why = f"`<{opaque.tag}>` is expanded by MuJoCo"
+    elif first_scaled(unit.root) is not None:
+        why = "MuJoCo scales what is in a `<frame>`"
+    elif linking.measure is None:
+        why = "MuJoCo is not at hand"
+    if why is not None or linking.measure is None:
+        cannot_be_kept(linking, unit, settings, str(why))
         return None
     copy = unit.copied()
     marked: list[Node] = []

@@ -16,6 +16,7 @@ from composer.plan.plan import (
     SetDefault,
     SetSingleton,
     Step,
+    WriteKeyframe,
 )
 from composer.recipe.attach import Attachment
 from composer.recipe.element import Element
@@ -45,14 +46,25 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
         yield from _own(plan.base, subtrees.get((plan.file, ("base",))), inner + "  ")
         if isinstance(plan.base.model, Plan):
             yield from _lines(plan.base.model, subtrees, inner + "  ")
+    last = {part.at: part.prefix for part in plan.parts}
     for part in plan.parts:
+        if any(part.copy):
+            continue
         model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
-        yield f"{inner}attach {part.prefix or '(no prefix)'}: {model}, {_place(part)}"
+        yield f"{inner}attach {_called(part, last[part.at])}: {model}, {_place(part)}"
         yield from _own(part.attachment, subtrees.get((plan.file, part.at)), inner + "  ")
         if isinstance(part.model, Plan):
             yield from _lines(part.model, subtrees, inner + "  ")
     for step in plan.steps:
         yield inner + _step(step)
+
+
+def _called(part: AttachPart, last: str) -> str:
+    """A part, or all its copies with how many there are on each axis."""
+    if not part.copy:
+        return part.prefix or "(no prefix)"
+    axes = " × ".join(str(axis.count) for axis in part.attachment.replicate)
+    return f"{part.prefix} … {last} ({axes})"
 
 
 def _model(model: Source | Plan) -> str:
@@ -117,6 +129,8 @@ def _step(step: Step) -> str:
         return f"set the default class {step.name}: {', '.join(child.tag for child in step.element.children)}"
     if isinstance(step, EditElements):
         return in_words(step)
+    if isinstance(step, WriteKeyframe):
+        return f"write the keyframe {step.key.name}"
     assert isinstance(step, AppendElement)
     return f"add {_element(step.element)} to {step.section}"
 

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from collections.abc import Mapping as Map
 from dataclasses import replace
 from pathlib import Path
 
-from composer.context import Context
+from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import exists_note
-from composer.document import load
-from composer.document.decode import MAX_SIZE
-from composer.document.node import Mapping, locate
+from composer.diagnostics.suggest import closest, exists_note
+from composer.document.node import Mapping, Node, find, locate
+from composer.expand.expand import Concrete, expand
+from composer.plan.copies import copies
+from composer.plan.locked import use_lock
+from composer.plan.order import in_order
+from composer.plan.parts import called, parts_of
 from composer.plan.plan import (
     AddElement,
     AppendElement,
@@ -24,28 +29,41 @@ from composer.plan.plan import (
     SetDefault,
     SetSingleton,
     Step,
+    WriteKeyframe,
 )
+from composer.plan.read import folder_of, read_recipe
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
+from composer.recipe.checks.unchanged import Unchanged
 from composer.recipe.element import Element
+from composer.recipe.keyframe import FROM
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
 from composer.sources.error import SourceError
-from composer.sources.nearby import model_files, nearest
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
 
+Given = Map[str, Node]
+"""Values of parameters and variants by name, each with the place where it is given."""
 
-def make_plan(recipe: Path, context: Context) -> Plan | None:
+
+def make_plan(recipe: Path, context: Context, given: Given | None = None) -> Plan | None:
     """What a build of the recipe will do; None where it or what it refers to is at fault."""
     before = context.sink.error_count
-    plan = plan_what_remains(recipe, context)
+    plan = plan_what_remains(recipe, context, given)
     return plan if context.sink.error_count == before else None
 
 
-def plan_what_remains(recipe: Path, context: Context) -> Plan | None:
-    """The plan without what is at fault, in which later stages can look for more; None without a base."""
-    return _Planner(context).plan(context.folder / recipe, ())
+def plan_what_remains(
+    recipe: Path, context: Context, given: Given | None = None, name: str | None = None
+) -> Plan | None:
+    """The plan without what is at fault, in which later stages can look for more; None without a base.
+
+    `name` is that of a cell of the matrix; without it, the recipe's own.
+    """
+    if use_lock(recipe, context) is None:
+        return None
+    return _Planner(context).plan(context.folder / recipe, (), given=given or {}, name=name)
 
 
 class _Planner:
@@ -54,7 +72,13 @@ class _Planner:
         self.sink = context.sink
 
     def plan(
-        self, path: Path, outer: tuple[tuple[Path, Span | None], ...], span: Span | None = None
+        self,
+        path: Path,
+        outer: tuple[tuple[Path, Span | None], ...],
+        span: Span | None = None,
+        *,
+        given: Given,
+        name: str | None = None,
     ) -> Plan | None:
         """The plan of one recipe; `outer` are the recipes it is nested in, outermost first."""
         key = Path(os.path.realpath(path))
@@ -67,18 +91,18 @@ class _Planner:
                 help="a recipe cannot be a part of itself: take one of these references out",
             )
             return None
-        read = self._read(path)
+        read = self._read(path, given)
         if read is None:
             return None
-        recipe, document = read
+        recipe, document, concrete = read
         inside = (*outer, (key, span))
-        base = self._base(recipe, document, path, inside)
-        parts = self._without_rings(tuple(self._parts(recipe, document, path, inside)))
+        base = self._base(recipe, document, inside)
+        parts = self._without_rings(tuple(self._parts(recipe, document, inside)), recipe.separator)
         if base is None:
             return None
         steps = tuple(_steps(recipe, document))
-        return Plan(
-            name=recipe.name or path.stem,
+        plan = Plan(
+            name=name or recipe.name or as_text(path.stem),
             description=recipe.description,
             path=path,
             file=self.context.shown(path),
@@ -91,146 +115,154 @@ class _Planner:
             parts=parts,
             steps=steps,
             settled=frozenset(_settled(steps)),
+            scope=concrete.scope if concrete else {},
+            checks=recipe.check,
         )
+        self._checks(plan)
+        _check_sources(plan, self.sink)
+        return plan
 
-    def _read(self, path: Path) -> tuple[Recipe, Mapping] | None:
-        shown = self.context.shown(path)
-        try:
-            with path.open("rb") as stream:
-                text = stream.read(MAX_SIZE + 1)
-        except OSError as error:
-            self._unreadable(path, shown, error)
-            return None
-        if text.lstrip().startswith(b"<"):
+    def _checks(self, plan: Plan) -> None:
+        """What a check is about must be a part."""
+        parts = list(parts_of(plan))
+        for check in plan.checks:
+            if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
+                continue
+            near = closest(check.part, parts)
             self.sink.error(
-                "source-kind",
-                f"`{shown}` is XML and no recipe",
-                Span(shown, 1, 1),
-                help=f"a recipe names its models: `base: ./{path.with_suffix('.xml').name}`",
+                "unknown-name",
+                f"check `{check.name}` is about `{check.part}`, which is no part of this recipe",
+                locate(plan.document, (*check.at, "unchanged", "part")),
+                notes=[exists_note("part", parts, check.part)],
+                help=f"write `part: {near[0]}`" if near else None,
             )
+
+    def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
+        node = read_recipe(path, self.context)
+        if node is None:
             return None
-        before = self.sink.error_count
-        node = load(text, shown, self.sink)
-        if node is None or self.sink.error_count > before:
-            return None
-        found = validate_what_remains(node, self.sink)
+        concrete = expand(node, given, self.sink) if isinstance(node, Mapping) else None
+        found = validate_what_remains(concrete.document if concrete else node, self.sink)
         if found is None:
             return None
-        self.sink.forgive(found.lost)
-        return found.recipe, found.document
-
-    def _unreadable(self, path: Path, shown: str, error: OSError) -> None:
-        folder = path if path.is_dir() else path.parent
-        recipes = [each for each in model_files(folder, 1) if each.endswith((".yaml", ".yml"))]
-        if path.is_dir():
-            notes = [exists_note("recipe", recipes)]
-            self.sink.error("file-unreadable", f"`{shown}` is a folder, not a recipe", notes=notes)
-        elif isinstance(error, FileNotFoundError):
-            near = nearest(path.name, recipes)
-            help = f"did you mean `{self.context.shown(folder / near)}`?" if near else None
-            notes = [exists_note("recipe", recipes)] if recipes else []
-            self.sink.error("file-not-found", f"there is no recipe `{shown}`", notes=notes, help=help)
-        else:
-            reason = (error.strerror or str(error)).lower()
-            self.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
+        self.sink.forgive(found.lost | (concrete.lost if concrete else frozenset()))
+        return found.recipe, found.document, concrete
 
     def _base(
-        self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]
+        self, recipe: Recipe, document: Mapping, inside: tuple[tuple[Path, Span | None], ...]
     ) -> LoadBase | None:
         if recipe.base is None:
             return LoadBase(None, "merge", None)
         span = locate(document, ("base", "model"))
-        model = self._model(recipe.base.model, span, path, inside)
-        model = self._with_packages(model, recipe.base, ("base",), document, path)
+        model = self._model(recipe.base, ("base",), document, inside)
         if model is None:
             return None
         base = recipe.base
         return LoadBase(model, base.keyframes, span, base.subtree, base.drop, base.edit)
 
     def _parts(
-        self, recipe: Recipe, document: Mapping, path: Path, inside: tuple[tuple[Path, Span | None], ...]
+        self, recipe: Recipe, document: Mapping, inside: tuple[tuple[Path, Span | None], ...]
     ) -> Iterator[AttachPart]:
         taken: dict[str, Span] = {}
-        for key, attachment in recipe.attach.items():
+        for key in in_order(recipe.attach, document, self.sink):
+            attachment = recipe.attach[key]
             at = ("attach", key)
             span = locate(document, at, key=True)
-            own = key if attachment.prefix is None else attachment.prefix
-            prefix = own + recipe.separator if own else ""
-            if prefix and prefix in taken:
+            name = key if attachment.prefix is None else attachment.prefix
+            numbered = [(name + suffix, copy) for suffix, copy in copies(attachment.replicate)]
+            prefixes = {own + recipe.separator if own else "": copy for own, copy in numbered}
+            clash = next((prefix for prefix in prefixes if prefix and prefix in taken), None)
+            if clash is not None:
                 self.sink.error(
                     "name-clash",
-                    f"two parts have the prefix `{prefix}`",
-                    locate(document, (*at, "prefix")),
-                    notes=(Note("the other part", taken[prefix]),),
+                    f"two parts have the prefix `{clash}`",
+                    span if attachment.prefix is None else locate(document, (*at, "prefix")),
+                    notes=(Note("the other part", taken[clash]),),
                     help="give one of them another key, or another `prefix`",
                 )
                 continue
-            taken[prefix] = span
-            model = self._model(attachment.model, locate(document, (*at, "model")), path, inside, recipe)
-            model = self._with_packages(model, attachment, at, document, path)
+            taken.update(dict.fromkeys(prefixes, span))
+            model = self._model(attachment, at, document, inside, recipe)
             if model is None:
-                self.sink.forgive([own])
+                self.sink.forgive(own for own, _ in numbered)
             else:
-                yield AttachPart(prefix, model, attachment, at, span)
+                for prefix, copy in prefixes.items():
+                    yield AttachPart(prefix, model, attachment, at, span, copy)
 
     def _model(
         self,
-        reference: str,
-        span: Span,
-        path: Path,
+        asked: Base | Attachment,
+        at: tuple[str | int, ...],
+        document: Mapping,
         inside: tuple[tuple[Path, Span | None], ...],
         outer: Recipe | None = None,
     ) -> Source | Plan | None:
+        """What the mapping at `at` asks for: a source, or the plan of a nested recipe."""
+        span = locate(document, (*at, "model"))
+        folder = folder_of(span, self.context)
         try:
-            source = resolve(reference, relative_to=path.parent, environment=self.context.environment)
+            source = resolve(
+                asked.model,
+                relative_to=folder,
+                environment=self.context.environment,
+                fetching=self.context.fetching,
+            )
         except SourceError as error:
             notes = tuple(Note(note) for note in error.notes)
             self.sink.error(error.code, error.message, span, notes=notes, help=error.help)
             return None
-        if source.format != "recipe":
+        given = find(document, (*at, "with"))
+        if asked.packages and source.format != "urdf":
+            self._only_for("packages", "URDF", asked.model, document, at)
+        if source.format == "recipe":
+            values = (
+                {name: value for name, (_, value) in given.entries.items()}
+                if isinstance(given, Mapping)
+                else {}
+            )
+            plan = self.plan(source.path, inside, span, given=values)
+            if plan is not None and outer is not None and plan.separator != outer.separator:
+                self.sink.error(
+                    "separator-mismatch",
+                    f"`{asked.model}` separates names with `{plan.separator}`, this recipe with `{outer.separator}`",
+                    span,
+                    help=f'give both the same: `separator: "{plan.separator}"`',
+                )
+            return plan
+        if given is not None:
+            self._only_for("with", "recipes", asked.model, document, at)
+        if not asked.packages or source.format != "urdf":
             return source
-        plan = self.plan(source.path, inside, span)
-        if plan is not None and outer is not None and plan.separator != outer.separator:
-            self.sink.error(
-                "separator-mismatch",
-                f"`{reference}` separates names with `{plan.separator}`, this recipe with `{outer.separator}`",
-                span,
-                help=f'give both the same: `separator: "{plan.separator}"`',
-            )
-        return plan
+        return replace(source, packages=tuple(self._packages(asked.packages, document, at)))
 
-    def _with_packages(
-        self,
-        model: Source | Plan | None,
-        asked: Base | Attachment,
-        at: tuple[str | int, ...],
-        document: Mapping,
-        path: Path,
-    ) -> Source | Plan | None:
-        """The model with the folders of the packages that its URDF refers to."""
-        if not asked.packages or model is None:
-            return model
-        if not isinstance(model, Source) or model.format != "urdf":
-            self.sink.error(
-                "unknown-key",
-                f"`packages` is for URDF, and `{asked.model}` is none",
-                locate(document, (*at, "packages"), key=True),
-                help="take `packages` out",
-            )
-            return model
-        found = {name: path.parent / folder for name, folder in asked.packages.items()}
-        for name, folder in found.items():
+    def _only_for(
+        self, key: str, what: str, model: str, document: Mapping, at: tuple[str | int, ...]
+    ) -> None:
+        self.sink.error(
+            "unknown-key",
+            f"`{key}` is for {what}, and `{model}` is none",
+            locate(document, (*at, key), key=True),
+            help=f"take `{key}` out",
+        )
+
+    def _packages(
+        self, packages: Map[str, str], document: Mapping, at: tuple[str | int, ...]
+    ) -> Iterator[tuple[str, Path]]:
+        """The folders of the packages that a URDF refers to."""
+        for name, written in packages.items():
+            span = locate(document, (*at, "packages", name))
+            folder = folder_of(span, self.context) / written
             if not folder.is_dir():
                 self.sink.error(
                     "file-not-found",
                     f"the folder of the package `{name}` is not there: `{self.context.shown(folder)}`",
-                    locate(document, (*at, "packages", name)),
+                    span,
                     help="the path is relative to the recipe, and leads to the folder that `package://"
                     f"{name}` stands for",
                 )
-        return replace(model, packages=tuple(found.items()))
+            yield name, folder
 
-    def _without_rings(self, parts: tuple[AttachPart, ...]) -> tuple[AttachPart, ...]:
+    def _without_rings(self, parts: tuple[AttachPart, ...], separator: str) -> tuple[AttachPart, ...]:
         """Tell parts that hang on one another in a ring, which hang on nothing; the others remain."""
         hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
         told: set[str] = set()
@@ -249,7 +281,7 @@ class _Planner:
                     help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
                 )
         if told:
-            self.sink.forgive(str(part.at[-1]) for part in parts if part.prefix in told)
+            self.sink.forgive(called(part, separator) for part in parts if part.prefix in told)
         return tuple(part for part in parts if part.prefix not in told)
 
 
@@ -284,6 +316,31 @@ def _steps(recipe: Recipe, document: Mapping) -> Iterator[Step]:
             yield AppendElement(section, element, locate(document, element.at, key=True))
     for edit in recipe.edit:
         yield EditElements(edit, locate(document, edit.at))
+    for key in recipe.keyframe:
+        yield WriteKeyframe(key, locate(document, key.at, key=True))
+
+
+def _check_sources(plan: Plan, sink: Sink) -> None:
+    """Tell parts that keys are to be made of and that are not there."""
+    parts = list(parts_of(plan))
+    for step in plan.keyframes:
+        for part in step.key.sources:
+            if parts.count(part) > 1:
+                sink.error(
+                    "name-clash",
+                    f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    help="give the one without a prefix another key",
+                )
+            elif part not in parts:
+                near = closest(part, parts)
+                sink.error(
+                    "unknown-name",
+                    f"there is no part `{part}` to take a key from",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    notes=(exists_note("part", parts, part),),
+                    help=f"did you mean `{near[0]}`?" if near else None,
+                )
 
 
 def _settled(steps: tuple[Step, ...]) -> Iterator[str]:

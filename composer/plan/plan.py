@@ -9,11 +9,13 @@ from typing import Literal
 
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
-from composer.expr import Value
+from composer.expr.value import Value
 from composer.recipe.attach import Attachment
+from composer.recipe.checks.kind import Check
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit
 from composer.recipe.element import Element
+from composer.recipe.keyframe import Keyframe
 from composer.sources.source import Source
 
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -33,13 +35,17 @@ class LoadBase:
 
 @dataclass(frozen=True, slots=True)
 class AttachPart:
-    """Hang a model on a place, its names under `prefix` (separator included)."""
+    """Hang a model on a place, its names under `prefix` (separator included).
+
+    `copy` has its number on each axis of `replicate`, from 0.
+    """
 
     prefix: str
     model: Source | Plan
     attachment: Attachment
     at: tuple[str | int, ...]
     span: Span
+    copy: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +103,24 @@ class DropElements:
     span: Span
 
 
-Step = LoadBase | AttachPart | AddElement | SetSingleton | SetDefault | AppendElement | EditElements
+@dataclass(frozen=True, slots=True)
+class WriteKeyframe:
+    """Write a key by the names of joints, actuators and mocap bodies, in place of one of that name."""
+
+    key: Keyframe
+    span: Span
+
+
+Step = (
+    LoadBase
+    | AttachPart
+    | AddElement
+    | SetSingleton
+    | SetDefault
+    | AppendElement
+    | EditElements
+    | WriteKeyframe
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +140,18 @@ class Plan:
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
+    checks: tuple[Check, ...] = ()
     scope: Mapping[str, Value] = field(default_factory=dict)
-    """The values of the recipe's parameters, for expressions that are evaluated element by element."""
+    """The parameters of the recipe and the chosen variants, by name."""
+
+    @property
+    def keyframes(self) -> tuple[WriteKeyframe, ...]:
+        return tuple(step for step in self.steps if isinstance(step, WriteKeyframe))
+
+    @property
+    def asked(self) -> frozenset[str]:
+        """The parts, by path, of whose keys keys are made."""
+        return frozenset(part for step in self.keyframes for part in step.key.sources)
 
     @property
     def edits(self) -> tuple[EditElements, ...]:

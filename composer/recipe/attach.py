@@ -23,10 +23,12 @@ from composer.recipe.drop import Drop, Drops
 from composer.recipe.edit import Edit, Edits
 from composer.recipe.element import Element, Single
 from composer.recipe.fault import Fault, checked, refusal
+from composer.recipe.given import Given
 from composer.recipe.model import Model
 from composer.recipe.placing import ORIENTATIONS, JointField, JointWord, Offset
 from composer.recipe.presence import exclusive
 from composer.recipe.raw import path_of
+from composer.recipe.replicate import Axes, Axis
 from composer.recipe.settings import Settings, settings
 from composer.recipe.shown import kind_of
 from composer.recipe.text import Choice, Text, is_unprintable, unprintable
@@ -91,7 +93,7 @@ class Attachment(Model):
     frame: Annotated[str | None, Text("frame")] = None
     """The frame that the part hangs on."""
     mate: Annotated[str | None, Text("mate")] = None
-    """A site or body of the part that is to coincide with that place; without it, the part's own origin."""
+    """A site, body or frame of the part that is to coincide with that place; without it, the part's own origin."""
     pos: Annotated[Vector | None, Offset("pos")] = None
     """Offset in the frame of that place."""
     quat: Annotated[Vector | None, Offset("quat")] = None
@@ -109,6 +111,8 @@ class Attachment(Model):
     root is kept where it may be; `weld` removes it."""
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
+    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
+    """Values of the parameters and variants of a nested recipe, by name."""
     subtree: Annotated[str | None, Text("subtree")] = None
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     drop: Annotated[tuple[Drop, ...], Drops()] = ()
@@ -117,6 +121,12 @@ class Attachment(Model):
     """Ordered changes to the part, in its own names, before it is attached."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
+    replicate: Annotated[tuple[Axis, ...], Axes()] = ()
+    """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …"""
+    before: Annotated[str | None, Text("before")] = None
+    """The part right before which this one stands among its siblings."""
+    after: Annotated[str | None, Text("after")] = None
+    """The part right after which this one stands among its siblings."""
     packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
     """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
 
@@ -129,8 +139,15 @@ class Attachment(Model):
             owner = f"part `{path[-1]}`" if path else "the part"
             exclusive(PLACES, list(value), owner, (), faults)
             exclusive(ORIENTATIONS, list(value), owner, (), faults)
+            if value.get("prefix") == "" and value.get("replicate"):
+                faults.append(_nameless_copies(owner))
         attachment: Attachment = checked(handler, value, faults)
         return attachment
+
+
+def _nameless_copies(owner: str) -> Fault:
+    message = f"the copies of {owner} would have the same names: it has no prefix"
+    return Fault("name-clash", message, ("prefix",), help="leave `prefix` out, or write one")
 
 
 @dataclass(frozen=True, slots=True)

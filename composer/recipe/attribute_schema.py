@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from composer.grammar.attribute import Attribute
@@ -62,12 +63,29 @@ def attribute_schema(attribute: Attribute) -> Schema:
     The default is part of the explanation: of a `default` editors would write all into a new element.
     """
     schema = _values(attribute)
-    description = attribute.doc
-    if attribute.default is not None:
-        description += f"{' ' if description else ''}(default: {shown(attribute.default)})"
+    remarks = ", ".join(_remarks(attribute))
+    description = " ".join(filter(None, [attribute.doc, remarks and f"({remarks})"]))
     if description:
         schema["description"] = description
     return schema
+
+
+def _remarks(attribute: Attribute) -> Iterator[str]:
+    """What a value is, where its text does not say so itself."""
+    if attribute.refers is not None:
+        kind = {"default": "default class"}.get(attribute.refers, attribute.refers.removeprefix("attached:"))
+        if kind not in attribute.doc or kind == attribute.doc:
+            yield f"names of {kind}s" if attribute.type == "references" else f"name of a {kind}"
+    elif attribute.refers_by is not None:
+        yield f"of the kind that `{attribute.refers_by}` says"
+    if attribute.type == "file":
+        yield "file, relative to the recipe"
+    if attribute.default is not None:
+        yield f"default: {shown(attribute.default)}"
+    if attribute.since is not None:
+        yield f"since MuJoCo {attribute.since}"
+    if attribute.until is not None:
+        yield f"up to MuJoCo {attribute.until}"
 
 
 def _values(attribute: Attribute) -> Schema:
@@ -103,12 +121,19 @@ def _numbers(attribute: Attribute, item: str) -> Schema:
 
 def _list(item: str, low: int) -> Schema:
     """A list of numbers; one number stands for a list of one, `${…}` for any list."""
-    schema: Schema = {"type": ["array", "string"], "items": reference(item), "minItems": low}
+    # Editors write a new list with dashes, which cannot stand in `{ }`, wherever they see `items` at the top.
+    schema: Schema = {"type": ["array", "string"], "allOf": [{"items": reference(item)}], "minItems": low}
+    schema["defaultSnippets"] = [{"body": _snippet(low)}]
     single = SHARED[item]
     if low <= 1:
         return {**single, **schema, "type": ["array", *single["type"]]}
     hint = f"expected a list of {low} {item}s" if low else f"expected a list of {item}s"
     return {**schema, "pattern": TEMPLATE_PATTERN, "patternErrorMessage": hint}
+
+
+def _snippet(count: int) -> str:
+    """What editors write for a new list: brackets with a place for each number."""
+    return "[" + ", ".join(f"${place}" for place in range(1, max(count, 1) + 1)) + "]"
 
 
 def _words(attribute: Attribute) -> list[Any]:

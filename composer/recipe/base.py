@@ -9,6 +9,7 @@ from pydantic_core import CoreSchema
 
 from composer.recipe.drop import Drop, Drops
 from composer.recipe.edit import Edit, Edits
+from composer.recipe.given import Given
 from composer.recipe.model import Model
 from composer.recipe.text import Choice, Text
 
@@ -20,6 +21,8 @@ class Base(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
+    """Values of the parameters and variants of a nested recipe, by name."""
     subtree: Annotated[str | None, Text("subtree")] = None
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     drop: Annotated[tuple[Drop, ...], Drops()] = ()

@@ -59,7 +59,7 @@ class Defaults(Section):
                 row = reader.element(self.kind.children[tag], item, at, f"`{tag}` of {owner}")
                 rows += [row] if row is not None else []
             else:
-                reader.faults.append(self._unknown_row(tag, owner, at))
+                reader.faults.append(self._unknown_row(tag, name, at))
         return DefaultClass(name, parent, Element(self.tag, children=tuple(rows), at=path_of(value)))
 
     def _parent(self, reader: Reader, name: str, value: Any, at: Path) -> str | None:
@@ -75,14 +75,16 @@ class Defaults(Section):
             reader.faults.append(Fault("class-clash", message, at, help="write the name of another class"))
         return value
 
-    def _unknown_row(self, tag: str, owner: str, at: Path) -> Fault:
+    def _unknown_row(self, tag: str, name: str, at: Path) -> Fault:
         tags = [each for each in self.kind.children if each != self.tag]
         near = closest(tag, [*tags, "parent"])
         remark = Remark(exists_note("element", tags, tag).message)
         help = f"write `{near[0]}`" if near else None
+        if name in tags and not near:
+            help = f"the key is the name of a class; for all elements write `main: {{{name}: {{{tag}: …}}}}`"
         return Fault(
             "unknown-element",
-            f"`{tag}` has no defaults in {owner}",
+            f"`{tag}` has no defaults in class `{name}`",
             at,
             key=True,
             remarks=(remark,),

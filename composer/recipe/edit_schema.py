@@ -25,10 +25,16 @@ def edit() -> Schema:
     """One entry of `edit`."""
     values: Schema = {"type": "object", "minProperties": 1}
     attributes: Schema = {"type": "array", "items": _TEXT, "minItems": 1}
-    frame = {"type": "object", "properties": {"frame": _TEXT}, "required": ["frame"]}
-    pose = {name: {"type": ["array", "string"]} for name in ("pos", *ORIENTATIONS)}
+    named: Schema = {**_TEXT, "description": "the name of a frame"}
+    frame = {"type": "object", "properties": {"frame": named}, "required": ["frame"]}
+    pose = {
+        name: {"type": ["array", "string"], "description": f"`{name}` in what it then stands in"}
+        for name in ("pos", *ORIENTATIONS)
+    }
+    kinds: Schema = {"enum": [*CONVERTIBLE], "description": "the kind of actuator that it becomes"}
+    place: Schema = {"anyOf": [_TEXT, frame], "description": "a body, `world`, or `{frame: NAME}`"}
     properties: Schema = {
-        "select": reference("selector"),
+        "select": {**reference("selector"), "description": "which elements are meant"},
         "expect": {"type": "integer", "minimum": 0, "description": "how many elements must be selected"},
         "optional": {"type": "boolean", "description": "whether it may be that nothing is selected"},
         "unset": {
@@ -40,13 +46,13 @@ def edit() -> Schema:
         "offset": {**values, "description": "attributes and what is added to them"},
         "convert": {
             "type": "object",
-            "properties": {"to": {"enum": [*CONVERTIBLE]}},
+            "properties": {"to": kinds},
             "required": ["to"],
             "description": "another kind of actuator, and attributes of it",
         },
         "move": {
             "type": "object",
-            "properties": {"to": {"anyOf": [_TEXT, frame]}, **pose},
+            "properties": {"to": place, **pose},
             "required": ["to"],
             "additionalProperties": False,
             "description": "another body or frame to stand in, and the pose there",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
-from composer.expr import is_template
+from composer.expr.opening import is_template
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType

@@ -13,9 +13,11 @@ from composer.grammar import GRAMMAR
 from composer.grammar.element import Constraint, ElementType
 from composer.recipe.attribute_schema import attribute_schema, shared
 from composer.recipe.edit_schema import edit, selector
+from composer.recipe.keyframe import FROM, TIME, VECTORS, WIDTHS
 from composer.recipe.reader import CONFIG, FRAGMENT
 from composer.recipe.recipe import SETTABLE
 from composer.recipe.reference import Schema, reference
+from composer.recipe.replicate import ATTRIBUTES, COUNT
 from composer.recipe.tendon import MARKS, PATH
 from composer.recipe.typed import TYPE
 
@@ -41,9 +43,17 @@ def additions() -> Schema:
     return {"type": "array", "items": reference("addition")}
 
 
+def axes() -> Schema:
+    """The list `replicate`."""
+    kind = GRAMMAR.element("replicate")
+    axis = _object({name: attribute_schema(kind.attributes[name]) for name in ATTRIBUTES})
+    return {"type": "array", "minItems": 1, "items": {**axis, "required": [COUNT]}}
+
+
 def joint(words: Sequence[str], types: Sequence[str]) -> Schema:
     """What stands between a part and its place."""
-    one = {**reference("element:joint"), "properties": {TYPE: {"enum": [*types]}}}
+    kind = {"enum": [*types], "description": GRAMMAR.element("joint").attributes[TYPE].doc}
+    one = {**reference("element:joint"), "properties": {TYPE: kind}}
     return {
         "anyOf": [
             {"enum": [*words]},
@@ -64,20 +74,41 @@ def _typed(tag: str) -> Schema:
 
 def _named(tag: str) -> Schema:
     kinds = GRAMMAR.section(tag).children.values()
-    return _object({kind.tag: _named_map(reference(f"named:{kind.path}")) for kind in kinds})
+    return _object({kind.tag: _told(_named_map(reference(f"named:{kind.path}")), kind.doc) for kind in kinds})
 
 
 def _lists(tag: str) -> Schema:
     kinds = GRAMMAR.section(tag).children.values()
     return _object(
-        {kind.tag: {"type": "array", "items": reference(f"element:{kind.path}")} for kind in kinds}
+        {
+            kind.tag: _told({"type": "array", "items": reference(f"element:{kind.path}")}, kind.doc)
+            for kind in kinds
+        }
     )
 
 
 def _extension(tag: str) -> Schema:
     kind = GRAMMAR.section(tag).children["plugin"]
-    instances = {"instance": _named_map(reference(f"named:{kind.children['instance'].path}"))}
-    return _object({"plugin": _named_map(_element(kind, keyed=("plugin",), properties=instances))})
+    instance = kind.children["instance"]
+    instances = {"instance": _told(_named_map(reference(f"named:{instance.path}")), instance.doc)}
+    plugins = _named_map(_element(kind, keyed=("plugin",), properties=instances))
+    return _object({"plugin": _told(plugins, kind.doc)})
+
+
+def _keyframes(tag: str) -> Schema:
+    key = GRAMMAR.section(tag).children["key"]
+    sources = {
+        **_named_map({"type": "string", "minLength": 1}),
+        "description": "a key of each part to start from, by the path of the part: `base`, `left`, `left/gripper`",
+    }
+    entries = {
+        vector: {
+            **_named_map(reference(f"number-{WIDTHS[vector]}" if vector in WIDTHS else "number-1-")),
+            "description": f"{key.attributes[vector].doc}: a mapping by {named}",
+        }
+        for vector, named in VECTORS.items()
+    }
+    return _named_map(_object({FROM: sources, TIME: attribute_schema(key.attributes[TIME]), **entries}))
 
 
 def _singleton(tag: str) -> Schema:
@@ -107,17 +138,32 @@ def _definition_of_typed(tag: str) -> Schema:
     ]
     return {
         "type": "object",
-        "properties": {TYPE: {"enum": [kind.tag for kind in kinds]}, FRAGMENT: reference("fragment")},
+        "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment")},
         **_unless_fragment({"required": [TYPE]}),
         "allOf": variants,
     }
 
 
+def _types(tag: str, kinds: Iterable[ElementType]) -> Schema:
+    """The key `type`, each of whose values is explained."""
+    return {
+        "enum": [kind.tag for kind in kinds],
+        "markdownEnumDescriptions": [kind.doc for kind in kinds],
+        "description": f"which {tag} it is: the tag of MJCF",
+    }
+
+
 def _definition_of_variant(path: str) -> Schema:
     kind = GRAMMAR.element(path)
-    properties: dict[str, Schema] = {TYPE: {"const": kind.tag}}
+    properties: dict[str, Schema] = {TYPE: {"const": kind.tag, "description": kind.doc}}
     if kind.path.startswith("tendon/"):
-        steps = {"type": "array", "minItems": 1, "items": reference(f"step:{kind.path}")}
+        steps = {
+            "type": "array",
+            "minItems": 1,
+            "items": reference(f"step:{kind.path}"),
+            "description": "what it goes over, in order: "
+            + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
+        }
         return _element(kind, ("name",), {**properties, PATH: steps}, (PATH,), fragment=False, children=False)
     return _element(kind, ("name",), properties, fragment=False)
 
@@ -151,7 +197,10 @@ def _definition_of_class(_: str) -> Schema:
 
 
 def _definition_of_addition(_: str) -> Schema:
-    frame = {**_object({"frame": {"type": "string", "minLength": 1}}), "required": ["frame"]}
+    frame = {
+        **_object({"frame": {"type": "string", "minLength": 1, "description": "the name of a frame"}}),
+        "required": ["frame"],
+    }
     target: Schema = {
         "anyOf": [{"type": "string", "minLength": 1}, frame],
         "description": "the name of a body, `world`, or `{frame: NAME}`",
@@ -180,6 +229,7 @@ _FORMS: dict[str, Callable[[str], Schema]] = {
     "lists": _lists,
     "extension": _extension,
     "singleton": _singleton,
+    "keyframes": _keyframes,
     "defaults": lambda _: _named_map(reference("class")),
 }
 
@@ -208,6 +258,9 @@ def _element(
         rules["allOf"] = conditions
     description = {"description": kind.doc} if kind.doc else {}
     if not fragment:
+        if "required" in rules:
+            # Editors offer what has `required` at its top as a whole, under the name of its definition.
+            rules["allOf"] = [{"required": rules.pop("required")}, *conditions]
         return {**_object(known), **description, **rules}
     known.setdefault(FRAGMENT, reference("fragment"))
     return {**_object(known), **description, **_unless_fragment(rules)}
@@ -225,12 +278,17 @@ def _children(kind: ElementType) -> Schema:
     several: Schema = {"items": one}
     if kind.max_count is not None:
         several["maxItems"] = kind.max_count
-    return {"type": ["object", "array"], "if": {"type": "array"}, "then": several, "else": one}
+    return _told(
+        {"type": ["object", "array"], "if": {"type": "array"}, "then": several, "else": one}, kind.doc
+    )
 
 
 def _settings() -> Schema:
     single: Schema = {"type": ["string", "number", "boolean"]}
-    return _named_map({"type": [*single["type"], "array"], "items": single})
+    return _told(
+        _named_map({"type": [*single["type"], "array"], "items": single}),
+        "the settings of the plugin, by its own keys",
+    )
 
 
 def _rule(rule: Constraint) -> list[Schema]:
@@ -261,6 +319,10 @@ def _rule(rule: Constraint) -> list[Schema]:
 
 def _object(properties: dict[str, Schema]) -> Schema:
     return {"type": "object", "properties": properties, "additionalProperties": False}
+
+
+def _told(schema: Schema, description: str) -> Schema:
+    return {**schema, "description": description} if description else schema
 
 
 def _named_map(value: Schema) -> Schema:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from pydantic import ValidationError
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.advice import without_space
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.fault import Fault, Path, Remark
@@ -78,7 +80,8 @@ def _below(data: Any, step: str | int) -> Any:
 def _meant(loc: Path, missing: list[Any]) -> Any | None:
     """The error of the missing key that an unknown one beside it was meant to be."""
     beside = {each["loc"][-1]: each for each in missing if each["loc"][:-1] == loc[:-1]}
-    near = closest(str(loc[-1]), [str(name) for name in beside])
+    head = str(loc[-1]).partition(":")[0]
+    near = [head] if head in beside else closest(str(loc[-1]), [str(name) for name in beside])
     return beside[near[0]] if near else None
 
 
@@ -89,7 +92,7 @@ def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
         Remark(each.message, None if each.at is None else real_path(data, (*start, *each.at)))
         for each in fault.remarks
     )
-    return Fault(fault.code, fault.message, loc, fault.key, remarks, fault.help)
+    return replace(fault, at=loc, remarks=remarks)
 
 
 def _extra(loc: Path, meant: Any | None) -> Fault:
@@ -100,6 +103,8 @@ def _extra(loc: Path, meant: Any | None) -> Fault:
     help = f"write `{near[0]}`" if near else None
     if model is Recipe and name in _ELSEWHERE:
         help = _ELSEWHERE[name]
+    if spaced := without_space(name, known):
+        help = f"put a space behind the colon: `{spaced}`"
     remark = Remark(exists_note("key", known, name).message)
     return Fault("unknown-key", f"{owner} has no key `{name}`", loc, key=True, remarks=(remark,), help=help)
 
@@ -130,7 +135,11 @@ def _other(error: Any, loc: Path) -> Fault:
         message = f"`attach` expects a mapping from prefix to part, got {kind_of(value)}"
         return Fault("wrong-type", message, loc, help=help)
     if error["type"] in ("model_type", "model_attributes_type", "dict_type", "mapping_type"):
-        help = f"write `{{model: {value}}}`" if isinstance(value, str) and "\n" not in value else None
+        help = None
+        if isinstance(value, str) and (spaced := without_space(value, Attachment.model_fields)):
+            help = f"put a space behind the colon: `{spaced}`"
+        elif isinstance(value, str) and "\n" not in value:
+            help = f"write `{{model: {value}}}`"
         return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", loc, help=help)
     return Fault("wrong-type", f"{owner}: {error['msg'][:1].lower()}{error['msg'][1:]}", loc)
 

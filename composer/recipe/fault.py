@@ -27,7 +27,8 @@ class Remark:
 class Fault:
     """What becomes a diagnostic once its place in the file is looked up.
 
-    `at` starts from the value that was validated; with `key` the fault lies in the key at the end of `at`.
+    `at` starts from the value that was validated; with `key` the fault lies in the key at the end of `at`. `within` is
+    the line, the column and the width of what is wrong in a text of several lines.
     """
 
     code: str
@@ -36,6 +37,7 @@ class Fault:
     key: bool = False
     remarks: tuple[Remark, ...] = ()
     help: str | None = None
+    within: tuple[int, int, int] | None = None
 
 
 def refusal(faults: Sequence[Fault], value: object) -> ValidationError:

@@ -34,6 +34,15 @@ def check_fragment(
     return (check.root[0], check.root[1]) if check.root and len(faults) == before else None
 
 
+_MEND = {
+    "no element found": "close every element: `<geom …/>` or `<body …>…</body>`",
+    "unclosed token": "close every element: `<geom …/>` or `<body …>…</body>`",
+    "mismatched tag": "close every element: `<geom …/>` or `<body …>…</body>`",
+    "not well-formed (invalid token)": "put quotes around every value, and write `&lt;` and `&amp;` for `<` and `&`",
+    "duplicate attribute": "write each attribute once",
+}
+
+
 class _Check:
     """Follows the events of the XML parser; `stack` holds the open elements, None for unknown ones."""
 
@@ -50,6 +59,7 @@ class _Check:
         self.bare_angles, self.faults, self.named = bare_angles, faults, named
         self.stack: list[ElementType | None] = []
         self.root: tuple[str, dict[str, str]] | None = None
+        self.opened = ""
         self.parser = expat.ParserCreate()
         self.parser.StartElementHandler = self.start
         self.parser.EndElementHandler = lambda _: self.stack.pop()
@@ -63,13 +73,18 @@ class _Check:
             what = expat.ErrorString(error.code)
             if what == "junk after document element":
                 help = "write one element here, and an entry of its own for every other"
-                self.fault(
-                    "wrong-length", "a fragment is one element, and here is another", error.lineno, help=help
-                )
+                at = (error.lineno, error.offset + 1, 1)
+                self.fault("wrong-length", "a fragment is one element, and here is another", at, help=help)
             else:
-                self.fault("xml-syntax", f"not well-formed XML: {what}", error.lineno)
+                lines = text.rstrip().splitlines() or [""]
+                at = (error.lineno, error.offset + 1, 1)
+                if error.lineno > len(lines):  # behind the end: at what stands last
+                    at = (len(lines), max(len(lines[-1]), 1), 1)
+                said = what.removeprefix("not well-formed ").strip("()")
+                self.fault("xml-syntax", f"not well-formed XML: {said}", at, help=_MEND.get(what))
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
+        self.opened = tag
         parent = self.stack[-1] if self.stack else None
         if self.stack and parent is None:
             self.stack.append(None)  # inside of something unknown, all is unknown
@@ -114,7 +129,14 @@ class _Check:
 
     def text(self, text: str) -> None:
         if text.strip() and self.stack and self.stack[-1] is not None:
-            self.fault("xml-syntax", f"text stands in `{self.stack[-1].tag}`, where MJCF has none")
+            lead = len(text) - len(text.lstrip())
+            at = (
+                self.parser.CurrentLineNumber,
+                self.parser.CurrentColumnNumber + 1 + lead,
+                len(text.strip()),
+            )
+            message = f"text stands in `{self.stack[-1].tag}`, where MJCF has none"
+            self.fault("xml-syntax", message, at, help="take it out, or write it as a comment: `<!-- … -->`")
 
     def doctype(self, *_: object) -> None:
         self.fault("xml-syntax", "a fragment has no `<!DOCTYPE>`")
@@ -123,7 +145,7 @@ class _Check:
         self,
         code: str,
         message: str,
-        line: int | None = None,
+        within: tuple[int, int, int] | None = None,
         help: str | None = None,
         names: tuple[str, str, Collection[str]] | None = None,
     ) -> None:
@@ -131,11 +153,9 @@ class _Check:
         if names is not None:
             kind, written, known = names
             near = closest(written, known)
-            help = f"write `{near[0]}`" if near else None
+            help = f"write `{near[0]}`" if near else f"take `{written}` out"
             remarks = (Remark(exists_note(kind, known, written).message),)
-        number = self.parser.CurrentLineNumber if line is None else line
-        self.faults.append(
-            Fault(
-                code, f"line {number} of the fragment: {message}", self.at, remarks=tuple(remarks), help=help
-            )
-        )
+        if within is None:
+            tag = self.opened or " "
+            within = (self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 2, len(tag))
+        self.faults.append(Fault(code, message, self.at, remarks=tuple(remarks), help=help, within=within))

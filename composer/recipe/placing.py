@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -25,6 +26,14 @@ ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 WORDS = ("weld", "free", "ball", "mocap")
 JointWord = Literal["weld", "free", "ball", "mocap"]
 JointType = ("hinge", "slide", "ball")
+TINY = 1e-10
+"""Axes shorter than this are none to MuJoCo."""
+_NEUTRAL = {
+    "quat": "`[1, 0, 0, 0]`",
+    "axisangle": "an axis, such as `[0, 0, 1, 90deg]`",
+    "zaxis": "`[0, 0, 1]`",
+    "xyaxes": "`[1, 0, 0, 0, 1, 0]`",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,10 +64,43 @@ class Offset:
         elif read is not None and not settings(info.context).bare_angles:
             bare = bare_angle(attribute, read, None, (), OWNER)
             faults += [bare] if bare is not None else []
+        if not faults and isinstance(read, tuple):
+            fault = _no_pose(self.name, read)
+            faults += [fault] if fault is not None else []
         if faults:
             raise refusal(faults, value)
         assert isinstance(read, tuple), "an offset has several numbers"
         return read
+
+
+def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
+    """Numbers that no place or orientation has; MuJoCo would complain of a frame that nobody wrote."""
+    numbers = [float(item.value if isinstance(item, Angle) else item) for item in read]
+    if not all(math.isfinite(number) for number in numbers):
+        wrong = next(index for index, number in enumerate(numbers) if not math.isfinite(number))
+        return Fault(
+            "out-of-range", f"`{name}` of {OWNER} expects finite numbers", (wrong,), help="write a number"
+        )
+    axes = {
+        "quat": [numbers],
+        "axisangle": [numbers[:3]],
+        "zaxis": [numbers],
+        "xyaxes": [numbers[:3], numbers[3:]],
+    }
+    for axis in axes.get(name, ()):
+        if math.hypot(*axis) < TINY:
+            message = f"`{name}` of {OWNER} is no orientation: all its numbers are zero"
+            return Fault("out-of-range", message, help=f"leave `{name}` out, or write {_NEUTRAL[name]}")
+    if name == "xyaxes" and math.hypot(*_cross(numbers[:3], numbers[3:])) < TINY:
+        message = f"`xyaxes` of {OWNER} is no orientation: its two axes have the same direction"
+        return Fault(
+            "out-of-range", message, help="write axes at a right angle, such as `[1, 0, 0, 0, 1, 0]`"
+        )
+    return None
+
+
+def _cross(a: list[float], b: list[float]) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +156,9 @@ def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
             if name in names:
                 remarks = (Remark("the first one is here", names[name]),)
                 message = f"two joints of one part are called `{name}`"
-                reader.faults.append(Fault("name-clash", message, (index, "name"), remarks=remarks))
+                reader.faults.append(
+                    Fault("name-clash", message, (index, "name"), remarks=remarks, help="choose another name")
+                )
             names.setdefault(name, (index, "name"))
             elements.append(element)
     return tuple(elements)

@@ -9,10 +9,16 @@ from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
 
 
 def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
-    """Tell the attributes that are required and not there."""
-    for name, attribute in kind.attributes.items():
-        if attribute.required and name not in present:
-            faults.append(lacks(owner, name, at, attribute.doc))
+    """Tell the attributes that are required and not there, all of them at once."""
+    missing = [each for each in kind.attributes.values() if each.required and each.name not in present]
+    if len(missing) == 1:
+        faults.append(lacks(owner, missing[0].name, at, missing[0].doc))
+    elif missing:
+        names = " and ".join(f"`{each.name}`" for each in missing)
+        remarks = tuple(Remark(f"`{each.name}` is: {each.doc}") for each in missing if each.doc)
+        help = f"write `{', '.join(f'{each.name}: …' for each in missing)}`"
+        message = f"{owner} lacks {names}"
+        faults.append(Fault("missing-key", message, at, key=True, remarks=remarks, help=help))
 
 
 def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
@@ -33,7 +39,10 @@ def clashing(
         elif rule.kind == "oneof":
             complete = any(all(name in present for name in bundle) for bundle in rule.bundles)
             needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
-            fault = None if complete else Fault("missing-key", f"{owner} needs {needed}", at, key=True)
+            help = _cheapest(rule.bundles, present)
+            fault = None
+            if not complete:
+                fault = Fault("missing-key", f"{owner} needs {needed}", at, key=True, help=help)
         elif rule.kind == "together":
             names = [name for bundle in rule.bundles for name in bundle]
             fault = _incomplete(
@@ -75,9 +84,19 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
     )
 
 
+def _cheapest(bundles: Iterable[Iterable[str]], present: Collection[str]) -> str:
+    """What to add where one of several bundles must be complete: the fewest keys to what is there."""
+    lacking = min(
+        ([name for name in bundle if name not in present] for bundle in bundles),
+        key=lambda names: len(names),
+    )
+    return f"write `{', '.join(f'{name}: …' for name in lacking)}`"
+
+
 def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at: Path) -> Fault | None:
     if not there or not missing:
         return None
     first = next(iter(there))
     wanted = " and ".join(f"`{name}`" for name in missing)
-    return Fault("missing-key", f"{owner} has `{first}` without {wanted}", (*at, first), key=True)
+    help = f"write {wanted} too, or leave `{first}` out"
+    return Fault("missing-key", f"{owner} has `{first}` without {wanted}", (*at, first), key=True, help=help)

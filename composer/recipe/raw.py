@@ -5,20 +5,24 @@ from __future__ import annotations
 from typing import Any
 
 from composer.document.node import Node, Scalar, Sequence
+from composer.expr.opening import is_template
 from composer.recipe.fault import Fault, Path
-from composer.recipe.unsupported import EXPRESSIONS, is_unsupported
-
-TEMPLATE = "${"
+from composer.recipe.indentation import fallen_out
+from composer.recipe.unsupported import is_unsupported
 
 
 class Placed(dict[str, Any]):
-    """A mapping that knows its path from the top of the recipe."""
+    """A mapping that knows its path from the top of the recipe.
 
-    __slots__ = ("at",)
+    `cut` is whether keys that this version does not carry out were left out of it.
+    """
+
+    __slots__ = ("at", "cut")
 
     def __init__(self, at: Path) -> None:
         super().__init__()
         self.at = at
+        self.cut = False
 
 
 def path_of(value: object) -> Path:
@@ -30,7 +34,7 @@ def raw(node: Node, faults: list[Fault]) -> Any:
     """The tree as dicts (`Placed`), lists and values, with faults that any place may have.
 
     Keys that this version does not carry out are told and left out, with all that is below them. A key with
-    no value and an expression are told and stay, so that it is known that they are there.
+    no value and an expression without one are told and stay, so that it is known that they are there.
     """
     return _raw(node, (), faults)
 
@@ -39,21 +43,26 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     if isinstance(node, Scalar):
         if node.value is None:
             faults.append(_nothing(at))
-        elif (
-            not EXPRESSIONS and isinstance(node.value, str) and TEMPLATE in node.value and not is_deferred(at)
-        ):
-            faults.append(_expression(at))
+        elif isinstance(node.value, str) and is_template(node.value) and not _knows_more(at):
+            faults.append(Fault("expression", "an expression has no value here", at))
         return node.value
     if isinstance(node, Sequence):
         return [_raw(item, (*at, index), faults) for index, item in enumerate(node.items)]
     mapping = Placed(at)
+    fallen = fallen_out(node, at)
+    if fallen is not None:
+        faults.append(fallen[0])
     for name, (_, value) in node.entries.items():
         path = (*at, name)
+        if fallen is not None and name in fallen[1]:
+            continue
         if is_unsupported(path):
             faults.append(_unsupported(path))
+            mapping.cut = True
             continue
-        if not EXPRESSIONS and TEMPLATE in name:
-            faults.append(_expression(path, key=True))
+        if is_template(name):
+            help = "write the name itself; parameters can choose between pieces of recipe, by `when` and `variants`"
+            faults.append(Fault("expression", "an expression cannot be a key", path, key=True, help=help))
             continue
         mapping[name] = _raw(value, path, faults)
     return mapping
@@ -87,11 +96,6 @@ def _unsupported(at: Path) -> Fault:
     )
 
 
-def _expression(at: Path, key: bool = False) -> Fault:
-    return Fault(
-        "not-supported",
-        "`${…}` is not supported by this version",
-        at,
-        key=key,
-        help="write the value itself for now",
-    )
+def _knows_more(at: Path) -> bool:
+    """Edits are evaluated for each element that they change."""
+    return "edit" in at[:3] or "where" in at

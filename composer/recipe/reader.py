@@ -10,6 +10,7 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.grammar.format import number_text
+from composer.recipe.advice import element_instead, without_space
 from composer.recipe.angles import bare_angle
 from composer.recipe.element import Element, Value
 from composer.recipe.fault import Fault, Path, Remark
@@ -23,6 +24,7 @@ from composer.recipe.value import read_value
 
 FRAGMENT = "xml"
 CONFIG = "config"
+_OBJECT = {"objtype", "objname"}
 
 
 @dataclass(slots=True)
@@ -51,12 +53,13 @@ class Reader:
         `joint` is the type of a joint that writes none.
         """
         if not isinstance(value, dict):
-            self.faults.append(_no_mapping(owner, value, at))
+            self.faults.append(_no_mapping(owner, value, at, element_instead(kind, value)))
             return None
         keyed = keyed or {}
         if FRAGMENT in value:
             return self.fragment({kind.tag: kind}, f"the place of {owner}", value, at, keyed)
         attributes: dict[str, Value] = dict(keyed)
+        meant: list[str] = []
         below = list(children)
         for name, item in value.items():
             path = (*at, name)
@@ -73,9 +76,11 @@ class Reader:
             elif name in kind.children:
                 below += self.children(kind.children[name], item, path, owner)
             else:
-                self.faults.append(self.unknown(kind, name, item, path, owner, own, {*keyed, *value}))
-        # A value that is wrong is there all the same.
-        present = [*keyed, *value]
+                fault = self.unknown(kind, name, item, path, owner, own, {*keyed, *value})
+                meant += _meant(kind, name, item, value)
+                self.faults.append(fault)
+        # A value that is wrong is there all the same, and so is one under a key that is nearly right.
+        present = [*keyed, *value, *meant]
         absent(kind, present, owner, at, self.faults)
         clashing(kind.constraints, present, owner, at, self.faults)
         self.angles(kind, attributes, at, owner, joint)
@@ -192,9 +197,16 @@ class Reader:
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
         near = closest(name, [*attributes, *(each for each in kind.children if each not in taken)])
         remarks = (Remark(exists_note("attribute", attributes, name).message),) if attributes else ()
-        help = f"write `{near[0]}`" if near else None
+        help = f"write `{near[0]}`" if near else f"take `{name}` out"
+        groups = [tag for tag, child in kind.children.items() if name in child.attributes]
         if name in GRAMMAR.root.children:
             help = f"write it in the section `{name}`"
+        if len(groups) == 1 and not near:
+            help = f"write it in `{groups[0]}: {{…}}`"
+        if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
+            help = f"write `objtype: {name}, objname: {value}`"
+        elif spaced := without_space(name, kind.attributes):
+            help = f"put a space behind the colon: `{spaced}`"
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
             remarks = (Remark(exists_note("element", kind.children, name).message),)
             return Fault(
@@ -247,12 +259,18 @@ def config_text(value: Any) -> str | None:
     return value if isinstance(value, str) else None
 
 
-def _no_mapping(owner: str, value: Any, at: Path) -> Fault:
-    help = None
-    if isinstance(value, str) and value.lstrip().startswith("<"):
-        help = "write a fragment of MJCF as `{xml: …}`"
-    elif isinstance(value, list):
-        help = "leave out the `-` or the brackets: this is one mapping"
+def _meant(kind: ElementType, name: str, value: Any, there: Collection[str]) -> list[str]:
+    """The attributes that an unknown key stands for, so that these are not also told to be missing."""
+    if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
+        return [*_OBJECT]
+    head = name.partition(":")[0]
+    missing = [
+        each for each, attribute in kind.attributes.items() if attribute.required and each not in there
+    ]
+    return [head] if head in missing else closest(name, missing)
+
+
+def _no_mapping(owner: str, value: Any, at: Path, help: str | None = None) -> Fault:
     return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", at, help=help)
 
 

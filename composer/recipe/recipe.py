@@ -13,11 +13,14 @@ from composer.recipe.add import Addition, Additions
 from composer.recipe.attach import Attachment, Prefixes
 from composer.recipe.base import Base
 from composer.recipe.by_tag import ByTag, Lists
+from composer.recipe.check import Checks
+from composer.recipe.checks.kind import Check
 from composer.recipe.default_class import DefaultClass, Defaults
 from composer.recipe.edit import Edit, Edits
 from composer.recipe.element import Element
 from composer.recipe.extension import Extension
 from composer.recipe.fault import Fault, refusal
+from composer.recipe.keyframe import Keyframe, Keyframes
 from composer.recipe.model import Model
 from composer.recipe.shown import kind_of
 from composer.recipe.singleton import Singleton
@@ -124,3 +127,7 @@ class Recipe(Model):
     """Plugins and their instances: `plugin: {NAME: {instance: {NAME: {config: {KEY: VALUE}}}}}`."""
     deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
     """Flexes and skins: by tag, a mapping from their names."""
+    keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()
+    """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
+    check: Annotated[tuple[Check, ...], Checks()] = ()
+    """What must hold of the model: a mapping from a name to a check."""

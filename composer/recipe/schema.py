@@ -19,12 +19,16 @@ from composer.recipe.element_schema import define
 from composer.recipe.model import Model
 from composer.recipe.recipe import Recipe
 from composer.recipe.reference import REFERENCE, Schema, definition_key
+from composer.recipe.variation_schema import add_variation
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base)
 WIDTH = 110
 
-_ORDER = "$schema title description $ref type const enum default properties additionalProperties required"
+_ORDER = (
+    "$schema title description markdownDescription $ref type const enum default properties "
+    "additionalProperties required"
+)
 _RANK = {key: rank for rank, key in enumerate(_ORDER.split())} | {"$defs": 1000}
 # Keys of JSON Schema below which the keys are names.
 _NAMES = frozenset({"properties", "$defs"})
@@ -39,9 +43,18 @@ def recipe_schema() -> Schema:
         _describe(model, target.get("properties") or target["anyOf"][-1]["properties"])
     schema = _tidy(schema)
     definitions = {name: _tidy(each) for name, each in definitions.items()}
+    needed = definitions[Attachment.__name__].pop("required")
+    definitions[Attachment.__name__]["allOf"].append({"required": needed})  # as in `element_schema`
     _complete(schema, definitions)
-    head = {"$schema": DIALECT, "title": "mjcompose recipe", "description": "What a MuJoCo model is made of."}
-    return {**schema, **head, "$defs": dict(sorted(definitions.items()))}
+    add_variation(schema, definitions)
+    # No title: editors would set it before every description.
+    head = {"$schema": DIALECT, "description": "A recipe of mjcompose: what a MuJoCo model is made of."}
+    whole = {**schema, **head, "$defs": dict(sorted(definitions.items()))}
+    for each in _mappings(whole):
+        description = each.get("description")
+        if isinstance(description, str) and "`" in description:
+            each["markdownDescription"] = description  # else editors show the marks
+    return whole
 
 
 def text() -> str:
@@ -103,7 +116,8 @@ def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
             and isinstance(text, ast.Expr)
             and isinstance(text.value, ast.Constant)
         ):
-            properties[field.target.id]["description"] = inspect.cleandoc(str(text.value.value))
+            name = model.model_fields[field.target.id].alias or field.target.id
+            properties[name]["description"] = inspect.cleandoc(str(text.value.value))
 
 
 def _layout(value: Any, indent: str, in_order: bool) -> str:

@@ -58,7 +58,12 @@ class Section:
         """The entries of a mapping from tag to elements."""
         if not isinstance(value, dict):
             message = f"`{self.tag}` expects a mapping from tags to elements, got {kind_of(value)}"
-            reader.faults.append(Fault("wrong-type", message))
+            help = (
+                "write the tag as a key: `TAG: …`, not as an item of a list"
+                if isinstance(value, list)
+                else None
+            )
+            reader.faults.append(Fault("wrong-type", message, help=help))
             return []
         known: list[tuple[ElementType, Any, Path]] = []
         for tag, item in value.items():

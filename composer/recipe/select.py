@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
-from composer.expr import ExpressionError, Template, is_template
+from composer.expr.error import ExpressionError
+from composer.expr.opening import is_template
+from composer.expr.template import Template
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark

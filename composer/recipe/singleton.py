@@ -40,5 +40,7 @@ class Singleton(Section):
             (name,),
             key=True,
             remarks=(Remark(f"what can be set: {', '.join(sorted(self.settable))}"),),
-            help=f"for the recipe's own elements, write `{name}` at the top of the recipe" if top else None,
+            help=f"for the recipe's own elements, write `{name}` at the top of the recipe"
+            if top
+            else f"leave `{name}` out",
         )

@@ -6,15 +6,10 @@ from composer.recipe.fault import Path
 
 # The keys by the kind of mapping that they stand in. One that works is taken out here.
 UNSUPPORTED: dict[str, frozenset[str]] = {
-    "recipe": frozenset("params extends variants matrix randomize check keyframe".split()),
-    "base": frozenset("with".split()),
-    "attach": frozenset("with replicate before after when".split()),
-    "add": frozenset({"id", "when"}),
-    "edit": frozenset({"when"}),
-    "element": frozenset({"when"}),
+    "recipe": frozenset({"randomize"}),
+    "base": frozenset(),
+    "attach": frozenset(),
 }
-EXPRESSIONS = False
-"""Whether `${…}` may stand for a value."""
 
 
 def is_unsupported(path: Path) -> bool:
@@ -31,13 +26,4 @@ def _kind(path: Path) -> str:
     section, depth = path[0], len(path)
     if depth == 1:
         return "recipe"
-    if (section, depth) in (("base", 2), ("attach", 3), ("add", 3), ("edit", 3)):
-        return str(section)
-    return "element" if depth == _ITEM_DEPTH.get(section) else ""
-
-
-# How long the path to a key of an item is.
-_ITEM_DEPTH: dict[str | int, int] = {
-    **dict.fromkeys(("sensor", "actuator", "equality", "tendon", "default"), 3),
-    **dict.fromkeys(("asset", "contact", "custom", "deformable", "extension"), 4),
-}
+    return str(section) if (section, depth) in (("base", 2), ("attach", 3)) else ""

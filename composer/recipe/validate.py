@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pydantic import ValidationError
 
 from composer.diagnostics import Note, Sink, Span
-from composer.document.node import Mapping, Node, locate, to_python
+from composer.document.node import Mapping, Node, Scalar, find, locate, to_python
 from composer.recipe import errors
 from composer.recipe.fault import Fault, Path
 from composer.recipe.raw import raw
@@ -82,7 +82,16 @@ def _tell(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
             Note(remark.message, None if remark.at is None else locate(node, remark.at, key=True))
             for remark in fault.remarks
         ]
-        sink.error(fault.code, fault.message, _span(node, fault.at, fault.key), notes=notes, help=fault.help)
+        message, span = fault.message, _span(node, fault.at, fault.key)
+        if fault.within is not None:
+            line, column, width = fault.within
+            text = find(node, fault.at)
+            if isinstance(text, Scalar) and text.block is not None:
+                line, column = line + text.block[0] - 1, column + text.block[1] - 1
+                span = Span(span.file, line, column, line, column + width)
+            else:
+                message = f"line {line} of the fragment: {message}"
+        sink.error(fault.code, message, span, notes=notes, help=fault.help)
 
 
 def _span(node: Mapping, path: Path, key: bool) -> Span:

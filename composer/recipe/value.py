@@ -7,13 +7,11 @@ from typing import Any
 from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_number, check_python, expected
-from composer.grammar.number import parse_real
+from composer.recipe.advice import instead, item_instead
 from composer.recipe.element import Angle, Value
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.text import is_unprintable, unprintable
-
-_SWITCHES = {"yes": "true", "on": "true", "no": "false", "off": "false"}
 
 
 def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: list[Fault]) -> Value | None:
@@ -78,7 +76,7 @@ def _code(attribute: Attribute, value: object) -> str:
 def _number_code(attribute: Attribute, value: object) -> str:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return "wrong-type"
-    if attribute.type == "int" and not float(value).is_integer():
+    if attribute.type == "int" and isinstance(value, float) and not value.is_integer():
         return "wrong-type"
     return "out-of-range" if check_number(attribute, value) else "wrong-length"
 
@@ -95,42 +93,26 @@ def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> F
     noun = "integers" if attribute.type == "int" else "numbers"
     wanted = f"{noun} of 32 bits" if code == "out-of-range" else noun
     return Fault(
-        code, f"{subject} expects {wanted}, got {kind_of(item)}", at, help=_text_help(attribute, item)
+        code, f"{subject} expects {wanted}, got {kind_of(item)}", at, help=item_instead(attribute, item)
     )
 
 
 def _fault(attribute: Attribute, value: Any, answer: str, code: str, at: Path, subject: str) -> Fault:
     """The grammar's answer as a fault. What follows its semicolon is what to write instead."""
     message, _, advice = answer.partition("; ")
-    help = advice or _text_help(attribute, value)
+    help = advice or instead(attribute, value)
     remarks: tuple[Remark, ...] = ()
     if code == "wrong-keyword":
         words = value if isinstance(value, list) else [value]
         wrong = next((text for text in map(shown, words) if text not in attribute.keywords), None)
         if wrong is not None:
             near = closest(wrong, attribute.keywords)
-            help = f"write `{near[0]}`" if near else _text_help(attribute, value)
+            help = f"write `{near[0]}`" if near else instead(attribute, value)
             if not message.startswith("expects"):
                 remarks = (Remark(exists_note("keyword", attribute.keywords, wrong).message),)
     elif advice.startswith("write ["):
         help = f"write `{attribute.name}: {advice.removeprefix('write ')}`"
     return Fault(code, f"{subject} {message}", at, remarks=remarks, help=help)
-
-
-def _text_help(attribute: Attribute, value: object) -> str | None:
-    """What to write instead of a text that is nearly a value: `'0.5'`, `90 deg`, `45°`, `yes`."""
-    if not isinstance(value, str):
-        return None
-    if attribute.type == "bool" or "true" in attribute.keywords:
-        # YAML 1.1 read `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`.
-        word = _SWITCHES.get(value.lower())
-        return f"write `{word}`" if word else None
-    if not attribute.is_number:
-        return None
-    if parse_real(value) is not None:
-        return f"write `{value}` without quotes"
-    near = value.replace("°", "deg").replace("degrees", "deg").replace("radians", "rad").replace(" ", "")
-    return f"write `{near}`" if near != value and attribute.type == "real" and Angle.read(near) else None
 
 
 def _printable(attribute: Attribute, value: object, at: Path, subject: str, faults: list[Fault]) -> bool:

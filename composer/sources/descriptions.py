@@ -11,6 +11,7 @@ from typing import Any
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
 from composer.sources.error import SourceError
+from composer.sources.origin import Origin
 from composer.sources.package import distribution, folders
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
@@ -46,6 +47,7 @@ def resolve(reference: Reference) -> Source:
         package=_PACKAGE,
         version=owner.version if owner is not None else None,
         licences=licence.find(path, Path(repository) if repository else None),
+        origin=Origin(reference.id, reference.kind, Path(repository) if repository else path.parent),
     )
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
 from composer.sources.error import SourceError
+from composer.sources.origin import Origin
 from composer.sources.reference import Reference
 from composer.sources.source import Source
 
@@ -49,6 +50,7 @@ def resolve(reference: Reference, environment: Mapping[str, str]) -> Source:
         # The files of a folder that somebody else filled need not be those of the installed version.
         version=None if environment.get("MENAGERIE_ROOT") else library.__version__,
         licences=licence.find(path, folder),
+        origin=Origin(reference.id, reference.kind, folder),
     )
 
 

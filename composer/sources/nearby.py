@@ -69,6 +69,7 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
     known = list(existing)
     suffix = PurePath(text).suffix
     same = [each for each in known if os.path.splitext(each)[0].removeprefix("./") == text.removeprefix("./")]
+    same = same or [each for each in known if PurePath(each).stem == text]
     near = same[0] if same else nearest(text, known)
     if suffix.lower() in (".zip", ".mjz", ".mjb"):
         problem, fix = (

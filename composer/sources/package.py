@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from composer.diagnostics.suggest import closest
 from composer.sources import licence, nearby
 from composer.sources.error import SourceError
+from composer.sources.origin import Origin
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
 
@@ -86,6 +87,7 @@ def _found(reference: Reference, path: Path, root: Path) -> Source:
         package=owner.metadata["Name"] if owner is not None else reference.name,
         version=owner.version if owner is not None else None,
         licences=licences,
+        origin=Origin(reference.id, reference.kind, root),
     )
 
 

@@ -21,6 +21,8 @@ def resolve(reference: Reference, relative_to: Path) -> Source:
         raise nearby.without_suffix(reference.text, _existing(reference.path, wanted, relative_to))
     if not os.path.isfile(wanted):
         hint = "`~` is not expanded: write the whole path" if reference.path.startswith("~") else None
+        if reference.path.startswith("menagerie/"):
+            hint = f"write `menagerie:{PurePath(reference.path).relative_to('menagerie').with_suffix('')}`"
         raise nearby.not_found(
             reference.text, wanted, _existing(reference.path, wanted, relative_to), hint=hint
         )
@@ -42,5 +44,5 @@ def _is_folder(text: str, folder: Path) -> SourceError:
         "source-kind",
         f"the model reference `{text}` is a folder, not a model file",
         notes=(exists_note("model file", inside).message,),
-        help=f"write `{inside[0]}`" if len(inside) == 1 else None,
+        help=f"write `{inside[0]}`" if len(inside) == 1 else "name a model file in it",
     )

@@ -33,7 +33,7 @@ class Reference:
     | menagerie | the robot | the entry, empty for the robot's own model |
     | descriptions | the description | empty |
     | git | the URL of the repository | the file inside of it, at `revision` |
-    | archive | the URL of the archive | the file inside of it |
+    | archive | the URL of the archive | the file inside of it; `revision` is its sha256 where that is written |
     """
 
     text: str
@@ -41,6 +41,13 @@ class Reference:
     name: str
     path: str
     revision: str = ""
+
+    @property
+    def id(self) -> str:
+        """The reference without the file in it: what is fetched or installed as one."""
+        if self.kind in (Kind.GIT, Kind.ARCHIVE):
+            return self.text.partition("#")[0]
+        return f"{self.kind}:{self.name}" if self.name else self.text
 
 
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
@@ -53,8 +60,13 @@ _FORMS = {
     "menagerie": "menagerie:ROBOT/ENTRY",
     "descriptions": "descriptions:NAME",
     "git+https": "git+https://host/repo@REV#path/model.xml",
+    "git+ssh": "git+ssh://git@host/repo@REV#path/model.xml",
+    "git+file": "git+file:///path/to/repo@REV#path/model.xml",
     "https": "https://host/archive.zip#path/model.xml",
 }
+
+_LOOPBACK = re.compile(r"(localhost|127(\.\d+){3}|\[::1\])(:\d+)?")
+"""The hosts to which a connection need not be encrypted."""
 
 
 def parse(text: str) -> Reference:
@@ -80,6 +92,8 @@ def parse(text: str) -> Reference:
     if scheme is None:
         return Reference(text, Kind.PATH, "", text)
     reader = _READERS.get(scheme[1])
+    if reader is None and _LOOPBACK.fullmatch(scheme[2].removeprefix("//").partition("/")[0]):
+        reader = _UNENCRYPTED.get(scheme[1])
     if reader is None:
         raise _unknown_kind(text, scheme[1], scheme[2])
     return reader(text, scheme[2])
@@ -111,27 +125,34 @@ def _descriptions(text: str, rest: str) -> Reference:
 
 
 def _git(text: str, rest: str) -> Reference:
+    scheme = text.partition(":")[0]
     location, _, path = rest.partition("#")
     host, _, tail = location.removeprefix("//").partition("/")
     # Only an `@` behind the host starts a revision: before it, it ends a user's name.
-    repository, _, revision = tail.partition("@")
-    if not host or not repository:
-        raise _malformed(text, "git+https", "does not say the repository")
-    if not revision:
-        raise _malformed(text, "git+https", "does not say the revision")
+    repository, at, revision = tail.rpartition("@")
+    if not at:
+        repository, revision = tail, ""
+    if not repository or bool(host) == (scheme == "git+file"):
+        raise _malformed(text, scheme, "does not say the repository")
+    if not revision or revision.startswith("-"):
+        raise _malformed(text, scheme, "does not say the revision")
     if not path:
-        raise _malformed(text, "git+https", "does not say the file inside the repository")
-    return Reference(text, Kind.GIT, f"https://{host}/{repository}", path, revision)
+        raise _malformed(text, scheme, "does not say the file inside the repository")
+    return Reference(text, Kind.GIT, f"{scheme.removeprefix('git+')}://{host}/{repository}", path, revision)
 
 
 def _archive(text: str, rest: str) -> Reference:
+    scheme = text.partition(":")[0]
     location, _, path = rest.partition("#")
     host, _, archive = location.removeprefix("//").partition("/")
+    archive, _, sha256 = archive.partition("@sha256:")
     if not host or not archive:
-        raise _malformed(text, "https", "does not say the archive")
+        raise _malformed(text, scheme, "does not say the archive")
     if not path:
-        raise _malformed(text, "https", "does not say the file inside the archive")
-    return Reference(text, Kind.ARCHIVE, f"https://{host}/{archive}", path)
+        raise _malformed(text, scheme, "does not say the file inside the archive")
+    if "@sha256:" in location and not re.fullmatch("[0-9a-f]{64}", sha256):
+        raise _malformed(text, scheme, "has a sha256 that is not 64 digits of 0-9 and a-f")
+    return Reference(text, Kind.ARCHIVE, f"{scheme}://{host}/{archive}", path, sha256)
 
 
 _READERS: dict[str, Callable[[str, str], Reference]] = {
@@ -139,8 +160,11 @@ _READERS: dict[str, Callable[[str, str], Reference]] = {
     "menagerie": _menagerie,
     "descriptions": _descriptions,
     "git+https": _git,
+    "git+ssh": _git,
+    "git+file": _git,
     "https": _archive,
 }
+_UNENCRYPTED: dict[str, Callable[[str, str], Reference]] = {"git+http": _git, "http": _archive}
 
 
 def _bare(text: str, kind: str, rest: str) -> str:
@@ -156,9 +180,8 @@ def _bare(text: str, kind: str, rest: str) -> str:
 
 
 def _malformed(text: str, kind: str, problem: str) -> SourceError:
-    return SourceError(
-        "source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{_FORMS[kind]}`"
-    )
+    form = _FORMS.get(kind, _FORMS["https"])
+    return SourceError("source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form}`")
 
 
 def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:

@@ -5,36 +5,40 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from composer.sources import descriptions, menagerie, package, path
-from composer.sources.error import SourceError
+from composer.sources import archive, descriptions, git, menagerie, package, path
+from composer.sources.fetching import Fetching
 from composer.sources.reference import Kind, Reference, parse
 from composer.sources.source import Source
 
 
-def resolve(reference: str, *, relative_to: Path, environment: Mapping[str, str]) -> Source:
-    """Find the file that a model reference stands for, and the licences that go with it.
+def resolve(
+    reference: str, *, relative_to: Path, environment: Mapping[str, str], fetching: Fetching | None = None
+) -> Source:
+    """Find the file that a model reference stands for, and the licences that go with it; fetch it where it has to be.
 
     `relative_to` is the folder of the file that holds the reference; `environment` stands for the environment
-    of the process. Nothing of the file itself is read. Raises SourceError.
+    of the process; `fetching` has the rules and the memory of the run. Raises SourceError.
     """
-    parsed = parse(reference)
-    match parsed.kind:
+    fetching = Fetching() if fetching is None else fetching
+    source = _resolve(parse(reference), relative_to, environment, fetching)
+    if source.origin is not None:
+        fetching.origins[source.origin.id] = source.origin
+    return source
+
+
+def _resolve(
+    reference: Reference, relative_to: Path, environment: Mapping[str, str], fetching: Fetching
+) -> Source:
+    match reference.kind:
         case Kind.PATH:
-            return path.resolve(parsed, relative_to)
+            return path.resolve(reference, relative_to)
         case Kind.PACKAGE:
-            return package.resolve(parsed)
+            return package.resolve(reference)
         case Kind.MENAGERIE:
-            return menagerie.resolve(parsed, environment)
+            return menagerie.resolve(reference, environment)
         case Kind.DESCRIPTIONS:
-            return descriptions.resolve(parsed)
-        case Kind.GIT | Kind.ARCHIVE:
-            raise _not_yet(parsed)
-
-
-def _not_yet(reference: Reference) -> SourceError:
-    place = "git repositories" if reference.kind is Kind.GIT else "archives on the web"
-    return SourceError(
-        "not-supported",
-        f"models in {place} cannot be fetched yet: `{reference.text}`",
-        help="fetch it yourself and write the path of the model file",
-    )
+            return descriptions.resolve(reference)
+        case Kind.GIT:
+            return git.resolve(reference, environment, fetching)
+        case Kind.ARCHIVE:
+            return archive.resolve(reference, environment, fetching)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Literal
 
+from composer.sources.origin import Origin
+
 Format = Literal["recipe", "mjcf", "urdf"]
 
 FORMATS: dict[str, Format] = {
@@ -23,9 +25,11 @@ class Source:
     """The model file that a reference stands for.
 
     `reference` is as it was written. `package` and `version` name the distribution that the file came with;
-    there is no version where the file need not be the one that the distribution holds. `licences` are the
+    there is no version where the file need not be the one that the distribution holds; of a repository it is the
+    commit, of an archive its sha256. `licences` are the
     licence files that go with the model, sorted by name, and empty when none was found. `packages` are the
-    folders that `package://NAME` stands for in URDF, where the recipe gives them.
+    folders that `package://NAME` stands for in URDF, where the recipe gives them. `origin` is what the file
+    belongs to, None for one that is named by its path.
     """
 
     path: Path
@@ -35,6 +39,7 @@ class Source:
     version: str | None = None
     licences: tuple[Path, ...] = ()
     packages: tuple[tuple[str, Path], ...] = ()
+    origin: Origin | None = None
 
     @property
     def format(self) -> Format:

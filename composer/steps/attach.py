@@ -3,27 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import locate
 from composer.link import numbers
 from composer.link.bodies import effective_pose
 from composer.link.linking import Joint, Linking, Part, Place
 from composer.link.placing import pose_in_world, read_pose
+from composer.link.roots import floats_by_itself
 from composer.plan.plan import AttachPart
-from composer.pose import quat_from_axisangle, quat_from_euler
+from composer.pose import IDENTITY_QUAT, Pose, quat_from_axisangle, quat_from_euler
 from composer.recipe.element import Single
 from composer.steps.elements import Making, in_radians, joint_attributes, plain
 from composer.steps.loose_ends import check_class
+from composer.steps.replicate import copy_pose
+from composer.tree.scaled import scaled_above
 from composer.tree.unit import Unit
+
+_MATES = ("site", "body", "frame")
 
 
 def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
     """The part without its joints, which need the unit of angle that the parts agree on."""
     place = _place(step, making)
+    if any(step.copy):
+        offset = read_pose(place.offset, False, "xyz") @ copy_pose(step, making)
+        place = replace(place, offset=_written(offset))
     if step.attachment.mate is not None:
         place = _mated(place, step, unit, making)
-    return Part(unit, step.prefix, place, step.attachment.keyframes, span=step.span)
+    keyframes = step.attachment.keyframes
+    return Part(unit, step.prefix, place, keyframes, span=step.span, key=str(step.at[-1]))
 
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -> None:
@@ -33,6 +44,8 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
         return
     if joint == "weld":
         part.weld = True
+    elif joint in ("free", "mocap") and floats_by_itself(part.unit, mocap=joint == "mocap"):
+        part.by_itself = True
     elif joint == "mocap":
         part.mocap = True
     elif joint == "free":
@@ -90,26 +103,39 @@ def _place(step: AttachPart, making: Making) -> Place:
 
 
 def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
-    """The place moved so that the part's site or body `mate`, not its origin, comes to lie on it."""
+    """The place moved so that the part's site, body or frame `mate`, not its origin, comes to lie on it."""
     name = step.attachment.mate
     named = [
         element
         for worldbody in unit.root.iterchildren("worldbody")
-        for element in worldbody.iter("site", "body")
+        for element in worldbody.iter(*_MATES)
         if element.get("name") == name
     ]
     if not named:
         _no_mate(step, unit, making)
         return place
     reading = (unit.settings.angle == "degree", unit.settings.eulerseq)
-    element = min(named, key=lambda each: each.tag != "site")
+    element = min(named, key=lambda each: _MATES.index(each.tag))
+    if (scaled := scaled_above(element)) is not None:
+        making.sink.error(
+            "attach-place",
+            f"`{name}` of `{step.prefix}` is inside a frame that scales: where it is cannot be told",
+            locate(making.document, (*step.at, "mate")),
+            notes=(Note("the frame", unit.origins.span(scaled, unit.file, "scale")),),
+            help="mate with a site outside the frame",
+        )
     outer = element.getparent()
     assert outer is not None
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
     mate = pose_in_world(outer, *reading) @ read_pose(own, *reading)
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
-    offset = {"pos": _text(moved.pos), "quat": _text(moved.quat)}
-    return Place(place.kind, place.name, offset, place.span)
+    return replace(place, offset=_written(moved))
+
+
+def _written(pose: Pose) -> dict[str, str]:
+    """A pose as the attributes of a frame."""
+    turned = {} if pose.quat == IDENTITY_QUAT else {"quat": _text(pose.quat)}
+    return {"pos": _text(pose.pos), **turned}
 
 
 def _numbers(values: Iterable[Single]) -> str:
@@ -122,20 +148,20 @@ def _text(values: Iterable[float]) -> str:
 
 def _no_mate(step: AttachPart, unit: Unit, making: Making) -> None:
     name = step.attachment.mate or ""
-    sites, bodies = (
-        [
+    known = {
+        tag: [
             str(each.get("name"))
             for top in unit.root.iterchildren("worldbody")
             for each in top.iter(tag)
             if each.get("name")
         ]
-        for tag in ("site", "body")
-    )  # fmt: skip
-    near = closest(name, [*sites, *bodies])
+        for tag in _MATES
+    }
+    near = closest(name, [each for names in known.values() for each in names])
     making.sink.error(
         "attach-place",
-        f"`{step.prefix}` has no site or body `{name}` to mate with",
+        f"`{step.prefix}` has no site, body or frame `{name}` to mate with",
         locate(making.document, (*step.at, "mate")),
-        notes=(exists_note("site", sites, name), exists_note("body", bodies, name)),
+        notes=[exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"],
         help=f"did you mean `mate: {near[0]}`?" if near else None,
     )

@@ -20,7 +20,8 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
-from composer.link.subtree import Subtree
+from composer.plan.member import Member
+from composer.plan.parts import BASE
 from composer.plan.plan import AddElement, AppendElement, EditElements, Plan, SetDefault, SetSingleton
 from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
@@ -28,8 +29,10 @@ from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.edit import edit, is_of_keys
 from composer.steps.editing import Editing
 from composer.steps.elements import Making, settle_joints
-from composer.steps.load import Loader
+from composer.steps.keyframe import write_keyframes
+from composer.steps.load import Library, Loader
 from composer.steps.loose_ends import check_names
+from composer.steps.members import Hung, hung, placed
 from composer.steps.own_edits import OwnEdits
 from composer.steps.section import append, set_default, set_singleton
 from composer.steps.subtree import Wanted, wanted
@@ -39,29 +42,37 @@ from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
-    from composer.engine import Limits
+    from composer.engine import Session
+    from composer.link.subtree import Subtree
 
 Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """One flat model and the files it names."""
+    """One flat model, the files it names, and the sources that are in it."""
 
     model: Unit
     files: tuple[FileUse, ...]
+    members: tuple[Member, ...] = ()
 
 
 class Composer:
     """Composes plans. `subtrees` has what became of the models of which only one body is taken, by recipe and path."""
 
     def __init__(
-        self, context: Context, measure: Measure | None, limits: Limits | None = None, watch: Watch = nobody
+        self,
+        context: Context,
+        measure: Measure | None,
+        session: Session | None = None,
+        watch: Watch = nobody,
+        library: Library | None = None,
     ) -> None:
         self.context, self.measure, self.watch = context, measure, watch
         self.selects_parts = False
-        self.loader = Loader(context, limits, watch)
+        self.loader = Loader(context, session, watch, library)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
+        self.hung: dict[Node, list[Hung]] = {}
         self.parts: dict[Node, str] = {}
 
     def compose(self, plan: Plan) -> Composed | None:
@@ -69,7 +80,9 @@ class Composer:
         self._expect(plan, True)
         self.selects_parts = plan.selects_parts
         composed = self._compose(plan, True)
-        return None if self.context.sink.has_errors else composed
+        if composed is None or self.context.sink.has_errors:
+            return None
+        return replace(composed, members=placed(self.hung[composed.model.root], composed.model.root))
 
     def look(self, plan: Plan, stands: bool = True) -> None:
         """Take the subtrees of a plan, and compose no more than they are taken of."""
@@ -112,8 +125,8 @@ class Composer:
             return None
         given = [unit for unit in units if unit is not None]
         if len(given) == len(units):
-            return self._joined(plan, base, given)
-        self._joined(self._without_lost(plan, units), base, given)
+            return self._joined(plan, base, given, stands)
+        self._joined(self._without_lost(plan, units), base, given, stands)
         return None
 
     def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
@@ -124,23 +137,24 @@ class Composer:
         )
         return replace(plan, parts=tuple(kept))
 
-    def _joined(self, plan: Plan, base: Unit, units: list[Unit]) -> Composed | None:
+    def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
         """The parts hung on the base, and the recipe's own elements in it."""
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
-        if plan.base.keyframes == "none":
+        if plan.base.keyframes == "none" and BASE not in plan.asked:
             for section in list(base.root.iterchildren("keyframe")):
                 base.root.remove(section)
         self.watch([base, *units], plan)
         making = Making(
             plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
-            "radian", base.settings.eulerseq, plan.path.parent, base.file, base.origins,
+            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
         )  # fmt: skip
         base.origins.texts[plan.file] = plan.path
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
         linking = Linking(
             base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
             isolate_base=frozenset(_top_tags(plan)),
+            base_keyframes=plan.base.keyframes, asked=plan.asked if plan.keyframes else None,
             measure=self.measure, watch=self.watch,
         )  # fmt: skip
         self.watch(linking.units, linking)
@@ -154,10 +168,18 @@ class Composer:
         _carry_out(plan, linking, making)
         if not self.context.sink.has_errors:  # without what is at fault a selector means other things
             _edit(plan.edits, False, Editing(linking, making, plan.scope, self.parts))
+        write_keyframes(plan, linking, making)
         if self.context.sink.error_count > before:
             return None
         finish(linking)
+        own_keys = _taken_out(linking) if any(is_of_keys(step) for step in plan.edits) else []
         _edit(plan.edits, True, Editing(linking, making, plan.scope, self.parts))
+        if own_keys:
+            base.section("keyframe").extend(own_keys)
+        roots = [base.root, *(unit.root for unit in units)]
+        self.hung[base.root] = hung(
+            plan, wanted(plan, stands), parts, [self.hung.get(root, []) for root in roots]
+        )
         if self.context.sink.error_count > before:
             return None
         return Composed(linking.flat(), tuple(linking.files))
@@ -194,11 +216,13 @@ class Composer:
             self.watch([unit], subtree)
             self.subtrees[plan.file, wanted.at] = subtree
         if wanted.drop or wanted.edit:
-            edits = OwnEdits(plan, wanted, unit, self.context.sink, self.measure, self.watch)
+            edits = OwnEdits(plan, wanted, unit, self.context, self.measure, self.watch)
             dropped = edits.carry_out()
             if dropped is None:
                 return None
             if wanted.drop:
+                from composer.link.subtree import Subtree  # few recipes need it
+
                 known = self.subtrees.get((plan.file, wanted.at), Subtree(None, ()))
                 self.subtrees[plan.file, wanted.at] = Subtree(known.body, (*known.left, *dropped))
         return unit
@@ -230,6 +254,18 @@ def _edit(steps: Iterable[EditElements], of_keys: bool, editing: Editing) -> Non
             editing.linking.watch(editing.linking.units, step)
 
 
+def _taken_out(linking: Linking) -> list[Node]:
+    """The keys that the recipe writes, taken out of the model: edits come before them."""
+    names = {key.name for key in linking.written_keys}
+    keys = [key for section in linking.base.root.iterchildren("keyframe") for key in section]
+    own = [key for key in keys if key.get("name") in names]
+    for key in own:
+        section = key.getparent()
+        assert section is not None
+        section.remove(key)
+    return own
+
+
 def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
     for step in plan.steps:
         if isinstance(step, AddElement):
@@ -256,7 +292,7 @@ def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
     for part in plan.parts:
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
-        add_file(linking, making.directory, node, attribute, name)
+        add_file(linking, making.folder_of(node, attribute), node, attribute, name)
     if making.files:
         linking.watch(linking.units, add_file)
     making.files.clear()

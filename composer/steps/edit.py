@@ -323,14 +323,15 @@ class _Change:
 def _take_files(editing: Editing) -> None:
     """A file that an edit names is relative to the recipe."""
     making, linking = editing.making, editing.linking
+    folder = (making.folder / making.file).parent
     for node, attribute, name in making.files:
         linking.files = [
             use for use in linking.files if use.element is not node or use.attribute != attribute
         ]
         if editing.own:
-            node.set(attribute, (making.directory / name).resolve().as_posix())
+            node.set(attribute, (folder / name).resolve().as_posix())
         else:
-            add_file(linking, making.directory, node, attribute, name)
+            add_file(linking, folder, node, attribute, name)
     making.files.clear()
 
 

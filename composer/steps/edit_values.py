@@ -11,8 +11,10 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.document.node import Scalar, find, locate
-from composer.expr import ExpressionError, Template, Value, is_template
-from composer.expr.evaluate import UnknownName
+from composer.expr.error import ExpressionError, UnknownName
+from composer.expr.opening import is_template
+from composer.expr.template import Template
+from composer.expr.value import Value
 from composer.grammar.attribute import Attribute
 from composer.grammar.number import parse_real
 from composer.link import numbers

@@ -11,7 +11,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
-from composer.expr import Value
+from composer.expr.value import Value
 from composer.grammar.attribute import Attribute
 from composer.link.layout import JOINTS
 from composer.link.linking import Linking

@@ -33,7 +33,8 @@ _ALWAYS_DEGREES = frozenset({"fovy", "cutoff", "azimuth", "elevation"})
 class Making:
     """What is needed to turn a recipe's elements into nodes of one model, and what has been made so far.
 
-    `angle` is the unit of the recipe's bare angles (None: none may stand), `model_angle` that of the model.
+    `angle` is the unit of the recipe's bare angles (None: none may stand), `model_angle` that of the model; `folder` is
+    the one that the paths of files in messages count from.
     `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
     below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is
     known.
@@ -46,7 +47,7 @@ class Making:
     eulerseq: str
     model_angle: str
     model_eulerseq: str
-    directory: Path
+    folder: Path
     base_file: str
     origins: Origins
     made: dict[Node, Element] = field(default_factory=dict)
@@ -78,6 +79,10 @@ class Making:
             if found is not None:
                 return Span(self.file, found.line, found.column, found.line, found.end_column)
         return locate(self.document, (*element.at, "xml"))
+
+    def folder_of(self, node: Node, attribute: str) -> Path:
+        """The folder of the recipe that writes the value of an attribute; files are relative to that."""
+        return (self.folder / self.span_of(node, attribute).file).parent
 
     def written(self, node: Node) -> Collection[str]:
         """The attributes of a node that the recipe wrote."""
@@ -208,8 +213,11 @@ def joint_attributes(element: Element, making: Making) -> dict[str, str]:
     return {str(name): str(value) for name, value in node.items()}
 
 
-def in_radians(value: object, making: Making) -> float:
-    return _in(value, making, "radian", numbers.orientation_radians)
+def in_radians(
+    value: object, making: Making, radians: Callable[[float], float] = numbers.orientation_radians
+) -> float:
+    """An angle in radians; `radians` turns one in degrees as MuJoCo does there."""
+    return _in(value, making, "radian", radians)
 
 
 def turned(value: object, making: Making, radians: Callable[[float], float]) -> float:

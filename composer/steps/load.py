@@ -10,24 +10,31 @@ from typing import TYPE_CHECKING
 from composer.context import Context
 from composer.diagnostics.span import Span
 from composer.sources.source import Source
-from composer.steps.urdf import urdf_unit
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
-    from composer.engine import Limits
+    from composer.engine import Session
 
 _Key = tuple[Path, tuple[tuple[str, Path], ...], bool]
 
 
+Library = dict[_Key, Unit]
+"""Units as their files have them, for all that are composed with it."""
+
+
 @dataclass(slots=True)
 class Loader:
-    """The units of source files. `expect` says before how often one is needed: the last use needs no copy."""
+    """The units of source files. `expect` says before how often one is needed: the last use needs no copy.
+
+    What is in the `library` is not read again, and what is read goes there.
+    """
 
     context: Context
-    limits: Limits | None = None
+    session: Session | None = None
     watch: Watch = nobody
+    library: Library | None = None
     parsed: dict[_Key, Unit | None] = field(default_factory=dict)
     uses: Counter[_Key] = field(default_factory=Counter)
 
@@ -39,7 +46,7 @@ class Loader:
         key = _key(model, stands)
         if key not in self.parsed:
             refused = self.parsed.get((*key[:2], not key[2]), ...) is None  # one fault of a file is told once
-            self.parsed[key] = None if refused else self._read(model, span, stands)
+            self.parsed[key] = None if refused else self._known(key) or self._read(model, span, stands)
         unit = self.parsed[key]
         self.uses[key] -= 1
         if unit is not None and self.uses[key] > 0:
@@ -48,9 +55,21 @@ class Loader:
             self.watch([unit], model)
         return unit
 
+    def _known(self, key: _Key) -> Unit | None:
+        unit = self.library.get(key) if self.library is not None else None
+        return None if unit is None else unit.copied()
+
     def _read(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+        unit = self._new(model, span, stands)
+        if unit is not None and self.library is not None:
+            self.library[_key(model, stands)] = unit.copied()
+        return unit
+
+    def _new(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
         if model.format == "urdf":
-            return urdf_unit(model, self.context, self.limits, span, stands=stands)
+            from composer.steps.urdf import urdf_unit  # few recipes need it
+
+            return urdf_unit(model, self.context, self.session, span, stands=stands)
         return parse_file(model.path, self.context.sink, file=self.context.shown(model.path), span=span)
 
 

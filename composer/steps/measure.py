@@ -16,22 +16,24 @@ from composer.tree.files import file_attributes, is_absolute, written_path
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
-from composer.verify.compiles import CRASHES, parse
-from composer.verify.judged import tell
-from composer.verify.told import told
 
 _SIZES = ("nq", "nv")
 
 
-def measure_with(context: Context, limits: engine.Limits | None = None) -> Measure:
-    """A function that compiles a unit alone; a fault of the unit goes to the sink and gives nothing."""
+def measure_with(
+    context: Context, limits: engine.Limits | None = None, session: engine.Session | None = None
+) -> Measure:
+    """A function that compiles a unit alone; a fault of the unit goes to the sink and gives nothing.
+
+    With a `session` its process does that, under its own limits.
+    """
 
     def measure(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
         wanted = tuple(name for name in arrays if name not in _SIZES)
         text = write(unit.root)
         with _folder(unit) as folder:
             measured = engine.measure(
-                folder, arrays=wanted, text=text.decode(), limits=limits or engine.Limits()
+                folder, arrays=wanted, text=text.decode(), limits=limits, session=session
             )
         compiled = measured.compiled
         if not compiled.ok:
@@ -74,9 +76,18 @@ def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
 
 
 def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
+    from composer.verify.compiles import (  # most units are not measured, fewer rejected
+        CRASHES,
+        crash_help,
+        parse,
+    )
+    from composer.verify.judged import tell
+    from composer.verify.told import told
+
     if compiled.crash is not None:
         code = CRASHES.get(compiled.crash, "mujoco-crash")
-        context.sink.error(code, f"`{unit.file}` by itself: {compiled.error or compiled.crash}")
+        message = f"`{unit.file}` by itself: {compiled.error or compiled.crash}"
+        context.sink.error(code, message, help=crash_help(code))
         return
     fault = parse(compiled.error or "")
     element = None if fault.line is None else element_at(unit.root, text, fault.line)

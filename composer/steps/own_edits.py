@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from composer.diagnostics.sink import Sink
+from composer.context import Context
 from composer.document.node import locate
-from composer.link.keyframes import keyframes, layouts
+from composer.link.key_layouts import layouts
+from composer.link.keyframes import keyframes
 from composer.link.linking import Linking, Measure
 from composer.link.subtree import Left
 from composer.plan.plan import DropElements, EditElements, Plan
@@ -26,34 +27,34 @@ class OwnEdits:
     plan: Plan
     wanted: Wanted
     unit: Unit
-    sink: Sink
+    context: Context
     measure: Measure | None
     watch: Watch
 
     def carry_out(self) -> tuple[Left, ...] | None:
         """Drop and edit; gives what was dropped, or None where something was wrong, which is told."""
-        before = self.sink.error_count
+        before = self.context.sink.error_count
         if self.wanted.keyframes == "none":
             for section in list(self.unit.root.iterchildren("keyframe")):
                 self.unit.root.remove(section)
-        linking = Linking(self.unit, [], self.sink, self.plan.separator, measure=self.measure)
+        linking = Linking(self.unit, [], self.context.sink, self.plan.separator, measure=self.measure)
         layouts(linking)
         editing = self._editing(linking)
         gone = self._dropped(editing) if self.wanted.drop else []
         steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
         self._edited([step for step in steps if not is_of_keys(step)], editing)
-        if self.sink.error_count == before:
+        if self.context.sink.error_count == before:
             keyframes(linking)
             self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
         self.unit.forget_classes()
-        return tuple(gone) if self.sink.error_count == before else None
+        return tuple(gone) if self.context.sink.error_count == before else None
 
     def _editing(self, linking: Linking) -> Editing:
         plan, unit = self.plan, self.unit
         unit.origins.texts[plan.file] = plan.path
         making = Making(
-            plan.document, plan.file, self.sink, plan.angle, plan.eulerseq,
-            unit.settings.angle, unit.settings.eulerseq, plan.path.parent, unit.file, unit.origins,
+            plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
+            unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
         )  # fmt: skip
         return Editing(linking, making, plan.scope, own=True)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.linking import KeyPolicy, Measure
-from composer.link.subtree import Subtree, take_subtree
+from composer.plan.parts import BASE, called
 from composer.plan.plan import Plan
 from composer.recipe.attach import Attachment
 from composer.recipe.drop import Drop
@@ -18,6 +19,9 @@ from composer.recipe.edit import Edit
 from composer.recipe.fault import Path
 from composer.sources.source import Source
 from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from composer.link.subtree import Subtree
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +43,8 @@ class Wanted:
 
     def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
         """Cut the unit down to the body; None where that cannot be, which is told."""
+        from composer.link.subtree import take_subtree  # few recipes need it
+
         assert self.body is not None
         found = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
         if found is not None and found.cut:
@@ -50,12 +56,15 @@ def wanted(plan: Plan, stands: bool) -> Iterator[Wanted]:
     """The base of a plan and its parts, in their order; `stands` says it of the plan as a whole."""
     base, document = plan.base, plan.document
     span = locate(document, ("base", "subtree"))
-    yield Wanted(base.model, base.subtree, ("base",), base.keyframes, span, stands, base.drop, base.edit)
+    asked = plan.asked
+    keyframes: KeyPolicy = "merge" if BASE in asked else base.keyframes
+    yield Wanted(base.model, base.subtree, (BASE,), keyframes, span, stands, base.drop, base.edit)
     for step in plan.parts:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
+        keyframes = "merge" if called(step, plan.separator) in asked else part.keyframes
         inside = stands and _stands(part)
-        yield Wanted(step.model, part.subtree, step.at, part.keyframes, span, inside, part.drop, part.edit)
+        yield Wanted(step.model, part.subtree, step.at, keyframes, span, inside, part.drop, part.edit)
 
 
 def _stands(part: Attachment) -> bool:

@@ -29,14 +29,14 @@ from composer.tree.urdf import locate_in_urdf, mesh_of, name_fused_links
 from composer.verify.compiles import CRASHES, parse
 
 if TYPE_CHECKING:
-    from composer.engine import Converted, Limits
+    from composer.engine import Converted, Session
 
 _READ = ("compiler", "option", "size")
 """The sections of `<mujoco>` that MuJoCo reads in URDF."""
 
 
 def urdf_unit(
-    source: Source, context: Context, limits: Limits | None, span: Span | None, *, stands: bool = True
+    source: Source, context: Context, session: Session | None, span: Span | None, *, stands: bool = True
 ) -> Unit | None:
     """The unit of a URDF file; faults go to the sink and give None.
 
@@ -50,7 +50,7 @@ def urdf_unit(
     written = Unit(robot, shown, source.path.parent, source.path.stem)
     written.origins.texts[shown] = data
     given = dict(source.packages)
-    return _Reading(written, data, source.path, given, context, limits, span, stands).unit()
+    return _Reading(written, data, source.path, given, context, session, span, stands).unit()
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class _Reading:
     path: Path
     given: dict[str, Path]
     context: Context
-    limits: Limits | None
+    session: Session | None
     asked: Span | None
     stands: bool
 
@@ -72,7 +72,7 @@ class _Reading:
         self._tell_unread()
         names = ros_package.packages_in(self.data.decode("utf-8", "replace"))
         packages = ros_package.folders(names, self.path, self.given)
-        converted = engine.convert_urdf(self.path, packages, stands=self.stands, limits=self.limits)
+        converted = engine.convert_urdf(self.path, packages, stands=self.stands, session=self.session)
         for warning in converted.warnings:
             self.context.sink.warning(
                 "mujoco-warning", f"MuJoCo warns: {warning}", self._span(named_in(warning, self.written.root))

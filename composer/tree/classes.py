@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 
 from lxml.etree import _Element as Node
+
+from composer.grammar import GRAMMAR
 
 MAIN = "main"
 ORIENTATIONS = ("quat", "axisangle", "xyaxes", "zaxis", "euler")
@@ -48,10 +50,20 @@ class DefaultClass:
     def sets(self, tag: str) -> bool:
         here: DefaultClass | None = self
         while here is not None:
-            if any(len(element.attrib) or len(element) for element in here.elements.get(tag, ())):
+            if any(map(says_something, here.elements.get(tag, ()))):
                 return True
             here = here.parent
         return False
+
+
+def says_something(element: Node) -> bool:
+    """Whether a default element sets anything; an actuator's tag alone sets what makes it that actuator."""
+    return bool(len(element.attrib) or len(element)) or element.tag in _actuators()
+
+
+@cache
+def _actuators() -> frozenset[str]:
+    return frozenset(GRAMMAR.section("actuator").children)
 
 
 class Classes:

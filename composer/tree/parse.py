@@ -98,7 +98,7 @@ def _sections() -> frozenset[str]:
 
 
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
-    """MuJoCo refuses it too; to the linker it would be nothing that can be joined to anything."""
+    """MuJoCo refuses it too, but for bodies and frames, which it drops without a word."""
     tag, known = str(section.tag), list(GRAMMAR.root.children)
     near = closest(tag, known)
     sink.error(

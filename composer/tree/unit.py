@@ -11,6 +11,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.tree.classes import Classes
+from composer.tree.key import PartKeys
 from composer.tree.order import place_of
 from composer.tree.origin import Origins
 from composer.tree.settings import Settings, read_settings
@@ -22,7 +23,8 @@ class Unit:
 
     `directory` is the folder of the main file, against which MuJoCo resolves every file of the model; `label` names
     the unit's folder in a bundle; `contents` has the files that are not found on disk by their written path: their
-    bytes, or where they are. A unit is changed in place by edits and consumed by the linker: `copied()` first to
+    bytes, or where they are; `part_keys` has, of a composition, the keys of each part that it is made of, by path
+    (`left/gripper`). A unit is changed in place by edits and consumed by the linker: `copied()` first to
     keep it.
     """
 
@@ -32,6 +34,7 @@ class Unit:
     label: str
     contents: Mapping[str, bytes | Path] = field(default_factory=dict)
     origins: Origins = field(default_factory=Origins)
+    part_keys: Mapping[str, PartKeys] = field(default_factory=dict)
 
     @cached_property
     def settings(self) -> Settings:

@@ -15,6 +15,12 @@ from composer.bundle.staging import write_files
 CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
 """Codes of the reasons for which MuJoCo gave no verdict; of all others it is `mujoco-crash`."""
 
+_CRASH_HELP = {
+    "mujoco-timeout": "give it more time with `--timeout`, or look for huge counts in `replicate` and `flexcomp`",
+    "mujoco-missing": "install it: `python -m pip install mujoco`; or do without it: `--no-verify`",
+    "mujoco-crash": "load each part alone in MuJoCo to find the one at fault",
+}
+
 _PREFIX = re.compile(r"^(?:(?:XML )?Error: |ParseXML: )+")
 # "Element name 'left/X', id 0, line 38": by the compiler, about an object of the model
 _OBJECT = re.compile(
@@ -104,6 +110,11 @@ def verify(
         fault = Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
         return Verified(compiled, fault, None, warnings)
     return Verified(compiled, None, None, warnings)
+
+
+def crash_help(code: str) -> str | None:
+    """What to do where MuJoCo gave no verdict."""
+    return _CRASH_HELP.get(code)
 
 
 def parse(text: str) -> Fault:

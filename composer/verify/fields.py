@@ -35,7 +35,8 @@ class Treatment(StrEnum):
     """Up to rounding where nothing of others hangs on the same kinematic tree and the part stands still,
     else not at all; what it is computed from is compared."""
     GAIN = "gain"
-    """Exactly, or as MuJoCo computes it from the inertia of the whole model."""
+    """Exactly (up to rounding where the part is moved), or as MuJoCo computes it from the inertia of the
+    whole model."""
 
 
 @dataclass(frozen=True, slots=True)

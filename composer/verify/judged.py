@@ -12,20 +12,25 @@ from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
-from composer.verify.compiles import Fault, verify
+from composer.verify.compiles import Fault, crash_help, verify
 from composer.verify.told import Told, told, unknown_attribute
 from composer.verify.unread import unread
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from composer.engine import Compiled, Limits
+    from composer.engine import Compiled, Session
 
 
-def judge(bundle: Bundle, model: Unit, context: Context, limits: Limits | None) -> Compiled | None:
-    """Compile the bundle; faults and warnings go to the sink. None where MuJoCo gave no verdict."""
+def judge(
+    bundle: Bundle, model: Unit, context: Context, session: Session, keep: str | None = None
+) -> Compiled | None:
+    """Compile the bundle; faults and warnings go to the sink. None where MuJoCo gave no verdict.
+
+    With `keep` the session keeps the compiled model under that name.
+    """
     try:
-        verified = verify(bundle, limits=limits)
+        verified = verify(bundle, session=session, keep=keep)
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         return None
@@ -38,7 +43,7 @@ def judge(bundle: Bundle, model: Unit, context: Context, limits: Limits | None) 
         fault = verified.error
         message = _with_sources(fault.message, model, context)
         if verified.crash:
-            context.sink.error(verified.code, message)
+            context.sink.error(verified.code, message, help=crash_help(verified.code))
         else:
             element = _element(fault, bundle, model)
             tell(told(message, element), element, model, context)

@@ -186,7 +186,9 @@ def _plastic(
     mine = _plastic_state(matching.alone.model, arrays, key, index)
     theirs = _plastic_state(matching.composed.model, arrays, target, there)
     if mine.size or theirs.size:
-        yield f"key_plastic of `{matching.composed.describe(kind, there)}`", mine, theirs, 0.0
+        # Where nothing is written it is the length in the reference configuration, measured in the world.
+        bound = ROUNDING if kind == "tendon" else 0.0
+        yield f"key_plastic of `{matching.composed.describe(kind, there)}`", mine, theirs, bound
 
 
 def _plastic_state(model: Model, arrays: str, key: int, index: int) -> Array:

@@ -57,7 +57,10 @@ _HFIELD, _MESH, _SDF = 1, 7, 8
 
 def _geom(model: Model, index: int) -> Iterator[Link]:
     yield from _one(model, "geom_bodyid", "body", index, World.MOUNT)
-    yield from _one(model, "geom_dataid", "hfield" if model.geom_type[index] == _HFIELD else "mesh", index)
+    # MuJoCo 3 leaves the mesh in primitives that were fitted to it, where it has no meaning.
+    shape = int(model.geom_type[index])
+    data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
+    yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
     yield from _one(model, "geom_matid", "material", index)
     yield from _one(model, "geom_plugin", "plugin", index)
 
@@ -165,12 +168,17 @@ _TARGETS = {
     3: ("tendon", None),
     4: ("site", "site"),
     5: ("body", None),
-    6: ("joint", None),
 }
+_ROTATION = 6
+"""The value of `actuator_trntype` for a ball joint or, with a second id, for a site seen from another."""
 
 
 def _actuator(model: Model, index: int) -> Iterator[Link]:
-    for place, kind in enumerate(_TARGETS.get(int(model.actuator_trntype[index]), (None, None))):
+    transmission = int(model.actuator_trntype[index])
+    targets: tuple[str | None, str | None] = _TARGETS.get(transmission, (None, None))
+    if transmission == _ROTATION:
+        targets = ("site", "site") if model.actuator_trnid[index, 1] >= 0 else ("joint", None)
+    for place, kind in enumerate(targets):
         if kind is not None:
             yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
     yield from _one(model, "actuator_plugin", "plugin", index)

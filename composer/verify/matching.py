@@ -92,7 +92,7 @@ class Matching:
     def targets(self, link: Link) -> set[int]:
         """The ids a reference of the part may have in the composition; none if its target is missing."""
         if link.index < 0:
-            return {ABSENT}
+            return {link.index}  # there is none; -2 says that there are several
         if link.kind == "body" and link.index == 0:
             if link.world is World.WORLD:
                 return {0}
@@ -185,7 +185,9 @@ class Matching:
                 self._assign(kind, children, [i for b in bodies for i in there.get(b, ())])
 
     def _match_global(self, kind: str) -> None:
-        children = [i for i, name in enumerate(self.alone.names[kind]) if not name]
+        children = [
+            i for i, name in enumerate(self.alone.names[kind]) if not name and self.ids[kind][i] == ABSENT
+        ]
         if not children:
             return
         images = self.taken | {"body": {*self.taken["body"], 0}}
@@ -247,12 +249,14 @@ class Matching:
             (lambda i: shape(alone, kind, i), lambda j: shape(composed, kind, j)),
             (lambda i: None, lambda j: None),
         )
-        for of_mine, of_theirs in likenesses:
+        for number, (of_mine, of_theirs) in enumerate(likenesses):
             waiting: dict[Hashable, list[int]] = {}
             for j in theirs:
                 waiting.setdefault(of_theirs(j), []).append(j)
             for i in mine:
-                alike = waiting.get(of_mine(i))
+                alike = waiting.get(of_mine(i), [])
+                if alike and number == 0 and all(self._apart(kind, i, j) for j in alike):
+                    continue  # the same thing elsewhere is another's
                 if alike:
                     nearest = (
                         min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]

@@ -1,6 +1,6 @@
 """Settings that a composition has once, for all its parts: `option` and `visual`.
 
-A part is not changed when these differ, but its author wrote them for a reason. Statistics are left out: the
+A part is not changed when these differ, but its author wrote them for a reason. Statistics are apart: the
 compiled model does not tell a written `extent` from a computed one.
 """
 
@@ -25,6 +25,11 @@ def option_differences(alone: Model, composed: Model) -> list[Difference]:
             f"visual/{group.rstrip('_')}", getattr(alone.vis, group), getattr(composed.vis, group)
         )
     return found
+
+
+def statistic_differences(alone: Model, composed: Model) -> list[Difference]:
+    """Where the statistics differ, written or computed."""
+    return _differing("statistic", alone.stat, composed.stat)
 
 
 def _differing(kind: str, mine: object, theirs: object) -> list[Difference]:

@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from composer.pose import IDENTITY_QUAT, ORIGIN, Quat, Vec3
-from composer.verify.difference import Difference, Value
+from composer.verify.difference import MISSING, Difference, Value
 from composer.verify.keyframes import Keys, Roots
 from composer.verify.mount import Mount
-from composer.verify.roster import Model
+from composer.verify.roster import FREE_JOINT, Model, Roster
 from composer.verify.unchanged import compare
 
 
@@ -19,7 +19,9 @@ class Question:
     """Is this part unchanged? The fields are those of `compare`; the place is given as in a recipe.
 
     ``site`` and ``body`` are names in the composition; neither is the world. ``pos`` is in metres, in the
-    frame of the place. ``posed=False`` says that the pose is not known; there is no site then.
+    frame of the place. ``posed=False`` says that the pose is not known; there is no site then. ``key_prefix``
+    stands before the names of the part's keys, where that is not what ``keys`` says. ``welded`` is whether
+    free joints at the part's root were taken away.
     """
 
     prefix: str = ""
@@ -33,6 +35,8 @@ class Question:
     roots_in_keys: Roots = Roots.MOVED
     ignore: tuple[str, ...] = ()
     tolerance: float = 0.0
+    key_prefix: str | None = None
+    welded: bool = False
 
     def to_json(self) -> dict[str, Any]:
         return asdict(self)
@@ -52,13 +56,39 @@ def ask(_mujoco: object, alone: Model, composed: Model, question: Mapping[str, A
         composed,
         prefix=given.prefix,
         hung_on=given.mount(composed),
-        renamed=given.renamed,
+        renamed=_renamed(alone, given),
         keys=Keys(given.keys),
         roots_in_keys=Roots(given.roots_in_keys),
         ignore=given.ignore,
         tolerance=given.tolerance,
     )
-    return [asdict(difference) for difference in found]
+    free = _free(alone, given.prefix) if given.welded else frozenset()
+    return [asdict(each) for each in found if not _of_welding(each, free)]
+
+
+def _renamed(alone: Model, given: Question) -> Mapping[str, Mapping[str, str]]:
+    if given.key_prefix is None:
+        return given.renamed
+    names = Roster(alone).ids["key"]
+    return {**given.renamed, "key": {name: given.key_prefix + name for name in names}}
+
+
+def _free(alone: Model, prefix: str) -> frozenset[str]:
+    """What free joints and their bodies are called in a composition; `#` stands for those without a name."""
+    roster = Roster(alone)
+    free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE_JOINT]
+    names = [roster.names["joint"][index] for index in free]
+    names += [roster.names["body"][int(alone.jnt_bodyid[index])] for index in free]
+    return frozenset(prefix + name if name else "#" for name in names)
+
+
+def _of_welding(difference: Difference, free: frozenset[str]) -> bool:
+    """Whether it is only that a free joint was taken away."""
+    if (difference.kind, difference.field) != ("joint", MISSING) and (
+        difference.field not in ("body_dofnum", "body_jntnum")
+    ):
+        return False
+    return difference.name in free or ("#" in free and difference.name.startswith("#"))
 
 
 def told(value: list[dict[str, Any]]) -> list[Difference]:

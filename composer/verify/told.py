@@ -32,6 +32,8 @@ _ADVICE: tuple[tuple[str, str], ...] = (
     (r"vertices required", "a mesh file needs at least four points that do not lie in one plane"),
     (r"^invalid header in|^stl_decoder: |^obj_decoder: ", "export the file again, as binary STL or OBJ"),
     (r"PNG", "export the picture again, as PNG"),
+    (r"^missing transmission target", "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`"),
+    (r"^no decoder found for mesh file", "a mesh is a file that ends in .stl, .obj or .msh"),
     (r"^more than 6 dofs", "spread the joints over several bodies, one inside the other"),
     (r"^bad format in attribute", "write numbers, parted by spaces"),
 )  # fmt: skip

@@ -99,7 +99,7 @@ class Values:
         ]
 
     def _bound(self, treatment: Treatment) -> float:
-        if treatment is Treatment.ROUNDED and not self.coupling.in_place:
+        if treatment in (Treatment.ROUNDED, Treatment.GAIN) and not self.coupling.in_place:
             return max(ROUNDING, self.tolerance)
         if treatment is Treatment.DERIVED:
             return max(DERIVED_ROUNDING, self.tolerance)
@@ -117,12 +117,13 @@ class Values:
             case Treatment.SUBTREE:
                 return index in coupling.carriers
             case Treatment.DERIVED:
-                return self._acted_on(kind, index)
+                return self._acted_on(kind, index) or self._less_simple(kind, index)
             case Treatment.GAIN if kind == "actuator":
                 return same_dampratio(self.alone, self.composed, index, target)
             case Treatment.GAIN:
                 same = same_stiffness if name == "jnt_stiffness" else same_damping
-                return self._acted_on(kind, index) and same(self.alone, self.composed, index, target)
+                seen_otherwise = self._acted_on(kind, index) or self._less_simple(kind, index)
+                return seen_otherwise and same(self.alone, self.composed, index, target)
             case Treatment.ROUNDED if name == "eq_data":
                 return moved and any(
                     link.kind == "body" and link.index == 0 for link in links(self.alone, kind, index)
@@ -144,6 +145,17 @@ class Values:
         if kind in ("body", "joint"):
             return self.coupling.acts_on(self._body(kind, index))
         return self.coupling.anywhere
+
+    def _less_simple(self, kind: str, index: int) -> bool:
+        """Whether MuJoCo takes its shortcut for bodies that slide in the world in one of the models only.
+
+        Theirs are not the inverse weights that the whole mass matrix gives.
+        """
+        if kind not in ("body", "joint"):
+            return False
+        body = self._body(kind, index)
+        there = self.matching.ids["body"][body]
+        return there >= 0 and int(self.alone.body_simple[body]) != int(self.composed.body_simple[there])
 
     def _runs(self, kind: str) -> list[Difference]:
         """Data that elements point to."""

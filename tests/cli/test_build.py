@@ -59,7 +59,7 @@ def test_archive_opens_in_mujoco(folder: Path, out: str) -> None:
     result = run("build", "cell.yaml", "-o", out)
     assert result.exit_code == 0, result.stderr
     assert names_in(folder / out) == MODEL_FILES
-    assert "cell: nq 1, nv 1, nu 0, 4 bodies, 1 sensors, 0 keyframes" in result.stdout
+    assert "cell: nq 1, nv 1, nu 0, 4 bodies, 1 sensor, 0 keyframes" in result.stdout
     if hasattr(mujoco.MjSpec, "from_zip"):
         model = mujoco.MjSpec.from_zip(str(folder / out)).compile()
         assert model.body("tool/palm").id > 0 and model.nmesh == 1
@@ -111,6 +111,46 @@ def test_recipe_and_output_anywhere(folder: Path, tmp_path: Path, monkeypatch: p
     assert run("build", str(folder / "cell.yaml"), "--no-verify", "-o", "../b.zip").exit_code == 0
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
     assert list(elsewhere.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "out", ["models/arm.xml", "models/", "models", ".", "..", "/", "../work/models/tool.xml", "linked.xml"]
+)
+def test_an_output_is_never_one_of_the_sources(folder: Path, out: str) -> None:
+    (folder / "linked.xml").symlink_to("models/tool.xml")
+    before = snapshot(folder)
+    result = run("build", "cell.yaml", "--no-verify", "-o", out)
+    assert result.exit_code == 1
+    assert "error[output-unwritable]" in result.stderr and "= help: " in result.stderr
+    assert snapshot(folder) == before
+
+
+def test_a_folder_that_the_recipe_itself_uses_is_not_replaced(folder: Path) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", "out/").exit_code == 0
+    (folder / "again.yaml").write_text("recipe: 1\nbase: ./out/model.xml\n")
+    before = snapshot(folder)
+    result = run("build", "again.yaml", "--no-verify", "-o", "out/")
+    assert result.exit_code == 1 and "such as `model.xml`" in result.stderr
+    assert snapshot(folder) == before
+
+
+def test_an_output_needs_a_name(folder: Path) -> None:
+    result = run("build", "cell.yaml", "-o", "")
+    assert result.exit_code == 2 and "error[output-kind]: the output has no name" in result.stderr
+    assert not (folder / "build").exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file names are text")
+def test_a_path_that_is_not_text(folder: Path) -> None:
+    odd = os.fsdecode(b"caf\xe9")
+    (folder / "models").rename(folder / odd)
+    (folder / "models").mkdir()
+    (folder / odd / "cell.yaml").write_text(RECIPE.replace("./models/", "./"))
+    assert run("build", f"{odd}/cell.yaml", "--no-verify", "-o", "cell.zip").exit_code == 0
+    result = run("build", f"{odd}/cell.yaml", "--no-verify", "-o", "cell.xml")
+    assert result.exit_code == 1 and "error[output-kind]" in result.stderr
+    assert run("new", f"{odd}.yaml").exit_code == 0
+    assert run("build", f"{odd}.yaml", "--no-verify", "-o", "new.zip").exit_code == 0
 
 
 # -- exit codes and what is told -----------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import pytest
 from cli.shell import environment, process, run
 from click.testing import CliRunner
 
+from composer.cli import main as main_module
 from composer.cli import reporting
 from composer.cli.main import main
 from composer.version import __version__
@@ -104,3 +105,10 @@ def test_a_folder_that_is_gone(folder: Path) -> None:
         line, shell=True, env=environment(), capture_output=True, text=True, timeout=60, check=False
     )
     assert (result.returncode, result.stderr) == (1, "cannot go on: no such file or directory\n")
+
+
+@pytest.mark.parametrize("verb", list(main_module._VERBS))
+def test_help_of_every_verb_is_text_for_people(verb: str) -> None:
+    result = run(verb, "--help")
+    assert result.exit_code == 0 and result.stdout.startswith("Usage: mjcompose " + verb)
+    assert "\\b" not in result.stdout and "`None`" not in result.stdout

@@ -87,6 +87,7 @@ def test_text_that_only_lacks_quotes(text: str, code: str, place: str, help: str
         ("a:\n  b: 1\n c: 2\n", "c", "the indentation of this line is that of no line above"),
         ("- a\nb: 1\n", "b", "a line without `-` stands among the items of a list"),
         ("a: 1\n- b\n", "-", "a list item stands among the keys of a mapping"),
+        ('a: "x\nb: "y"\n', '"', "this quote is not closed on its line"),
         ('a: "x" y\n', "y", "`y` follows a closing quote"),
         ("a: |x\n", "x", "`|` begins a text block, and its text begins on the next line"),
         ("a: ]\n", "]", "a value is missing before `]`"),
@@ -168,3 +169,10 @@ def test_colon_at_the_end_of_text_in_brackets() -> None:
 
 def test_quoted_expressions_and_globs_are_fine() -> None:
     assert faults('a: [0, "${x}"]\nb: ${x} * 2\nc: "**/x"\nd: ${v[0]}\ne: "{l,r}/*"\nf: a*b/**\n') == []
+
+
+def test_no_space_before_a_list() -> None:
+    if sys.modules["composer.document.load"]._FAST is yaml.SafeLoader:
+        pytest.skip("PyYAML's own reader takes it for a key")
+    (fault,) = faults("a: {b:[1], c: 2}\n")
+    assert fault.message == "there is no space behind the colon of `b`" and fault.help == "write `b: [1]`"

@@ -20,7 +20,18 @@ from composer.pipeline import build
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
 # Cases that are about several faults, all of which are told.
-SEVERAL = {"everything_at_once", "several_sources", "several_names", "several_stages", "conflicts"}
+SEVERAL = {
+    "several_expressions",
+    "everything_at_once",
+    "several_sources",
+    "several_names",
+    "several_stages",
+    "conflicts",
+    "check_failed",
+    "check_names",
+    "check_nested",
+    "keyframe_several",
+}
 # Not wrong: something is told, and the model is built.
 BUILT = {"conflict_merge", "conflict_warning", "edit_convert_loss", "memory_warning", "subtree_cut"}
 MUJOCO = "4.0"
@@ -39,8 +50,14 @@ def told(context: Context) -> str:
     return "".join(f"{render(each, read)}\n\n" for each in found) + summary(found) + "\n"
 
 
+# An older MuJoCo fuses the links of a URDF without a trace.
+NEEDS_FUSED_LINKS = {"urdf_clash", "urdf_fused_link"}
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_error(case: str) -> None:
+    if case in NEEDS_FUSED_LINKS and not version("mujoco").startswith(MUJOCO):
+        pytest.skip("this MuJoCo fuses links without a trace")
     folder = HERE / case
     context = Context(environment={}, folder=folder)
     built = build(folder / "recipe.yaml", context)

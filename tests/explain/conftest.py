@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
+import mujoco
 import pytest
 
 from composer.context import Context
@@ -14,8 +15,10 @@ from composer.explain.traced import Traced
 REPOSITORY = Path(__file__).resolve().parents[2]
 GOLDEN = REPOSITORY / "tests" / "golden"
 MEASURED = Path(__file__).resolve().parent / "measured" / "recipe.yaml"
+NEWER = hasattr(mujoco.MjSpec, "fuse_static")
 RECIPES = [
-    *sorted(GOLDEN.glob("*/recipe.yaml")),
+    # What an older MuJoCo makes of a URDF has no frames of fused links.
+    *(path for path in sorted(GOLDEN.glob("*/recipe.yaml")) if path.parent.name != "urdf" or NEWER),
     MEASURED,
     *(
         path

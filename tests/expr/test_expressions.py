@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from composer.expr import ExpressionError, Template, Value, shown
+from composer.expr.error import ExpressionError
+from composer.expr.template import Template
+from composer.expr.value import Value, shown
 
 SCOPE: dict[str, Value] = {"reach": 0.45, "n": 3, "left": True, "side": "left", "v": (1, 2.5)}
 

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
 import mujoco
+from fidelity import stored
 from fidelity.corpus import Composition
 from fidelity.rival import attached
+
+from composer.engine import Session
 
 
 @dataclass(frozen=True)
@@ -36,20 +41,26 @@ def is_there() -> bool:
         return False
 
 
-def build(recipe: Path, out: Path, *, verified: bool = False) -> Build:
-    """The recipe built into the folder `out`, in this process; the harness verifies it."""
-    from composer.bundle.write import write
+@cache
+def _session(process: int) -> Session:
+    """One process of MuJoCo for everything that this one builds."""
+    session = Session()
+    atexit.register(session.close)
+    return session
+
+
+def build(recipe: Path, *, verified: bool = False) -> Build:
+    """The recipe built in this process, into a folder that the next build takes; the harness verifies it."""
     from composer.context import Context
     from composer.diagnostics import render
     from composer.pipeline import build as run
 
     context = Context(folder=recipe.parent)
-    built = run(recipe, context, verified=verified)
+    built = run(recipe, context, verified=verified, session=_session(os.getpid()))
     told = "\n".join(render(found, _source(recipe.parent), False) for found in context.sink.diagnostics)
     if built is None:
         return Build(None, told)
-    write(built.bundle, f"{out}{os.sep}", environment=context.environment)
-    return Build(out / built.bundle.model, told)
+    return Build(stored.folder("ours", built.bundle.files) / built.bundle.model, told)
 
 
 def _source(folder: Path) -> Callable[[str], str | None]:

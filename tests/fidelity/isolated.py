@@ -1,4 +1,8 @@
-"""Work in child processes: MuJoCo crashes, hangs and grows, and the rest of a run has to go on."""
+"""Work in child processes: MuJoCo crashes, hangs and grows, and the rest of a run has to go on.
+
+A process does one thing after another, so that what it has loaded serves again; it is replaced when it dies,
+takes too long, or has done `RECYCLED` things.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +12,42 @@ import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
-from typing import TypeVar
+from typing import Any, TypeVar
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
 
 SECONDS = 180.0
+RECYCLED = 100
+
+
+class _Worker:
+    """A process that waits for arguments."""
+
+    def __init__(self, function: Callable[[Any], Any]) -> None:
+        methods = multiprocessing.get_all_start_methods()
+        processes = multiprocessing.get_context("fork" if "fork" in methods else None)
+        self.connection, there = processes.Pipe()
+        self.process = processes.Process(target=_work, args=(function, there))
+        self.process.start()
+        there.close()
+        self.argument: Any = None
+        self.deadline = 0.0
+        self.done = 0
+
+    def give(self, argument: Any, seconds: float) -> None:
+        self.argument, self.deadline = argument, time.monotonic() + seconds
+        self.connection.send(argument)
+
+    def end(self, *, kill: bool = False) -> None:
+        if kill:
+            self.process.kill()
+        with suppress(OSError):
+            self.connection.send(None)
+        self.process.join()
+        self.connection.close()
 
 
 def each(
@@ -26,61 +58,75 @@ def each(
     workers: int = 2,
     seconds: float = SECONDS,
 ) -> Iterator[Result]:
-    """`function` of every argument, each in a process of its own, at most `workers` at a time; as they come.
+    """`function` of every argument, at most `workers` at a time; the results as they come.
 
-    Where a process raises, crashes or takes longer than `seconds`, `failed` gives the result.
+    Where it raises, crashes or takes longer than `seconds`, `failed` gives the result. No argument is None.
     """
-    processes = multiprocessing.get_context(
-        "fork" if "fork" in multiprocessing.get_all_start_methods() else None
-    )
-    running: dict[Connection, tuple[BaseProcess, Argument, float]] = {}
     waiting = iter(arguments)
-    more = True
-    while more or running:
-        while more and len(running) < workers:
-            try:
-                argument = next(waiting)
-            except StopIteration:
-                more = False
-                break
-            here, there = processes.Pipe(duplex=False)
-            process = processes.Process(target=_work, args=(function, argument, there))
-            process.start()
-            there.close()
-            running[here] = (process, argument, time.monotonic() + seconds)
-        ready = wait(list(running), timeout=1.0)
-        for connection, (process, argument, deadline) in list(running.items()):
-            if connection in ready:
-                yield _result(connection, process, argument, failed)
-            elif time.monotonic() > deadline:
-                process.kill()
-                yield failed(argument, f"took longer than {seconds:g} s")
-            else:
-                continue
-            process.join()
-            connection.close()
-            del running[connection]
+    running: dict[Connection, _Worker] = {}
 
+    def next_for(worker: _Worker | None) -> None:
+        for argument in waiting:
+            if worker is None or worker.done >= RECYCLED:
+                if worker is not None:
+                    worker.end()
+                worker = _Worker(function)
+            worker.give(argument, seconds)
+            running[worker.connection] = worker
+            return
+        if worker is not None:
+            worker.end()
 
-def _work(function: Callable[[Argument], Result], argument: Argument, there: Connection) -> None:
-    with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes its log into the working directory
-        os.chdir(folder)
-        try:
-            there.send((True, function(argument)))
-        except Exception:
-            there.send((False, traceback.format_exc(limit=-3)))
-        os.chdir("/")
-
-
-def _result(
-    connection: Connection,
-    process: BaseProcess,
-    argument: Argument,
-    failed: Callable[[Argument, str], Result],
-) -> Result:
     try:
-        fine, result = connection.recv()
-    except EOFError:
-        process.join()
-        return failed(argument, f"the process died with {process.exitcode}")
-    return result if fine else failed(argument, result)  # type: ignore[no-any-return]
+        for _ in range(workers):
+            next_for(None)
+        while running:
+            ready = wait(list(running), timeout=1.0)
+            for connection, worker in list(running.items()):
+                late = connection not in ready and time.monotonic() > worker.deadline
+                if connection not in ready and not late:
+                    continue
+                del running[connection]
+                result, alive = _result(worker, failed, f"took longer than {seconds:g} s" if late else "")
+                if alive:
+                    worker.done += 1
+                    next_for(worker)
+                else:
+                    worker.end(kill=True)
+                    next_for(None)
+                yield result
+    finally:
+        for worker in running.values():
+            worker.end(kill=True)
+
+
+def _result(worker: _Worker, failed: Callable[[Any, str], Any], late: str) -> tuple[Any, bool]:
+    """The result of a worker, and whether it can go on."""
+    if late:
+        return failed(worker.argument, late), False
+    try:
+        fine, result = worker.connection.recv()
+    except (EOFError, OSError):
+        worker.process.join()
+        return failed(worker.argument, f"the process died with {worker.process.exitcode}"), False
+    return (result if fine else failed(worker.argument, result)), True
+
+
+def _silence() -> None:
+    """MuJoCo and dm_control warn on the standard error, where the progress is shown."""
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+
+
+def _work(function: Callable[[Any], Any], there: Connection) -> None:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        os.chdir(folder)  # MuJoCo writes its log into the working directory
+        _silence()
+        with suppress(EOFError, OSError):
+            while (argument := there.recv()) is not None:
+                try:
+                    answer: tuple[bool, Any] = (True, function(argument))
+                except Exception:
+                    answer = (False, traceback.format_exc(limit=-3))
+                there.send(answer)
+        os.chdir("/")

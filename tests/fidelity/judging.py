@@ -8,11 +8,12 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from types import ModuleType
 
 import mujoco
+from fidelity import dmcontrol
 from fidelity.building import Build, build
 from fidelity.corpus import Attachment, Composition
 from fidelity.decided import UNLIKE_MJSPEC
@@ -43,6 +44,7 @@ class Verdict:
     facts: list[str] = field(default_factory=list)
     rival: str = ""
     rival_differences: list[str] = field(default_factory=list)
+    dm_control: str = ""
     options: list[str] = field(default_factory=list)
     error: str = ""
     seconds: float = 0.0
@@ -82,7 +84,7 @@ class Verdict:
 
 def by_recipe(composition: Composition, out: Path) -> Build:
     """What mjcompose makes of it."""
-    return build(write_recipe(composition, out.parent), out, verified=bool(composition.refused))
+    return build(write_recipe(composition, out.parent), verified=bool(composition.refused))
 
 
 def judge(composition: Composition, builder: Builder = by_recipe, roots: Roots = Roots.MOVED) -> Verdict:
@@ -105,9 +107,14 @@ def judge(composition: Composition, builder: Builder = by_recipe, roots: Roots =
     return verdict
 
 
+@lru_cache(maxsize=32)
+def _alone(path: Path) -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_path(str(path))
+
+
 def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdict, roots: Roots) -> None:
     alone = {
-        path: mujoco.MjModel.from_xml_path(str(path))
+        path: _alone(path)
         for path in (composition.parent, *(attachment.child for attachment in composition.attachments))
     }
     parts = _part_differences(composition, alone, composed, roots)
@@ -115,6 +122,8 @@ def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdic
     verdict.counts = _counts(composition, alone, composed)
     if composition.expected:
         verdict.facts = _facts(composition, composed)
+    if dmcontrol.version() is not None:
+        verdict.dm_control = _of_dm_control(composition, alone)
     verdict.options = [str(found) for found in option_differences(alone[composition.parent], composed)]
     if not composition.compared:
         return
@@ -130,6 +139,17 @@ def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdic
     verdict.rival_differences = [
         str(found) for found in unlike if (found.kind, found.name, found.array) not in excused
     ]
+
+
+def _of_dm_control(composition: Composition, alone: dict[Path, mujoco.MjModel]) -> str:
+    composition = dmcontrol.renamed(composition)
+    try:
+        model = dmcontrol.attached(composition)
+    except ValueError as error:
+        return f"fails: {str(error).splitlines()[0]}"
+    wrong = _part_differences(composition, alone, model, Roots.KEPT)
+    places = sum(map(len, wrong.values()))
+    return f"changes the parts in {places} places" if places else "right"
 
 
 _MOVED_IN_KEYS = ("key_qpos", "key_qvel", "key_mpos", "key_mquat")

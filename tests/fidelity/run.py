@@ -1,7 +1,8 @@
-"""The whole fidelity table: `python tests/fidelity/run.py [--pairs] [--cases] [--robots N] [--settings N] [--roundtrip]`.
+"""The whole fidelity table: `python tests/fidelity/run.py [--pairs] [--cases] [--robots N] [--roundtrip]`.
 
-Needs MJCOMPOSE_CORPUS. Exits with 1 where anything is not as it should be. Without a choice of sets it runs
-the pairs and the feature cases.
+Without a choice of sets all are run. What needs the corpus is left out where MJCOMPOSE_CORPUS names none.
+Exits with 1 where anything is not as it should be. The table goes to standard output, the progress to
+standard error.
 """
 
 from __future__ import annotations
@@ -10,38 +11,53 @@ import argparse
 import os
 import sys
 import tempfile
-from collections.abc import Sequence
+import time
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent.parent)]
 
 from fidelity import corpus as corpora  # noqa: E402
-from fidelity import isolated, table  # noqa: E402
-from fidelity.building import stand_in  # noqa: E402
+from fidelity import isolated, summary, table  # noqa: E402
 from fidelity.corpus import Composition  # noqa: E402
 from fidelity.judging import Verdict, judge  # noqa: E402
 from fidelity.roundtrip import Trip, travel  # noqa: E402
 from fidelity.settings import with_settings  # noqa: E402
 
-from composer.verify.keyframes import Roots  # noqa: E402
+ROBOTS = 22
+PAGE = HERE.parent.parent / "docs" / "fidelity.md"
+Result = TypeVar("Result")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     folder = os.environ.get("MJCOMPOSE_CORPUS")
-    if not folder:
-        print("MJCOMPOSE_CORPUS names no corpus", file=sys.stderr)  # noqa: T201
-        return 2
-    corpus = Path(folder).resolve()
+    corpus = Path(folder).resolve() if folder else None
+    if corpus is None:
+        print("MJCOMPOSE_CORPUS names no corpus: only models of packages are read", file=sys.stderr)  # noqa: T201
+    rows: list[summary.Row] = []
     pages: list[str] = []
     fine = True
-    with tempfile.TemporaryDirectory() as written:
-        for title, compositions in _chosen(options, corpus, Path(written)):
-            fine &= _judge_all(title, compositions, options, pages)
-    if options.roundtrip:
-        fine &= _travel_all(corpus, options, pages)
+    written = tempfile.TemporaryDirectory()
+    for title, compositions in _chosen(options, corpus, Path(written.name)):
+        verdicts = _judge_all(title, compositions, options)
+        rows += summary.of_compositions(title, verdicts)
+        pages.append(table.markdown(title, table.HEAD, map(table.cells, verdicts), table.totals(verdicts)))
+        fine &= all(verdict.fine for verdict in verdicts)
+    for title, root, files in _files(options, corpus):
+        trips = _travel_all(title, root, files, options)
+        rows.append(summary.of_trips(title, trips))
+        lines = table.trip_totals(trips)
+        pages.append(table.markdown(title, table.TRIP_HEAD, map(table.trip_cells, trips), lines))
+        fine &= all(trip.fine for trip in trips)
+    text = summary.text(summary.together(rows))
+    print(text)  # noqa: T201
+    if options.write:
+        page = Path(options.write)
+        page.write_text(summary.between_markers(page.read_text(encoding="utf-8"), text), encoding="utf-8")
     if options.markdown:
         Path(options.markdown).write_text("\n".join(pages), encoding="utf-8")
     return 0 if fine else 1
@@ -55,70 +71,105 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--cases", action="store_true", help="the corpus's feature cases")
     parser.add_argument("--robots", type=int, default=0, metavar="N", help="all ordered pairs of N robots")
     parser.add_argument(
-        "--settings", type=int, default=0, metavar="N", help="N models with compiler settings"
+        "--settings",
+        type=int,
+        default=0,
+        metavar="N",
+        help="every compiler setting on N models, in both places",
     )
     parser.add_argument("--roundtrip", action="store_true", help="parse, write and compile every model")
-    parser.add_argument("--only", metavar="TEXT", help="only what has this in its name")
-    parser.add_argument("--stand-in", action="store_true", help="MuJoCo's own attach in place of mjcompose")
-    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes at a time (2)")
-    parser.add_argument("--markdown", metavar="FILE", help="write the tables there as well")
+    parser.add_argument("--only", metavar="TEXT", default="", help="only what has this in its name")
+    parser.add_argument("--sample", type=int, default=1, metavar="N", help="every Nth of each set")
+    parser.add_argument("--workers", type=int, default=_cores(), metavar="N", help="processes at a time")
+    parser.add_argument(
+        "--write", metavar="FILE", nargs="?", const=str(PAGE), help="put the table into a page"
+    )
+    parser.add_argument("--markdown", metavar="FILE", help="write what came of each one there")
     return parser
 
 
-def _chosen(options: argparse.Namespace, corpus: Path, written: Path) -> list[tuple[str, list[Composition]]]:
-    any_set = options.pairs or options.cases or options.robots or options.roundtrip or options.settings
-    chosen = []
-    if options.pairs or not any_set:
-        chosen.append(("Pairs", corpora.pairs(corpus)))
-    if options.cases or not any_set:
-        chosen.append(("Feature cases", corpora.cases(corpus)))
-    if options.robots:
-        chosen.append(("Robots", list(corpora.robots(corpus, options.robots))))
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _everything(options: argparse.Namespace) -> bool:
+    return not (options.pairs or options.cases or options.robots or options.roundtrip or options.settings)
+
+
+def _chosen(
+    options: argparse.Namespace, corpus: Path | None, written: Path
+) -> Iterator[tuple[str, list[Composition]]]:
+    if corpus is None:
+        return
+    every = _everything(options)
+    robots = options.robots or (ROBOTS if every else 0)
+    sets: list[tuple[str, Iterable[Composition]]] = []
+    if options.pairs or every:
+        sets.append(("pairs of robots, tools and scenes", corpora.pairs(corpus)))
+    if options.cases or every:
+        sets.append(("feature cases", corpora.cases(corpus)))
+    if robots:
+        sets.append((f"ordered pairs of {robots} robots side by side", corpora.robots(corpus, robots)))
     if options.settings:
-        chosen.append(("Settings", list(with_settings(corpus, written, options.settings))))
-    return [(title, [c for c in found if (options.only or "") in c.id]) for title, found in chosen]
+        title = f"compiler settings on {options.settings} models"
+        sets.append((title, with_settings(corpus, written, options.settings)))
+    for title, found in sets:
+        yield title, [each for each in found if options.only in each.id][:: options.sample]
 
 
-def _judge_all(
-    title: str, compositions: list[Composition], options: argparse.Namespace, pages: list[str]
-) -> bool:
-    work = partial(judge, builder=stand_in, roots=Roots.KEPT) if options.stand_in else judge
-    verdicts: dict[str, Verdict] = {}
-    for verdict in isolated.each(work, compositions, failed=_failed, workers=options.workers):
-        verdicts[verdict.id] = verdict
-        _say(" | ".join(table.cells(verdict)))
-    ordered = [verdicts[composition.id] for composition in compositions]
-    lines = table.totals(ordered)
-    _say(f"\n{title}", *lines, "")
-    pages.append(table.markdown(title, table.HEAD, map(table.cells, ordered), lines))
-    return all(verdict.fine for verdict in ordered)
+def _files(options: argparse.Namespace, corpus: Path | None) -> Iterator[tuple[str, Path, list[Path]]]:
+    if not (options.roundtrip or _everything(options)):
+        return
+    sets = [] if corpus is None else [("corpus", corpus, corpora.models(corpus))]
+    sets += [(root.name, root, files) for root, files in corpora.packaged()]
+    for title, root, files in sets:
+        chosen = [path for path in files if options.only in str(path)][:: options.sample]
+        yield f"parse → write → compile: {title}", root, chosen
 
 
-def _failed(composition: Composition, error: str) -> Verdict:
-    return Verdict(composition.id, composition.refused, error=error)
+def _judge_all(title: str, compositions: list[Composition], options: argparse.Namespace) -> list[Verdict]:
+    def failed(composition: Composition, error: str) -> Verdict:
+        return Verdict(composition.id, composition.refused, error=error)
+
+    found: dict[str, Verdict] = {}
+    running = isolated.each(judge, compositions, failed=failed, workers=options.workers)
+    for verdict in _progress(title, running, len(compositions)):
+        found[verdict.id] = verdict
+        if not verdict.fine:
+            _say(" | ".join(table.cells(verdict)))
+    return [found[composition.id] for composition in compositions]
 
 
-def _travel_all(corpus: Path, options: argparse.Namespace, pages: list[str]) -> bool:
-    models = [path for path in corpora.models(corpus) if (options.only or "") in str(path)]
-
+def _travel_all(title: str, root: Path, files: list[Path], options: argparse.Namespace) -> list[Trip]:
     def failed(path: Path, error: str) -> Trip:
-        return Trip(path.relative_to(corpus).as_posix(), error=error)
+        return Trip(path.relative_to(root).as_posix(), error=error)
 
     trips: list[Trip] = []
-    for trip in isolated.each(partial(travel, corpus=corpus), models, failed=failed, workers=options.workers):
+    running = isolated.each(partial(travel, root=root), files, failed=failed, workers=options.workers)
+    for trip in _progress(title, running, len(files)):
         trips.append(trip)
         if not trip.fine:
             _say(" | ".join(table.trip_cells(trip)))
-    trips.sort(key=lambda trip: trip.id)
-    lines = table.trip_totals(trips)
-    _say("\nRound trips", *lines)
-    pages.append(table.markdown("Round trips", table.TRIP_HEAD, map(table.trip_cells, trips), lines))
-    return all(trip.fine for trip in trips)
+    return sorted(trips, key=lambda trip: trip.id)
 
 
-def _say(*lines: str) -> None:
-    for line in lines:
-        print(line, flush=True)  # noqa: T201
+def _progress(title: str, results: Iterable[Result], number: int) -> Iterator[Result]:
+    """The results, and on standard error how far it is."""
+    start = time.monotonic()
+    live = sys.stderr.isatty()
+    done = 0
+    for done, result in enumerate(results, 1):
+        yield result
+        if live or done == number or done % 50 == 0:
+            passed = time.monotonic() - start
+            line = f"{title}: {done} of {number}, {passed:.0f} s"
+            print(f"\r{line}" if live else line, end="" if live else "\n", file=sys.stderr, flush=True)  # noqa: T201
+    if live and done:
+        print(file=sys.stderr)  # noqa: T201
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)  # noqa: T201
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""A sample of the corpus's pairs and all its feature cases, built by mjcompose and judged.
+"""A sample of the corpus's pairs and robots and all its feature cases, built by mjcompose and judged.
 
-The whole sets are for `python tests/fidelity/run.py`.
+The whole sets are for `make fidelity`.
 """
 
 from __future__ import annotations
@@ -34,6 +34,12 @@ pytestmark = [
 ]
 
 
+def _robots() -> list[Composition]:
+    """A few ordered pairs from all over."""
+    every = list(corpora.robots(Path(FOLDER), 22)) if FOLDER else []
+    return every[::67]
+
+
 def test_the_sample_is_in_the_corpus() -> None:
     assert sorted(pair.id for pair in PAIRS) == sorted(SAMPLE)
 
@@ -44,7 +50,14 @@ def test_pair(pair: Composition) -> None:
     assert verdict.fine, "\n".join(verdict.first_differences)
 
 
+@pytest.mark.parametrize("pair", _robots(), ids=lambda pair: pair.id)
+def test_robots_side_by_side(pair: Composition) -> None:
+    verdict = judge(pair)
+    assert verdict.fine, "\n".join(verdict.first_differences)
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+@pytest.mark.mujoco4("the corpus was measured with MuJoCo 4")
 def test_feature_case(case: Composition) -> None:
     verdict = judge(case)
     assert verdict.fine, "\n".join(verdict.first_differences)

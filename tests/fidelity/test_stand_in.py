@@ -57,6 +57,7 @@ def _judged(composition: Composition) -> Verdict:
 
 
 @pytest.mark.parametrize(("pair", "unchanged"), [pytest.param(*p, id=p[0].id) for p in _quick_pairs()])
+@pytest.mark.mujoco4("the corpus was measured with MuJoCo 4")
 def test_attach_is_judged_as_the_corpus_says(pair: Composition, unchanged: bool) -> None:
     verdict = _judged(pair)
     assert verdict.compiled
@@ -64,6 +65,7 @@ def test_attach_is_judged_as_the_corpus_says(pair: Composition, unchanged: bool)
     assert verdict.unchanged == unchanged, verdict.first_differences
 
 
+@pytest.mark.mujoco4("the corpus was measured with MuJoCo 4")
 def test_attach_changes_the_parts_of_some_feature_cases_and_of_no_other() -> None:
     cases = corpora.cases(Path(FOLDER or ""))
     verdicts = [_judged(replace(case, refused="") if case.id in NOT_YET else case) for case in cases]

@@ -16,11 +16,18 @@ from composer.grammar import GRAMMAR, Attribute, ElementType
 from composer.grammar.format import to_text
 
 VERSION = mujoco.__version__
+OLDER = VERSION.startswith("3.")
 MINIMAL: dict[str, Any] = runpy.run_path(str(Path(__file__).with_name("minimal.py")))
 PLACES, NAMES, LEFT_OUT = MINIMAL["PLACES"], MINIMAL["NAMES"], MINIMAL["LEFT_OUT"]
 model, needed = MINIMAL["model"], MINIMAL["needed"]
 
-PLACED = [path for path in GRAMMAR.paths if path in PLACES and GRAMMAR.element(path).exists_in(VERSION)]
+# What MuJoCo 3 refuses or reads in another way, though it has the element.
+OTHERWISE = {"equality/flexstrain", "actuator/pid", "visual/headlight", "custom/text"}
+PLACED = [
+    path
+    for path in GRAMMAR.paths
+    if path in PLACES and GRAMMAR.element(path).exists_in(VERSION) and not (OLDER and path in OTHERWISE)
+]
 OUTSIDE_DEFAULT = [path for path in PLACED if not path.startswith("default/")]
 
 NOT_ALONE = {
@@ -87,6 +94,7 @@ def attributes_of(path: str) -> tuple[ElementType, dict[str, str], list[Attribut
     return element, needed(element), present
 
 
+@pytest.mark.mujoco4("it has elements whose place is not tried")
 def test_every_element_has_a_place() -> None:
     with_attributes = {
         path
@@ -154,6 +162,7 @@ def test_integers(path: str) -> None:
 
 
 @pytest.mark.parametrize("path", PLACED)
+@pytest.mark.mujoco4("some unknown keywords are fatal, and the next model with a NaN hangs")
 def test_keywords(path: str) -> None:
     element, base, present = attributes_of(path)
     partner = {"reftype": {"refname": NAMES["site"]}}
@@ -169,6 +178,7 @@ def test_keywords(path: str) -> None:
 
 
 @pytest.mark.parametrize("path", PLACED)
+@pytest.mark.mujoco4("some unknown keywords are fatal, and the next model with a NaN hangs")
 def test_keywords_of_other_versions(path: str) -> None:
     element, base, present = attributes_of(path)
     for attribute in present:

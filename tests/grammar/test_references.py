@@ -129,6 +129,8 @@ def check_reference(path: str, written: dict[str, str], namespace: str) -> None:
 
 @pytest.mark.parametrize(("path", "name"), REFERENCES)
 def test_reference(path: str, name: str) -> None:
+    if path == "equality/flexstrain" and mujoco.__version__.startswith("3."):
+        pytest.skip("MuJoCo 3 has no self-collision of what is interpolated")
     if (path, name) in UNTRIED:
         pytest.skip(UNTRIED[path, name])
     written, namespace = alone(path, name)

@@ -4,7 +4,7 @@ import mujoco
 import pytest
 from link.workshop import BASE, Linked, Piece, Workshop
 
-from composer.link.agreement import settle
+from composer.link.agreement import settling
 
 
 def options(inside: str) -> str:
@@ -233,10 +233,18 @@ def test_user_data_outside_the_body_tree_finds_room(workshop: Workshop, given: s
     ],
 )
 def test_the_line_that_settles_a_conflict(path: str, value: str, line: str) -> None:
-    assert line in settle(path, value)
+    assert line in settling({path: value}, ())
 
 
 def test_a_model_alone_is_not_looked_at(workshop: Workshop) -> None:
     linked = workshop.link(options('<size memory="1M" nkey="3"/><option timestep="7"/>'))
     assert not linked.sink.diagnostics
     assert 'nkey="3"' in linked.xml
+
+
+def test_one_line_settles_all_conflicts_of_a_section() -> None:
+    wanted = {"visual/map/znear": "0.01", "visual/headlight/diffuse": "1 1 1", "visual/map/zfar": "9"}
+    both = "map: {znear: 0.01, zfar: 9}, headlight: {diffuse: [1, 1, 1]}"
+    assert settling(wanted, ()).endswith(f"`visual: {{{both}}}`")
+    added = settling(wanted, {"visual/map/force"})
+    assert "the recipe's `visual`" in added and added.endswith(f"`{both}`")

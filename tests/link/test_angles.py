@@ -101,6 +101,7 @@ def oriented(angle: str, sequence: str) -> str:
 
 @pytest.mark.parametrize(("base", "part"), [*itertools.product(("degree", "radian"), repeat=2)])
 @pytest.mark.parametrize("sequence", SEQUENCES)
+@pytest.mark.mujoco4("an orientation of the class wins over one of the element")
 def test_every_orientation_keeps_its_bits(workshop: Workshop, base: str, part: str, sequence: str) -> None:
     linked = workshop.link(oriented(base, "xyz"), Piece(oriented(part, sequence), place=MOUNT))
     linked.check()
@@ -109,6 +110,7 @@ def test_every_orientation_keeps_its_bits(workshop: Workshop, base: str, part: s
     )
 
 
+@pytest.mark.mujoco4("an orientation of the class wins over one of the element")
 def test_the_sequence_of_the_model_is_that_of_the_base(workshop: Workshop) -> None:
     part = Piece(oriented("degree", "xyz"), place=MOUNT)
     linked = workshop.link(oriented("radian", "zXy"), part, Piece(BASE, "other/"))

@@ -54,12 +54,14 @@ def at(kind: str, name: str | None, offset: Place) -> Place:
 
 @pytest.mark.parametrize("site", SITES)
 @pytest.mark.parametrize("offset", OFFSETS, ids=["", "moved", "turned"])
+@pytest.mark.mujoco4("an orientation of the class wins over one of the element")
 def test_a_part_on_a_site_stands_as_the_site_does(workshop: Workshop, site: str, offset: Place) -> None:
     linked = workshop.link(ARM, Piece(HAND, place=at("site", site, offset)))
     linked.check()
 
 
 @pytest.mark.parametrize("angle", ["degree", "radian"])
+@pytest.mark.mujoco4("an orientation of the class wins over one of the element")
 def test_the_angles_of_a_site_are_read_in_the_unit_of_the_model(workshop: Workshop, angle: str) -> None:
     hand = HAND.replace("<default>", f'<compiler angle="{angle}"/><default>')
     for site in SITES:
@@ -108,6 +110,7 @@ ORIENTATIONS = {
 
 
 @pytest.mark.parametrize("own", ORIENTATIONS)
+@pytest.mark.mujoco4("an orientation of the class wins over one of the element")
 def test_of_the_orientations_of_a_class_and_its_parent_the_nearest_counts(
     workshop: Workshop, own: str
 ) -> None:

@@ -74,6 +74,7 @@ def test_a_base_loses_it_and_its_part_does_not(workshop: Workshop) -> None:
     assert [composed.mat(at).name for at in range(composed.nmat)] == ["part/mt", "part/lay"]
 
 
+@pytest.mark.mujoco4("the model is refused")
 def test_copies_that_are_not_all_discarded_are_told(workshop: Workshop) -> None:
     sensor = '<sensor><framepos objtype="geom" objname="g_1"/></sensor>'
     fault = workshop.link(BASE, part(visual(more=COPIES, after=sensor))).fault

@@ -49,6 +49,7 @@ def tree(settings: str = "", more: str = "") -> str:
 
 
 @pytest.mark.parametrize("settings", SETTINGS)
+@pytest.mark.mujoco4("fusing bodies leaves cameras and lights where they were")
 def test_a_part_is_fused_as_alone(workshop: Workshop, settings: str) -> None:
     there = placed(pos=(1.0, 2.0, 3.0), quat=(0.5, 0.5, 0.5, 0.5))
     linked = workshop.link(BASE, Piece(tree(settings), place=there))
@@ -58,6 +59,7 @@ def test_a_part_is_fused_as_alone(workshop: Workshop, settings: str) -> None:
 
 
 @pytest.mark.parametrize("settings", SETTINGS)
+@pytest.mark.mujoco4("fusing bodies leaves cameras and lights where they were")
 def test_a_base_is_fused_as_alone_and_its_part_is_not(workshop: Workshop, settings: str) -> None:
     workshop.link(tree(settings), ARM.replace("<joint", '<body name="still"/><joint')).check()
 
@@ -76,10 +78,12 @@ REFERENCES = {
 
 
 @pytest.mark.parametrize("reference", REFERENCES)
+@pytest.mark.mujoco4("fusing bodies leaves cameras and lights where they were")
 def test_mujoco_says_which_bodies_stay(workshop: Workshop, reference: str) -> None:
     workshop.link(BASE, tree(more=REFERENCES[reference])).check()
 
 
+@pytest.mark.mujoco4("fusing bodies leaves cameras and lights where they were")
 def test_what_the_world_takes_up_has_no_mass_on_a_body(workshop: Workshop) -> None:
     linked = workshop.link(ARM, Piece(tree(), place=placed("site", "mark")))
     composed = linked.check()
@@ -132,6 +136,7 @@ def test_copies_are_fused(workshop: Workshop) -> None:
     workshop.link(BASE, REPLICATED.format(more="")).check()
 
 
+@pytest.mark.mujoco4("the model is refused")
 def test_copies_that_are_not_all_fused_are_told(workshop: Workshop) -> None:
     sensor = '<sensor><framepos objtype="xbody" objname="s_1"/></sensor>'
     fault = workshop.link(BASE, REPLICATED.format(more=sensor)).fault

@@ -148,3 +148,19 @@ def test_a_part_that_mujoco_rejects_is_told(workshop: Workshop) -> None:
     )
     linked = workshop.link(BASE, part)
     assert linked.fault.code == "mujoco-rejects"
+
+
+@pytest.mark.parametrize("setting", ['settotalmass="3"', 'boundinertia=".1"', 'balanceinertia="true"'])
+@pytest.mark.parametrize("aligned", ['alignfree="true"', ""])
+def test_a_free_body_aligned_with_its_inertia_keeps_it(
+    workshop: Workshop, setting: str, aligned: str
+) -> None:
+    """Up to rounding: the inertia is measured in the aligned frame, and written in the body's own."""
+    align = "" if aligned else 'align="true"'
+    part = f"""<mujoco><compiler {setting} {aligned}/><worldbody><frame pos="0 1 0" euler="0 0 30">
+      <body name="cube" pos="1 2 3" euler="10 20 30"><freejoint {align}/>
+      <geom type="box" size=".1 .2 .3" pos=".1 .2 .3" euler="40 50 60"/></body></frame></worldbody></mujoco>"""
+    linked = workshop.link(part, Piece(BASE, "p/"))
+    alone, composed = linked.alone(0), linked.model()
+    for array in ("body_pos", "body_quat", "body_mass", "body_inertia", "body_ipos", "geom_pos", "geom_quat"):
+        assert getattr(composed, array)[-1] == pytest.approx(getattr(alone, array)[-1], abs=1e-12), array

@@ -3,7 +3,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
-from link.workshop import BASE, Linked, Piece, Workshop, hinge, placed
+from link.workshop import BASE, OLDER, Linked, Piece, Workshop, hinge, placed
 
 from composer.link.linking import Joint, KeyPolicy
 from composer.verify.keyframes import Keys
@@ -181,6 +181,7 @@ SHORT = [
 
 
 @pytest.mark.parametrize("row", SHORT)
+@pytest.mark.mujoco4("keys of other lengths are refused, and replicated ones are copied")
 def test_short_rows_are_filled_up_as_mujoco_does(workshop: Workshop, row: str) -> None:
     mixed = MIXED.format(row=row)
     workshop.link(mixed, Piece(HAND)).check()
@@ -320,6 +321,7 @@ def acting(actuators: str, count: int, acts: int) -> str:
 
 
 @pytest.mark.parametrize("actuator", STATEFUL)
+@pytest.mark.mujoco4("some of these actuators are refused, or keep their state")
 def test_activations_go_with_their_actuators(workshop: Workshop, actuator: str) -> None:
     probe = acting(actuator, 1, 0)
     acts = mujoco.MjModel.from_xml_string(probe).na
@@ -351,6 +353,8 @@ def expanding(block: str, keys: str = "") -> str:
 def test_what_mujoco_expands_keeps_its_numbers(
     workshop: Workshop, block: str, width: int, place: object
 ) -> None:
+    if OLDER and block == CLOTH and place != placed():
+        pytest.skip("MuJoCo 3 does not move a cloth with its frame")
     alone = mujoco.MjModel.from_xml_string(expanding(block))
     assert alone.nq == width + 2
     state = np.random.default_rng(1).normal(size=alone.nq)
@@ -371,6 +375,7 @@ def test_what_mujoco_expands_keeps_its_numbers(
 
 
 @pytest.mark.parametrize(("block", "width"), BLOCKS.values(), ids=BLOCKS.keys())
+@pytest.mark.mujoco4("keys of other lengths are refused, and replicated ones are copied")
 def test_keys_of_others_leave_the_reference_of_what_is_expanded(
     workshop: Workshop, block: str, width: int
 ) -> None:
@@ -415,6 +420,7 @@ def test_nothing_is_measured_for_keys_that_are_left_out(workshop: Workshop) -> N
     linked.check()
 
 
+@pytest.mark.mujoco4("keys of other lengths are refused, and replicated ones are copied")
 def test_replicated_mocap_bodies_are_told(workshop: Workshop) -> None:
     base = '<mujoco><worldbody><replicate count="2" offset="1 0 0"><body mocap="true"/></replicate></worldbody></mujoco>'
     part = """<mujoco><worldbody><body name="m" mocap="true"/></worldbody>

@@ -112,7 +112,7 @@ def test_faults_of_several_passes_are_told_at_once(workshop: Workshop) -> None:
     linked = workshop.link(
         base, Piece(part, "", placed("site", "mark")), Piece(BASE, "c/", placed("site", "no"))
     )
-    assert set(linked.codes) >= {"compiler-setting", "option-conflict", "freejoint-on-body", "unknown-name"}
+    assert set(linked.codes) >= {"compiler-setting", "option-conflict", "unknown-name"}
     assert {"name-clash", "attach-place"} <= set(linked.codes)
 
 

@@ -38,6 +38,17 @@ def test_a_free_body_cannot_hang_on_a_body(workshop: Workshop, body: str, kind: 
     assert "weld" in (fault.help or "")
 
 
+@pytest.mark.parametrize("body", [*FREE.values(), MOCAP], ids=[*FREE.keys(), "mocap"])
+@pytest.mark.parametrize(("kind", "name"), [("site", "top"), ("frame", "corner")])
+def test_a_place_of_the_world_is_the_world(workshop: Workshop, body: str, kind: str, name: str) -> None:
+    base = """<mujoco><worldbody><site name="top" pos="1 2 3"/>
+      <frame pos="1 0 0"><frame name="corner" pos="0 2 3"/></frame></worldbody></mujoco>"""
+    model = workshop.link(base, Piece(part(body), place=placed(kind, name))).model()
+    moved = "part/hoop" if "mocap" in body else "part/cube"
+    assert model.body(moved).parentid == 0
+    assert model.body(moved).pos.tolist() == ([1, 2, 3] if "pos" not in body else [2, 2, 3])
+
+
 @pytest.mark.parametrize("body", FREE.values(), ids=FREE.keys())
 def test_a_free_body_can_be_welded(workshop: Workshop, body: str) -> None:
     piece = Piece(part(body), place=placed("site", "flange"), options={"weld": True})
@@ -109,4 +120,4 @@ def test_all_that_is_wrong_with_the_places_is_told_at_once(workshop: Workshop) -
         Piece(part(MOCAP), "b/", placed("site", "flange")),
         Piece(BASE, "c/", placed("site", "nowhere")),
     )
-    assert linked.codes == ["freejoint-on-body", "mocap-on-body", "attach-place"]
+    assert linked.codes == ["attach-place", "freejoint-on-body", "mocap-on-body"]

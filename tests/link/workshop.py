@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import pytest
 
 from composer.bundle.collect import collect
 from composer.context import Context
@@ -28,6 +29,8 @@ from composer.verify.unchanged import compare
 
 BASE = '<mujoco model="base"><worldbody><site name="mark" pos="1 2 3"/></worldbody></mujoco>'
 """A base that says next to nothing."""
+
+OLDER = mujoco.mj_versionString().startswith("3.")
 
 OCTAHEDRON = """
 v 1 0 0
@@ -163,6 +166,9 @@ class Linked:
 
     def bundled(self) -> dict[str, bytes]:
         """The files of the model."""
+        if OLDER and self.sink.has_errors:
+            for number in range(len(self.paths)):
+                self.alone(number)
         assert not self.sink.has_errors, told(self.sink)
         files = collect(self.linking.base, self.linking.files, self.sink)
         assert not self.sink.has_errors, told(self.sink)
@@ -183,14 +189,22 @@ class Linked:
             raise AssertionError(f"{error}\n{text}") from error
 
     def alone(self, number: int) -> mujoco.MjModel:
-        """The base (0) or a part (from 1) by itself."""
-        return mujoco.MjModel.from_xml_path(str(self.paths[number]))
+        """The base (0) or a part (from 1) by itself.
+
+        Models of these tests are in the words of the newest MuJoCo, some of which an older one lacks.
+        """
+        try:
+            return mujoco.MjModel.from_xml_path(str(self.paths[number]))
+        except ValueError as error:
+            if OLDER:
+                pytest.skip(f"this MuJoCo refuses the model itself: {str(error).splitlines()[0]}")
+            raise
 
     def differences(self, **options: Any) -> list[Difference]:
         """What is no longer as it was in the base and in each part; parts that nothing gave are extra."""
-        composed = self.model()
         members = [("", self.alone(0))]
         members += [(piece.prefix, self.alone(at)) for at, piece in enumerate(self.pieces, 1)]
+        composed = self.model()
         given = {"keys": Keys.MERGE, **options}
         found = compare(members[0][1], composed, **given)
         for at, (piece, part) in enumerate(zip(self.pieces, self.linking.parts, strict=True), 1):

@@ -66,8 +66,7 @@ def test_plugin_with_settings(recipe: Callable[[str], Recipe]) -> None:
         ("{to: hand, site: {}, geom: {}}", "wrong-type"),
         ("{to: hand, site: [{}, {}]}", "wrong-type"),
         ("{to: hand, site: tcp}", "wrong-type"),
-        ("{to: hand, site: {}, when: {a: b}}", "not-supported"),
-        ("{to: hand, inertial: {}, id: x}", "missing-key missing-key not-supported"),
+        ("{to: hand, inertial: {}}", "missing-key"),
         (
             "{to: hand, body: {inertial: [{mass: 1, pos: [0, 0, 0]}, {mass: 1, pos: [0, 0, 0]}]}}",
             "wrong-length",

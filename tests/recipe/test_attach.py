@@ -98,7 +98,7 @@ def test_type_of_a_joint_in_a_class_is_not_guessed(recipe: Callable[[str], Recip
         ("{model: m, prefix: a/b}", "bad-name"),
         ("{model: m, prefix: 3}", "wrong-type"),
         ("{model: m, keyframes: all}", "wrong-keyword"),
-        ("{model: m, with: {reach: 1}}", "not-supported"),
+        ("{model: m, with: [reach]}", "wrong-type"),
         ("{model: m, colour: red}", "unknown-key"),
     ],
 )

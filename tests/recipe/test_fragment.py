@@ -21,16 +21,16 @@ def test_kept() -> None:
 @pytest.mark.parametrize(
     ("text", "code", "message"),
     [
-        ("<geom", "xml-syntax", "line 1 of the fragment: not well-formed XML"),
-        ("", "xml-syntax", "line 1 of the fragment: not well-formed XML: no element found"),
-        ("<geom/>\n<geom/>", "wrong-length", "line 2 of the fragment: a fragment is one element"),
-        ("<!DOCTYPE a []><geom/>", "xml-syntax", "line 1 of the fragment: a fragment has no `<!DOCTYPE>`"),
+        ("<geom", "xml-syntax", "not well-formed XML"),
+        ("", "xml-syntax", "not well-formed XML: no element found"),
+        ("<geom/>\n<geom/>", "wrong-length", "a fragment is one element"),
+        ("<!DOCTYPE a []><geom/>", "xml-syntax", "a fragment has no `<!DOCTYPE>`"),
         ("<body>\n text</body>", "xml-syntax", "text stands in `body`"),
         ("<gem/>", "unknown-element", "`gem` cannot stand in `add`"),
         (
             "<body>\n<clock/>\n</body>",
             "unknown-element",
-            "line 2 of the fragment: `clock` cannot stand in `body`",
+            "`clock` cannot stand in `body`",
         ),
         ("<geom sizes='1'/>", "unknown-attribute", "`sizes` is no attribute of `geom`"),
         ("<geom size='a'/>", "wrong-type", "`size` of `geom` expects 1 to 3 numbers, got `a`"),
@@ -45,6 +45,14 @@ def test_refused(text: str, code: str, message: str) -> None:
     assert fault.code == code
     assert message in fault.message
     assert fault.at == ("xml",)
+
+
+def test_where() -> None:
+    """Line, column and width of the element, or of where the reader stopped."""
+    _, (fault,) = check("<body>\n  <clock/>\n</body>")
+    assert fault.within == (2, 4, 5)
+    _, (fault,) = check("<body>\n  <geom>\n</body>")
+    assert fault.within == (3, 3, 1) and fault.help is not None
 
 
 def test_what_is_in_an_unknown_element_is_not_told() -> None:

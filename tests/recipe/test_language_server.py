@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+
+from composer.grammar import GRAMMAR
 
 if TYPE_CHECKING:
     from conftest import YamlServer
@@ -73,6 +76,90 @@ def test_a_new_element_is_not_filled_with_defaults(yaml_server: YamlServer, tmp_
     assert geom["insertText"].split() == ["geom:"]
 
 
-def test_hover(yaml_server: YamlServer, tmp_path: Path) -> None:
-    shown = yaml_server.hover(tmp_path / "recipe.yaml", "recipe: 1\noption: {time|step: 0.001}\n")
-    assert "timestep, s" in shown
+@pytest.mark.parametrize(
+    ("text", "offered"),
+    [
+        ("recipe: 1\nactuator:\n  a:\n    type: position\n    |\n", "ctrlrange: [$1, $2]"),
+        ("recipe: 1\nattach:\n  arm:\n    model: a.xml\n    |\n", "pos: [$1, $2, $3]"),
+        ("recipe: 1\noption:\n  |\n", "gravity: [$1, $2, $3]"),
+    ],
+)
+def test_a_new_list_has_brackets(yaml_server: YamlServer, tmp_path: Path, text: str, offered: str) -> None:
+    """A list with dashes would be a fault inside braces."""
+    offers = yaml_server.completions(tmp_path / "recipe.yaml", text)
+    assert offered in [each["insertText"] for each in offers]
+
+
+@pytest.mark.parametrize("section", ["sensor", "actuator", "equality"])
+def test_a_type_decides_what_is_offered(yaml_server: YamlServer, tmp_path: Path, section: str) -> None:
+    kinds = GRAMMAR.section(section).children.values()
+    for kind in kinds:
+        text = f"recipe: 1\n{section}:\n  a:\n    type: {kind.tag}\n    |\n"
+        offers = yaml_server.completions(tmp_path / f"{kind.tag}.yaml", text)
+        # To the server `flex` may still become `flexstrain`.
+        possible = [each for each in kinds if each.tag.startswith(kind.tag)]
+        least, most = (
+            {name for each in some for name in (*each.attributes, *each.children, "xml", "when")} - {"name"}
+            for some in ([kind], possible)
+        )
+        assert least <= {each["label"] for each in offers} <= most, kind.path
+        assert all(each["documentation"] for each in offers), kind.path
+
+
+HOVERED = [
+    ("sen|sor: {}", "Sensors: a mapping from their names."),
+    ("sensor: {a|: {type: force, site: s}}", "force between the site's body and its parent"),
+    ("sensor: {a: {ty|pe: force, site: s}}", "* `gyro`: angular velocity of a site in its frame"),
+    ("sensor: {a: {type: for|ce, site: s}}", "* `force`: force between"),
+    ("sensor: {a: {type: framepos, obj|name: s}}", "name of the object (of the kind that `objtype` says)"),
+    (
+        "actuator: {a: {type: position, joint: j, k|p: 1}}",
+        GRAMMAR.element("actuator/position").attributes["kp"].doc,
+    ),
+    ("add: [{to: world, bo|dy: {}}]", "a rigid body"),
+    ("add: [{to: world, body: {ge|om: {}}}]", "a shape that collides"),
+    ("add: [{to: world, body: {geom: [{ty|pe: box}]}}]", "shape (default: sphere)"),
+    ("asset: {tex|ture: {}}", "an image on surfaces"),
+    ("default: {pad: {ge|om: {}}}", "defaults of every geom in this class"),
+    ("default: {pad: {geom: {fric|tion: [1]}}}", "sliding"),
+    ("contact: {ex|clude: []}", GRAMMAR.element("contact/exclude").doc),
+    ("tendon: {r: {type: spatial, pa|th: [{site: s}]}}", "what it goes over, in order"),
+    ("option: {time|step: 0.001}", "timestep, s (default: 0.002)"),
+    ("option: {fl|ag: {}}", "switched on or off"),
+    ("attach: {arm: {mo|del: a}}", "`menagerie:…`"),
+    ("base: {sub|tree: a, model: b}", "The one body of the model"),
+]
+
+
+@pytest.mark.parametrize(("line", "shown"), HOVERED)
+def test_hover(yaml_server: YamlServer, tmp_path: Path, line: str, shown: str) -> None:
+    found = yaml_server.hover(tmp_path / "recipe.yaml", f"recipe: 1\n{line}\n")
+    assert shown in json.loads(found)["contents"]["value"]
+
+
+def test_hover_is_about_one_thing(yaml_server: YamlServer, tmp_path: Path) -> None:
+    """Without titles, which editors put before a description, once for each alternative."""
+    found = yaml_server.hover(tmp_path / "recipe.yaml", "recipe: 1\noption: {integ|rator: RK4}\n")
+    assert json.loads(found)["contents"]["value"].startswith("numerical integrator (default: Euler)\n")
+
+
+MARKED = [
+    ("sensor: {a: {type: forc, site: s}}", 19, "Value is not accepted"),
+    ("sensor: {a: {type: force, objname: s}}", 26, "objname is not allowed"),
+    ("sensor: {a: {type: force}}", 9, 'Missing property "site"'),
+    ("actuator: {a: {type: position, joint: j, gainprm: [1]}}", 41, "gainprm is not allowed"),
+    ("actuator: {a: {type: motor, joint: j, gear: one}}", 44, "expected a number"),
+    ("equality: {a: {type: connect, body1: a, polycoef: [1]}}", 40, "polycoef is not allowed"),
+    ("add: [{to: world, geom: {typ: box}}]", 25, "typ is not allowed"),
+    ("asset: {mesh: {m: {scale: [1, 1]}}}", 26, "too few items"),
+    ("attach: {arm: {site: s}}", 9, 'Missing property "model"'),
+]
+
+
+@pytest.mark.parametrize(("line", "column", "message"), MARKED)
+def test_a_fault_is_marked_where_it_is(
+    yaml_server: YamlServer, tmp_path: Path, line: str, column: int, message: str
+) -> None:
+    found = yaml_server.diagnostics(tmp_path / "recipe.yaml", f"recipe: 1\n{line}\n")
+    there = [each["message"] for each in found if each["range"]["start"] == {"line": 1, "character": column}]
+    assert any(message in each for each in there), found

@@ -16,7 +16,7 @@ from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 from composer.recipe import validate
 from composer.recipe.recipe import SETTABLE
-from composer.recipe.schema import text
+from composer.recipe.schema import recipe_schema, text
 from composer.recipe.tendon import MARKS
 
 ROOT = Path(__file__).parents[2]
@@ -25,7 +25,7 @@ RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
 CASES = sorted(Path(__file__).parent.joinpath("errors").iterdir())
 
 # What a schema cannot see: how an angle is written, characters that XML cannot hold, what is in a fragment.
-UNSEEN = {"bare_angle", "bare_angle_of_joint", "unprintable", "expression"}
+UNSEEN = {"bare_angle", "bare_angle_of_joint", "no_orientation", "unprintable", "expression"}
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +90,8 @@ def test_refuses_wrong_recipe(validator: Any, case: Path) -> None:
         "{recipe: 1, sensor: {a: {xml: <clock/>}}}",
         "{recipe: 1, base: {model: a.xml, keyframes: none}}",
         "{recipe: 1, attach: {a: {model: m, prefix: '', joint: [{name: x, type: slide}]}}}",
+        "{recipe: 1, attach: {a: {model: m, before: b, replicate: [{count: 2}, {count: '${n}', euler: [0, 0, 9deg]}]}}}",
+        "{recipe: 1, keyframe: {a: {}, b: {time: 1, from: {base: home}, qpos: {x: 90deg, y: [1, 2]}, mpos: {z: [1, 2, 3]}}}}",
     ],
 )
 def test_accepts(validator: Any, text: str) -> None:
@@ -114,6 +116,12 @@ def test_accepts(validator: Any, text: str) -> None:
         "{recipe: 1, attach: {base: {model: m}}}",
         "{recipe: 1, attach: {a: {model: m, joint: hinge}}}",
         "{recipe: 1, compiler: {angle: degree}}",
+        "{recipe: 1, keyframe: {a: {qpos: [1, 2]}}}",
+        "{recipe: 1, keyframe: {a: {from: home}}}",
+        "{recipe: 1, keyframe: {a: {mpos: {x: [1, 2]}}}}",
+        "{recipe: 1, keyframe: {a: {plastic: {x: 1}}}}",
+        "{recipe: 1, attach: {a: {model: m, replicate: [{offset: [1, 0, 0]}]}}}",
+        "{recipe: 1, attach: {a: {model: m, replicate: [{count: 2, sep: _}]}}}",
         "{recipe: 1, tendon: {a: {type: spatial, path: [{joint: j, coef: 1}]}}}",
     ],
 )
@@ -251,3 +259,28 @@ def pruned(value: Any, chance: random.Random) -> Any:
         for name, item in value.items()
         if chance.random() > 0.04 or name == "recipe"
     }
+
+
+def test_every_key_is_explained() -> None:
+    """Each property has a description, its own or that of what it refers to; conditions are not shown."""
+    schema = recipe_schema()
+    silent: list[str] = []
+
+    def walk(value: Any, place: str) -> None:
+        if isinstance(value, list):
+            for index, each in enumerate(value):
+                walk(each, f"{place}/{index}")
+        if not isinstance(value, dict):
+            return
+        properties = value.get("properties", {})
+        for name, each in properties.items():
+            if isinstance(each, dict):
+                target = schema["$defs"].get(each.get("$ref", "").rpartition("/")[2], {})
+                if not each.get("description") and not target.get("description"):
+                    silent.append(f"{place}/{name}")
+        for key, each in value.items():
+            if key != "if":
+                walk(each, f"{place}/{key}")
+
+    walk(schema, "")
+    assert silent == []

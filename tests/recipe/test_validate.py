@@ -13,6 +13,7 @@ import pytest
 from composer.diagnostics import Diagnostic, Sink, Span, render
 from composer.document import load, to_python
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.expand.expand import expand
 from composer.recipe import Recipe, validate
 
 CASES = sorted(Path(__file__).parent.joinpath("errors").iterdir())
@@ -47,8 +48,8 @@ def test_there_are_wrong_recipes() -> None:
 def test_shipped_recipe(path: Path) -> None:
     sink = Sink()
     node = load(path.read_text(encoding="utf-8"), path.name, sink)
-    assert node is not None
-    recipe = validate(node, sink)
+    assert isinstance(node, Mapping)
+    recipe = validate(expand(node, {}, sink).document, sink)
     assert not sink.diagnostics
     assert isinstance(recipe, Recipe)
 

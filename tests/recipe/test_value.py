@@ -42,8 +42,8 @@ def test_kept(path: str, name: str, value: Any, kept: Any) -> None:
     ("path", "name", "value", "code", "at", "help"),
     [
         ("geom", "pos", "0 0 0.1", "wrong-type", (), "write `pos: [0, 0, 0.1]`"),
-        ("geom", "pos", [0, 1], "wrong-length", (), None),
-        ("geom", "pos", 1, "wrong-length", (), None),
+        ("geom", "pos", [0, 1], "wrong-length", (), "write `pos: [x, y, z]`"),
+        ("geom", "pos", 1, "wrong-length", (), "write `pos: [x, y, z]`"),
         ("geom", "pos", [0, "a", 1], "wrong-type", (1,), None),
         ("geom", "pos", [0, [1], 1], "wrong-type", (1,), None),
         ("geom", "pos", [0, "1 deg", 1], "wrong-type", (1,), "write `1deg`"),

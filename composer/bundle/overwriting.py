@@ -1,0 +1,44 @@
+"""An output never takes the place of what it is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from composer.bundle.assemble import sources
+from composer.bundle.output_error import OutputError
+from composer.bundle.staging import real
+from composer.link.linking import FileUse
+from composer.plan.plan import Plan
+from composer.tree.unit import Unit
+
+
+def check_is_no_source(out: Path, plan: Plan, model: Unit, uses: Iterable[FileUse]) -> None:
+    """Refuse an output that is, or as a folder holds, a recipe, a model or an asset of this very build.
+
+    Raises OutputError.
+    """
+    target = real(out)
+    for path in _read(plan, model, uses):
+        source = real(path)
+        if source == target:
+            what = f"`{out}` is one of the files that this model is built from"
+        elif target in source.parents:
+            what = f"the folder `{out}` holds files that this model is built from, such as `{path.name}`"
+        else:
+            continue
+        raise OutputError("output-unwritable", what, "choose another output")
+
+
+def _read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
+    yield from _recipes(plan)
+    yield from (source.path for _, source in sources(plan))
+    yield from (text for text in model.origins.texts.values() if isinstance(text, Path))
+    yield from (Path(use.source) for use in uses if use.content is None)
+
+
+def _recipes(plan: Plan) -> Iterator[Path]:
+    yield plan.path
+    for part in (plan.base.model, *(part.model for part in plan.parts)):
+        if isinstance(part, Plan):
+            yield from _recipes(part)

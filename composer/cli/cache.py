@@ -1,0 +1,135 @@
+"""`mjcompose cache`: look at what was fetched, make it smaller, see that it is whole."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import TYPE_CHECKING, NoReturn
+
+import click
+
+from composer.cli.reporting import FINDINGS, USAGE, report
+
+if TYPE_CHECKING:
+    from composer.context import Context
+    from composer.sources.error import SourceError
+    from composer.sources.store import Entry, Store
+
+
+@click.group()
+def command() -> None:
+    """Look after the store of what was fetched. MJCOMPOSE_CACHE names its folder, MJCOMPOSE_CACHE_SIZE its bound."""
+
+
+@command.command()
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def info(as_json: bool) -> None:
+    """Print where the store is, its size, and what is in it."""
+    store, _ = _store()
+    entries = store.entries()
+    size = sum(entry.size for entry in entries)
+    if as_json:
+        told = [
+            {
+                "kind": each.kind,
+                "key": each.key,
+                "source": each.origin,
+                "size": each.size,
+                "files": len(each.files),
+            }
+            for each in entries
+        ]
+        click.echo(
+            json.dumps({"folder": str(store.folder), "size": size, "limit": store.limit, "entries": told})
+        )
+        return
+    click.echo(f"{store.folder}: {_bytes(size)} of at most {_bytes(store.limit)}, {_count(entries)}")
+    for entry in reversed(entries):
+        click.echo(f"  {_bytes(entry.size):>9}  {entry.kind} {entry.key[:12]}  {entry.origin}")
+    if unfinished := store.unfinished():
+        click.echo(f"  {len(unfinished)} unfinished, being fetched now or broken off")
+
+
+@command.command()
+@click.option(
+    "--size", metavar="SIZE", help="Keep at most this much, as 500M or 2G; default: the store's bound."
+)
+@click.option("--all", "everything", is_flag=True, help="Remove all of it.")
+def prune(size: str | None, everything: bool) -> None:
+    """Remove what was used longest ago, and what killed processes left.
+
+    Without options, what was used in the last hour stays: a build may be reading it.
+    """
+    from composer.sources.error import SourceError
+    from composer.sources.store import GRACE, parse_size
+
+    store, context = _store()
+    limit = 0 if everything else store.limit if size is None else parse_size(size)
+    if limit is None:
+        raise click.UsageError(f"`{size}` is no size: write it as 500M or 2G")
+    try:
+        removed = store.prune(limit, grace=GRACE if size is None and not everything else 0)
+    except SourceError as error:
+        _fail(error, context)
+    click.echo(f"removed {_count(removed)}, {_bytes(sum(entry.size for entry in removed))}")
+
+
+@command.command()
+@click.option("--fix", is_flag=True, help="Remove what is damaged: it is fetched again when it is needed.")
+def verify(fix: bool) -> None:
+    """Hash every file in the store again, and tell what is damaged."""
+    from composer.diagnostics.diagnostic import Note
+    from composer.sources.error import SourceError
+
+    store, context = _store()
+    entries = store.entries()
+    for entry in entries:
+        if not (damage := store.damage(entry)):
+            continue
+        if fix:
+            try:
+                store.remove(entry)
+            except SourceError as error:
+                _fail(error, context)
+            click.echo(f"removed {entry.folder}: it was damaged")
+            continue
+        context.sink.error(
+            "store-unusable",
+            f"`{entry.folder}`, from `{entry.origin}`, is damaged",
+            notes=[Note(line.replace("was locked", "was stored")) for line in damage[:8]],
+            help="run `mjcompose cache verify --fix`, which removes it; it is fetched again when it is needed",
+        )
+    report(context, "text")
+    if context.sink.has_errors:
+        sys.exit(FINDINGS)
+    click.echo(f"looked at {_count(entries)}")
+
+
+def _store() -> tuple[Store, Context]:
+    from composer.context import Context
+    from composer.sources.error import SourceError
+    from composer.sources.store import Store
+
+    context = Context()
+    try:
+        return Store.of(context.environment), context
+    except SourceError as error:
+        _fail(error, context, USAGE)
+
+
+def _fail(error: SourceError, context: Context, code: int = FINDINGS) -> NoReturn:
+    context.sink.error(error.code, error.message, help=error.help)
+    report(context, "text")
+    sys.exit(code)
+
+
+def _count(entries: list[Entry]) -> str:
+    return "1 entry" if len(entries) == 1 else f"{len(entries)} entries"
+
+
+def _bytes(size: float) -> str:
+    for unit in ("B", "KiB", "MiB"):
+        if size < 1024:
+            return f"{size:.0f} {unit}" if unit == "B" else f"{size:.1f} {unit}"
+        size /= 1024
+    return f"{size:.1f} GiB"

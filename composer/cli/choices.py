@@ -1,0 +1,60 @@
+"""Options that choose among the builds of a recipe: parameters, variants, cells of the matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from composer.context import Context
+    from composer.document import Node
+
+
+def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--set`, `--set-file` and `--variant`; the command gets them as `sets`, `set_files` and `variants`."""
+    for option in reversed((
+        click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="The value of a parameter."),
+        click.option("--set-file", "set_files", multiple=True, type=click.Path(path_type=Path), metavar="FILE",
+                     help="A YAML file with values of parameters and variants by name."),
+        click.option("--variant", "variants", multiple=True, metavar="AXIS=VALUE", help="The value of a variant."),
+    )):  # fmt: skip
+        command = option(command)
+    return command
+
+
+def chosen_values(
+    sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], context: Context
+) -> dict[str, Node]:
+    """The values by name, those of options over those of files; faults go to the context's sink."""
+    from composer.diagnostics.span import Span
+    from composer.document import Mapping, Scalar, load
+
+    found: dict[str, Node] = {}
+    for file in set_files:
+        shown = context.shown(file)
+        try:
+            text = (context.folder / file).read_bytes()
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
+            continue
+        node = load(text, shown, context.sink)
+        if isinstance(node, Mapping):
+            found.update({name: value for name, (_, value) in node.entries.items()})
+        elif node is not None:
+            context.sink.error("wrong-type", "a file of values is a mapping from names to values", node.span)
+    for option, written in [("--set", each) for each in sets] + [("--variant", each) for each in variants]:
+        name, equals, text_of_value = written.partition("=")
+        if not equals or not name:
+            context.sink.error("wrong-type", f"`{option} {written}` is no NAME=VALUE",
+                               help=f"write for instance `{option} {name or 'reach'}=0.5`")  # fmt: skip
+            continue
+        span = Span(f"{option} {name}", 1, 1)
+        if option == "--variant" or not text_of_value:
+            found[name] = Scalar(text_of_value, span, text_of_value, False)
+        elif (value := load(text_of_value, span.file, context.sink)) is not None:
+            found[name] = value
+    return found

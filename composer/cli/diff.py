@@ -1,0 +1,80 @@
+"""`mjcompose diff`: what is different between two models, in physics terms."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import click
+
+from composer.cli.choices import choice_options, chosen_values
+from composer.cli.reporting import USAGE, progress, report
+
+_DIFFERENT = 1
+_FORMATS = ("text", "json", "markdown")
+_KINDS = (
+    "body joint geom site camera light texture material mesh hfield skin flex tendon equality pair exclude actuator"
+    " sensor numeric text tuple plugin key option visual statistic count address"
+).split()
+
+
+@click.command()
+@click.argument("a")
+@click.argument("b")
+@choice_options
+@click.option("--only", multiple=True, type=click.Choice(_KINDS), metavar="KIND",
+              help="Compare this kind of element, or `option`, `visual`, `statistic`, `count`, `address`.")  # fmt: skip
+@click.option("--tolerance", type=click.FloatRange(min=0), default=0.0, show_default=True,
+              help="Numbers that differ by a smaller share than this count as the same.")  # fmt: skip
+@click.option("--all", "everything", is_flag=True, help="Tell also what MuJoCo computes from other numbers.")
+@click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
+              help="Seconds that MuJoCo may take for each model.")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
+@click.option("--format", "form", type=click.Choice(_FORMATS), default="text", show_default=True,
+              help="How the differences are printed.")  # fmt: skip
+def command(
+    a: str,
+    b: str,
+    sets: tuple[str, ...],
+    set_files: tuple[Path, ...],
+    variants: tuple[str, ...],
+    only: tuple[str, ...],
+    tolerance: float,
+    everything: bool,
+    timeout: float,
+    as_json: bool,
+    form: str,
+) -> None:
+    """Tell what changes from model A to model B, by the line that is the reason.
+
+    A and B are recipes, MJCF files or bundles (folder, .zip, .mjz), here or in a git revision: `main:arm.yaml`.
+    Exit codes: 0 the same, 1 different, 2 one of them cannot be read or built.
+    """
+    from composer.context import Context
+    from composer.diff.data import as_data
+    from composer.diff.diff import diff
+    from composer.diff.markdown import render as in_markdown
+    from composer.diff.text import render as in_text
+    from composer.engine import Limits, Session
+
+    form = "json" if as_json else form
+    context = Context()
+    given = chosen_values(sets, set_files, variants, context)
+    found = None
+    if not context.sink.has_errors:
+        progress(f"comparing {a} with {b}")
+        with Session(Limits(seconds=timeout)) as session:
+            found = diff(
+                a, b, context, session, tolerance=tolerance, only=only, everything=everything, given=given
+            )
+    if found is None:
+        report(context, "json" if form == "json" else "text")
+        sys.exit(USAGE)
+    if form == "json":
+        click.echo(json.dumps(as_data(found), indent=2, ensure_ascii=False))
+    elif form == "markdown":
+        click.echo(in_markdown(found), nl=False)
+    else:
+        click.echo(in_text(found))
+    sys.exit(0 if found.same else _DIFFERENT)

@@ -1,0 +1,44 @@
+"""The options that say what a command may fetch, and how its progress is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from composer.cli.reporting import progress
+
+if TYPE_CHECKING:
+    from composer.sources.fetching import Fetching
+
+_LOCKED, _OFFLINE = "composer.locked", "composer.offline"
+
+
+def fetching_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--locked`, `--offline`, and `--frozen` for both. They are no arguments of the command: see `fetching`."""
+    for flag, said, *asked in (
+        ("--frozen", "The same as --locked --offline.", _LOCKED, _OFFLINE),
+        ("--offline", "Fetch nothing: take what is locked, or was fetched last, from the store.", _OFFLINE),
+        ("--locked", "Fail if the lock is missing or stale, instead of going on without it.", _LOCKED),
+    ):
+        command = click.option(flag, is_flag=True, expose_value=False, help=said, callback=_noting(asked))(
+            command
+        )
+    return command
+
+
+def _noting(asked: list[str]) -> Callable[[click.Context, click.Parameter, bool], None]:
+    def note(ctx: click.Context, parameter: click.Parameter, given: bool) -> None:
+        if given:
+            ctx.meta.update(dict.fromkeys(asked, True))
+
+    return note
+
+
+def fetching() -> Fetching:
+    """How the command that runs may fetch; progress goes to standard error where a person reads that."""
+    from composer.sources.fetching import Fetching
+
+    told = click.get_current_context().meta
+    return Fetching(locked=_LOCKED in told, offline=_OFFLINE in told, progress=progress)

@@ -1,0 +1,91 @@
+"""`mjcompose fmt`: recipes in their canonical layout."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import os
+import stat
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from composer.cli.reporting import FINDINGS, report
+
+if TYPE_CHECKING:
+    from composer.context import Context
+
+STDIN = "-"
+
+
+@click.command()
+@click.argument("recipes", nargs=-1, required=True)
+@click.option(
+    "--check", is_flag=True, help="Write nothing; print what would change and exit with 1 if anything would."
+)
+def command(recipes: tuple[str, ...], check: bool) -> None:
+    """Put each of RECIPES into its canonical layout; `-` is standard input, formatted to standard output.
+
+    Comments, blank lines, anchors and the choice between lines and brackets are kept. The values are read again
+    and compared before anything is written.
+    """
+    from composer.context import Context
+    from composer.formatting.format import format_recipe
+
+    context = Context()
+    differing = 0
+    for recipe in recipes:
+        source = _read(recipe, context)
+        shown = "<stdin>" if recipe == STDIN else context.shown(Path(recipe))
+        result = None if source is None else format_recipe(source, shown, context.sink)
+        if source is None or result is None:
+            continue
+        differing += result != source
+        if recipe == STDIN and not check:
+            sys.stdout.buffer.write(result)
+        elif result != source and check:
+            click.echo(_difference(source, result, shown), nl=False)
+        elif result != source and _write(Path(recipe), result, context):
+            click.echo(f"formatted {shown}")
+    report(context, "text")
+    if check and differing:
+        click.echo(f"{differing} of {len(recipes)} would change", err=True)
+    sys.exit(FINDINGS if context.sink.has_errors or (check and differing) else 0)
+
+
+def _read(recipe: str, context: Context) -> bytes | None:
+    if recipe == STDIN:
+        return sys.stdin.buffer.read()
+    try:
+        return Path(recipe).read_bytes()
+    except OSError as error:
+        code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
+        reason = (error.strerror or str(error)).lower()
+        context.sink.error(code, f"`{recipe}` cannot be read: {reason}")
+        return None
+
+
+def _write(recipe: Path, result: bytes, context: Context) -> bool:
+    """Put the file in its place in one step, its permissions kept; whether that went well."""
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.staging import staged_file
+
+    try:
+        with staged_file(recipe) as stage:
+            stage.write_bytes(result)
+            with contextlib.suppress(OSError):
+                stage.chmod(stat.S_IMODE(os.stat(recipe).st_mode))
+    except OutputError as error:
+        context.sink.error(error.code, error.message, help=error.help)
+        return False
+    return True
+
+
+def _difference(source: bytes, result: bytes, shown: str) -> str:
+    before, after = (each.decode("utf-8").splitlines(keepends=True) for each in (source, result))
+    lines = difflib.unified_diff(before, after, shown, f"{shown} (formatted)")
+    return "".join(
+        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
+    )

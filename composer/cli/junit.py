@@ -1,0 +1,49 @@
+"""`--junit FILE`: what `check` found, for the table of tests of a CI system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from composer.cli.reporting import source_reader
+from composer.diagnostics.junit import Case, Suite, report
+
+if TYPE_CHECKING:
+    from composer.context import Context
+    from composer.verify.outcome import Outcome
+
+MODEL = "model"
+
+
+def junit_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option; the command gets the file as `junit`."""
+    return click.option("--junit", metavar="FILE", help="Write the result of each check as JUnit's XML ('-' is"
+                        " standard output).")(command)  # fmt: skip
+
+
+def suite_of(recipe: Path, outcomes: Sequence[Outcome], context: Context) -> Suite:
+    """What was found of a recipe: that there is a model is the first case, then come its checks."""
+    of_checks = {each for outcome in outcomes for each in outcome.told}
+    others = [each for each in context.sink.errors if each not in of_checks]
+    shown = context.shown(recipe)
+    cases = [Case(MODEL, MODEL, others, shown)]
+    cases += [Case(each.name, each.kind, each.told, each.span.file, each.span.line) for each in outcomes]
+    return Suite(shown, cases)
+
+
+def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:
+    """Write the file, whole; a fault goes to the context's sink."""
+    text = report(suites, source_reader(context.folder))
+    if out == "-":
+        click.echo(text, nl=False)
+        return
+    path = context.folder / out
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        context.sink.error("output-unwritable", f"`{out}` cannot be written: {reason}")

@@ -1,0 +1,24 @@
+"""`mjcompose lock`: write down what every source of a recipe is, beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from composer.cli.fetching import fetching_options
+from composer.cli.locking import write_lock
+from composer.cli.reporting import reporting_options
+
+
+@click.command()
+@click.argument("recipe", type=click.Path(path_type=Path))
+@fetching_options
+@reporting_options
+def command(recipe: Path, form: str, as_json: bool) -> None:
+    """Lock the sources of RECIPE: commits, hashes and licences go to a file beside it, ARM.lock for ARM.yaml.
+
+    What is locked already stays as it is; new sources are added, files of your own are hashed anew, and what is
+    no longer used is taken out.
+    """
+    write_lock(recipe, None, form="json" if as_json else form)

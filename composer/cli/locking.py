@@ -1,0 +1,131 @@
+"""What `lock` and `update` have in common: plan the recipe, write its lock, say what is new."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from composer.cli.reporting import FINDINGS, USAGE, report
+
+if TYPE_CHECKING:
+    from composer.context import Context
+    from composer.plan.plan import Plan
+    from composer.sources.lock import Lock
+
+
+def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str) -> None:
+    """Make the lock anew; `names` are what is to be updated: nothing for None, everything for `()`."""
+    from composer.cli.fetching import fetching
+    from composer.context import Context
+
+    context = Context(fetching=fetching())
+    told = _made(recipe, names, context)
+    report(context, form)
+    if told is None:
+        sys.exit(USAGE if any(each.code == "unknown-name" for each in context.sink.errors) else FINDINGS)
+    path, changes = told
+    if form == "json":
+        click.echo(json.dumps({"lock": path, "changes": changes}))
+        return
+    for line in changes:
+        click.echo(f"  {line}")
+    click.echo(f"wrote {path}" if changes else f"{path} is up to date")
+
+
+def _made(recipe: Path, names: tuple[str, ...] | None, context: Context) -> tuple[str, list[str]] | None:
+    """Where the lock is and what is new in it; None where the sink says why there is none."""
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.staging import staged_file
+    from composer.plan.locked import changed, lock_of, use_lock
+    from composer.plan.make import make_plan
+    from composer.sources.lock import to_text
+
+    if not (context.folder / recipe).is_file():
+        make_plan(recipe, context)  # which says what is there instead
+        return None
+    how = use_lock(recipe, context)
+    if how is None or how.lock_file is None:
+        return None
+    before = how.lock
+    if names is not None:
+        how.fresh = _wanted(names, before, context)
+    if context.sink.error_count:
+        return None
+    plan = make_plan(recipe, context)
+    if plan is None:
+        return None
+    after = lock_of([plan, *_plans_of_cells(recipe, context)], how, how.lock_file.parent)
+    if before is not None and how.fresh is not None:
+        _tell_changes(before, after, how.fresh, recipe, context)
+    if context.sink.has_errors:
+        return None
+    changes = list(changed(before, after))
+    if before != after:
+        try:
+            with staged_file(how.lock_file) as stage:
+                stage.write_text(to_text(after), encoding="utf-8", newline="\n")
+        except OutputError as error:
+            context.sink.error(error.code, error.message, help=error.help)
+            return None
+        changes = changes or ["made with other versions"]
+    return context.shown(how.lock_file), changes
+
+
+def _plans_of_cells(recipe: Path, context: Context) -> Iterator[Plan]:
+    """The matrix may choose sources that the recipe alone does not name."""
+    from composer.build.cells import cells_of
+    from composer.plan.make import plan_what_remains
+
+    for cell in cells_of(recipe, context):
+        plan = plan_what_remains(recipe, context, cell.given, cell.name)
+        if plan is not None:
+            yield plan
+
+
+def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> frozenset[str] | None:
+    """The sources that names stand for; None for all."""
+    from composer.diagnostics.suggest import closest, exists_note
+
+    if not names or lock is None:
+        return None
+    known: dict[str, set[str]] = {}
+    for id, locked in lock.sources.items():
+        for name in (id, *locked.used_by):
+            known.setdefault(name, set()).add(id)
+    found: set[str] = set()
+    for name in names:
+        if name not in known:
+            near = closest(name, known)
+            context.sink.error(
+                "unknown-name",
+                f"the lock has no source `{name}`",
+                notes=[exists_note("source", known, name)],
+                help=f"did you mean `{near[0]}`?" if near else "run `mjcompose lock` for a new part",
+            )
+        found |= known.get(name, set())
+    return frozenset(found)
+
+
+def _tell_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path, context: Context) -> None:
+    """What somebody else changed is not locked without being asked for."""
+    from composer.diagnostics.diagnostic import Note
+    from composer.sources.digest import differences
+
+    for id, now in after.sources.items():
+        was = before.sources.get(id)
+        if was is None or was.is_local or id in fresh:
+            continue
+        there = {name: digest for name, digest in now.files.items() if name in was.files}
+        kept = {name: digest for name, digest in was.files.items() if name in there}
+        if changes := differences(kept, there):
+            context.sink.error(
+                "source-changed",
+                f"`{id}` is not what the lock pins",
+                notes=[Note(change) for change in changes[:8]],
+                help=f"if that is meant, run `mjcompose update {recipe} {now.used_by[0]}`",
+            )

@@ -1,0 +1,62 @@
+"""`mjcompose verify`: whether a bundle is what its manifest says, and its parts what they are alone."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from composer.cli.reporting import FINDINGS, progress, report, reporting_options
+
+if TYPE_CHECKING:
+    from composer.verify.stored import Stored
+
+
+@click.command()
+@click.argument("bundles", metavar="BUNDLE...", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option("--recipe", type=click.Path(path_type=Path),
+              help="The recipe it was built from: where the sources of its parts are looked for.")  # fmt: skip
+@click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
+              help="Seconds that MuJoCo may take for each model.")  # fmt: skip
+@reporting_options
+def command(bundles: tuple[Path, ...], recipe: Path | None, timeout: float, form: str, as_json: bool) -> None:
+    """Verify each BUNDLE, a folder, .zip or .mjz.
+
+    Its files have the hashes of the manifest, MuJoCo compiles it, the order of joints, actuators, sensors and
+    keyframes is that of the manifest, and every part is what its source is alone.
+    """
+    from composer.context import Context
+    from composer.engine import Limits, Session
+    from composer.verify.stored import verify_stored
+
+    form = "json" if as_json else form
+    wrong = False
+    for bundle in bundles:
+        context = Context()
+        progress(f"verifying {bundle}")
+        with Session(Limits(seconds=timeout)) as session:
+            stored = verify_stored(bundle, context, session, recipe)
+        report(context, form)
+        wrong |= context.sink.has_errors
+        if stored is not None:
+            _say(stored, str(bundle), form, ok=not context.sink.has_errors)
+    sys.exit(FINDINGS if wrong else 0)
+
+
+def _say(stored: Stored, path: str, form: str, *, ok: bool) -> None:
+    if form == "json":
+        parts = [
+            {"part": each.member.part, "unchanged": None if each.obscure is not None else each.ok}
+            for each in stored.parts
+        ]
+        told = {"bundle": path, "ok": ok, "sha256": stored.bundle.sha256, "parts": parts}
+        click.echo(json.dumps(told))
+    elif form == "text" and ok:
+        unchanged = sum(each.ok for each in stored.parts)
+        click.echo(
+            f"{path}: ok: {len(stored.bundle.files)} files, "
+            f"{unchanged} of {len(stored.parts)} parts compared with their sources and unchanged"
+        )

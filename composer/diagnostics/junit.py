@@ -1,0 +1,60 @@
+"""Tests in JUnit's XML, which CI systems show as a table: one suite a recipe, one case a check."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from xml.etree import ElementTree as Xml
+
+from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.text import ReadSource, render
+
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One thing that was tested: `kind` says what of, `told` are the errors; none is a pass."""
+
+    name: str
+    kind: str
+    told: Sequence[Diagnostic] = ()
+    file: str | None = None
+    line: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Suite:
+    """What was tested of one file."""
+
+    name: str
+    cases: Sequence[Case]
+
+
+def report(suites: Iterable[Suite], read: ReadSource) -> str:
+    """The text of a whole file. No I/O but `read`."""
+    root = Xml.Element("testsuites", {"name": "mjcompose"})
+    for suite in suites:
+        failures = sum(bool(case.told) for case in suite.cases)
+        counts = {"tests": str(len(suite.cases)), "failures": str(failures), "errors": "0", "skipped": "0"}
+        element = Xml.SubElement(root, "testsuite", {"name": _text(suite.name), **counts})
+        for case in suite.cases:
+            place = {"file": case.file, "line": None if case.line is None else str(case.line)}
+            about = {"classname": f"{suite.name}.{case.kind}", "name": case.name, **place}
+            row = Xml.SubElement(
+                element, "testcase", {key: _text(value) for key, value in about.items() if value is not None}
+            )
+            if case.told:
+                first = case.told[0]
+                failure = Xml.SubElement(
+                    row, "failure", {"type": first.code, "message": _text(first.message)}
+                )
+                failure.text = _text("\n\n".join(render(each, read) for each in case.told))
+    Xml.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{Xml.tostring(root, encoding="unicode")}\n'
+
+
+def _text(text: str) -> str:
+    """Without what no XML file can hold."""
+    return _NO_XML.sub("\ufffd", text)

@@ -1,0 +1,57 @@
+"""A diff as data, for JSON."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from composer.diff.change import Change, Diff, End
+from composer.diff.fields import quantity, unit
+from composer.diff.words import relative
+
+
+def as_data(diff: Diff) -> dict[str, Any]:
+    """Everything, element by element; spans have file, line and column. Values are in MuJoCo's units."""
+    told = diff.contrast
+    return {
+        "same": diff.same,
+        "identical": told.identical,
+        "a": _end(diff.a),
+        "b": _end(diff.b),
+        "files": list(diff.files),
+        "counts": [asdict(each) for each in told.counts],
+        "groups": [
+            {
+                "cause": None if group.cause is None else asdict(group.cause),
+                "changes": [_change(each) for each in group.changes],
+            }
+            for group in diff.groups
+        ],
+        "addresses": [asdict(each) for each in told.moves],
+        "arrays": list(told.arrays),
+        "follows": diff.follows,
+    }
+
+
+def _end(end: End) -> dict[str, str]:
+    return {"name": end.label, "kind": end.kind, "sha256": end.sha256}
+
+
+def _change(change: Change) -> dict[str, Any]:
+    told: dict[str, Any] = {"what": change.what, "kind": change.kind, "name": change.name}
+    if change.what == "renamed":
+        told["before"] = change.before
+    if change.what == "changed":
+        told |= {
+            "quantity": quantity(change.field).words,
+            "field": change.field,
+            "before": change.before,
+            "after": change.after,
+            "unit": unit(change.field, change.form) or None,
+            "relative": relative(change.before, change.after),
+        }
+        if change.note:
+            told["note"] = change.note
+        if change.entry:
+            told["entry"] = change.entry
+    return told

@@ -1,0 +1,94 @@
+"""What is different between A and B: both are compiled in one child process, and compared there by name."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from contextlib import ExitStack
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from composer import engine
+from composer.context import Context
+from composer.diff.cause import Causes
+from composer.diff.change import Change, Contrast, Diff
+from composer.diff.grouping import grouped
+from composer.diff.models import contrast, told
+from composer.diff.operand import read_operand
+from composer.diff.side import Side, load
+from composer.plan.make import Given
+
+if TYPE_CHECKING:
+    from composer.engine import Session
+
+ADDRESSES, COUNTS = "address", "count"
+
+
+def diff(
+    a: str,
+    b: str,
+    context: Context,
+    session: Session,
+    *,
+    tolerance: float = 0.0,
+    only: Collection[str] = (),
+    everything: bool = False,
+    given: Given | None = None,
+) -> Diff | None:
+    """The differences from A to B; None where one of them is no model, which `context.sink` is told.
+
+    `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
+    none means all. With `everything` what follows from other changes is told too, not only counted. `given` are
+    values of parameters and variants for whichever of the two is a recipe.
+    """
+    with ExitStack() as opened:
+        operands = [read_operand(text, context, opened) for text in (a, b)]
+        sides: list[Side] = []
+        for operand, kept in zip(operands, ("diff a", "diff b"), strict=True):
+            if operand is None:
+                continue
+            side = load(operand, kept, session, given)
+            if side is None or operand.context.sink.has_errors:
+                operand.tell(context.sink)
+            elif side is not None:
+                sides.append(side)
+        if len(sides) < 2:
+            return None
+        first, second = sides
+        answer = engine.call(session, contrast, [first.kept, second.kept], {"tolerance": tolerance})
+        if not answer.ok:
+            said = answer.error or answer.crash
+            context.sink.error("mujoco-crash", f"`{a}` and `{b}` cannot be compared: {said}")
+            return None
+        return _told(told(answer.value), first, second, tolerance, only, everything)
+
+
+def _told(
+    found: Contrast, a: Side, b: Side, tolerance: float, only: Collection[str], everything: bool
+) -> Diff:
+    causes = Causes(a, b, found)
+    found = _narrowed(found, tolerance, only)
+    follows = [each for each in found.changes if each.follows]
+    wanted = [each for each in found.changes if not each.follows]
+    if everything or not wanted:
+        wanted, follows = list(found.changes), []
+    groups = grouped(wanted, causes, a, b)
+    paths = sorted({*a.digests, *b.digests})
+    files = tuple(path for path in paths if a.digests.get(path) != b.digests.get(path))
+    return Diff(a.end, b.end, found, tuple(groups), files, len(follows))
+
+
+def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contrast:
+    """What was asked for. Arrays without a word of their own count only where all is compared to the bit."""
+    if not only:
+        return found if tolerance == 0 else replace(found, arrays=())
+
+    def fits(change: Change) -> bool:
+        return change.kind.partition("/")[0] in only
+
+    return replace(
+        found,
+        changes=tuple(each for each in found.changes if fits(each)),
+        moves=found.moves if ADDRESSES in only else (),
+        counts=found.counts if COUNTS in only else (),
+        arrays=(),
+    )

@@ -1,0 +1,95 @@
+"""The elements of one side's tree, found by what MuJoCo calls them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from composer.explain import query
+from composer.explain.traced import Traced
+from composer.tree.effective import levels, value
+from composer.tree.kinds import kind_of
+from composer.tree.kinds import query as paths_of
+from composer.verify.roster import KINDS
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from composer.link.linking import Part
+
+_HOLDERS = ("body", "worldbody")
+_KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}
+
+
+class Elements:
+    """`counts` has how many elements of each kind MuJoCo made; where the tree has as many, their order counts."""
+
+    def __init__(self, traced: Traced, counts: dict[str, int]) -> None:
+        self.traced, self.counts = traced, counts
+        self.root = traced.model.root
+        self.found: dict[str, list[Node]] = defaultdict(list)
+        self.named: dict[tuple[str, str], Node] = {}
+        for node in query.ordered(self.root):
+            kind = "body" if node.tag == "worldbody" else _KINDS.get(kind_of(node).path)
+            if kind is None or (node.tag == "worldbody" and self.found["body"]):
+                continue
+            self.found[kind].append(node)
+            if (name := query.name_of(node)) is not None and node.tag != "worldbody":
+                self.named.setdefault((kind, name), node)
+
+    def node(self, kind: str, name: str, index: int) -> Node | None:
+        """The element that MuJoCo's is made of; None where it is one of many, or made by MuJoCo."""
+        found = self.named.get((kind, name))
+        if found is not None or index < 0 or len(self.found[kind]) != self.counts.get(kind):
+            return found
+        return self.found[kind][index]
+
+    def setting(self, *path: str) -> Node | None:
+        """The element that holds a setting; of several sections the last."""
+        node: Node | None = self.root
+        for tag in path:
+            node = None if node is None else next(iter(list(node.iterchildren(tag))[::-1]), None)
+        return node
+
+    def inside(self, node: Node, *tags: str) -> list[Node]:
+        """The children of a body with these tags, also through frames."""
+        return list(_inside(node, tags))
+
+    def frames(self, node: Node) -> list[Node]:
+        """The frames between an element and its body, the innermost first."""
+        found = []
+        for above in node.iterancestors():
+            if above.tag in _HOLDERS:
+                break
+            found.append(above)
+        return found
+
+    def carried(self, frame: Node) -> Part | None:
+        """The part that the linker made a frame for."""
+        made = self.traced.watch.life(frame).made_by
+        return made.part if made is not None and made.is_pass else None
+
+    def place(self, frame: Node) -> Node | None:
+        """The site, body or frame of the model that a part hangs on."""
+        part = self.carried(frame)
+        if part is None or part.place.name is None:
+            return None
+        return self.named.get((part.place.kind, part.place.name))
+
+    def value(self, node: Node, attribute: str) -> tuple[str | None, Node | None]:
+        """An attribute as it is in effect, and the element that writes it: this one, or one of a class."""
+        kind = kind_of(node)
+        known = kind.attributes.get(attribute)
+        if known is None:
+            return None, None
+        steps = levels(node, kind, known, self.traced.classes)
+        return value(steps), next((step.writer for step in steps if step.taken), None)
+
+
+def _inside(node: Node, tags: tuple[str, ...]) -> Iterator[Node]:
+    for child in node.iterchildren("*"):
+        if child.tag in tags:
+            yield child
+        elif child.tag in ("frame", "replicate"):
+            yield from _inside(child, tags)

@@ -1,0 +1,92 @@
+"""A diff as Markdown, for a pull request."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from composer.diff.change import Diff, Group
+from composer.diff.text import following, place, verdict
+from composer.diff.words import count, moved, sentences
+
+_LONG = 12
+_LONGEST = 60_000
+"""Characters; GitHub takes 65536 in a comment."""
+
+
+def render(diff: Diff) -> str:
+    """Headings by line, the lines as a diff, the changes as a list; cut where a comment would be too long."""
+    text = "\n".join(_lines(diff)).strip() + "\n"
+    if len(text) <= _LONGEST:
+        return text
+    kept = text[:_LONGEST].rpartition("\n#### ")[0]
+    kept += "\n\n</details>" * (kept.count("<details>") - kept.count("</details>"))
+    return f"{kept}\n\n… and more: `mjcompose diff` tells all of it.\n"
+
+
+def _lines(diff: Diff) -> Iterator[str]:
+    yield f"### {_code(diff.a.label)} → {_code(diff.b.label)}"
+    yield ""
+    yield f"**{verdict(diff).capitalize()}.**"
+    told = diff.contrast
+    if told.counts:
+        yield ""
+        yield from (f"- {count(each)}" for each in told.counts)
+    for group in diff.groups:
+        yield ""
+        yield from _group(group)
+    if told.moves:
+        yield ""
+        yield "#### Addresses"
+        yield ""
+        yield from _list([*moved(told.moves)])
+    if told.arrays:
+        yield ""
+        yield f"Arrays of `mjModel` that differ: {', '.join(map(_code, told.arrays))}"
+    if (more := following(diff)) is not None:
+        yield ""
+        yield f"<sub>{more}</sub>"
+
+
+def _group(group: Group) -> Iterator[str]:
+    if group.cause is None:
+        yield "#### Without a line of its own"
+    else:
+        words = (
+            "" if group.cause.lines_before or group.cause.lines_after else f": {_escaped(group.cause.words)}"
+        )
+        yield f"#### {_code(place(group.cause))}{words}"
+        lines = [f"- {line}" for line in group.cause.lines_before] + [
+            f"+ {line}" for line in group.cause.lines_after
+        ]
+        if lines:
+            fence = "`" * max(3, 1 + max(len(each) for each in re.findall("`*", " ".join(lines))))
+            yield f"{fence}diff"
+            yield from lines
+            yield fence
+    yield ""
+    yield from _list(list(sentences(group.changes)))
+
+
+def _list(lines: list[str]) -> Iterator[str]:
+    """A list; a long one folded."""
+    if len(lines) > _LONG:
+        yield f"<details><summary>{len(lines)} changes</summary>"
+        yield ""
+    for line in lines:
+        yield f"- {_escaped(line)}"
+    if len(lines) > _LONG:
+        yield ""
+        yield "</details>"
+
+
+def _escaped(line: str) -> str:
+    """What stands outside of backquotes means nothing to Markdown."""
+    pieces = line.split("`")
+    pieces[::2] = [re.sub(r"([\\*_<>#|])", r"\\\1", piece) for piece in pieces[::2]]
+    return "`".join(pieces)
+
+
+def _code(text: str) -> str:
+    fence = "`" * (1 + max(len(each) for each in re.findall("`*", text)))
+    return f"{fence}{text}{fence}" if fence == "`" else f"{fence} {text} {fence}"

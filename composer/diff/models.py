@@ -1,0 +1,171 @@
+"""Two compiled models side by side, by the names of their elements. Runs in MuJoCo's child process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from composer.diff.change import Change, Contrast, Count, Move, Value
+from composer.diff.fields import follows
+from composer.diff.identity import unequal_arrays
+from composer.diff.layout import counts, moves
+from composer.diff.named import named
+from composer.diff.renames import Names, renames
+from composer.diff.settings import setting_changes
+from composer.diff.values import JOINTS, Values
+from composer.verify.difference import MISSING
+from composer.verify.keyframes import Keys, Roots, key_differences
+from composer.verify.links import UNORDERED, links
+from composer.verify.matching import ABSENT, ON_BODIES, Matching
+from composer.verify.mount import Mount
+from composer.verify.roster import KINDS, Model, Roster
+
+
+def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
+    """For `composer.engine.call`: a `Contrast` as JSON data; ``given`` has the ``tolerance``."""
+    mine, theirs = Roster(a), Roster(b)
+    names = renames(mine, theirs)
+    matching = Matching(mine, theirs, prefix="", mount=Mount(), renamed=names)
+    values = Values(mujoco, matching, float(given["tolerance"]))
+    changes = [
+        *_renamed(names, matching),
+        *_presence(matching),
+        *_references(matching),
+        *values.changes(),
+        *_keys(matching, float(given["tolerance"])),
+        *setting_changes(mujoco, a, b, float(given["tolerance"])),
+    ]
+    arrays = unequal_arrays(a, b)
+    told = Contrast(
+        identical=not arrays,
+        changes=tuple(changes),
+        moves=tuple(moves(matching)),
+        counts=tuple(counts(a, b, float(given["tolerance"]))),
+        arrays=() if changes else tuple(arrays),
+        elements={kind: (mine.count(kind), theirs.count(kind)) for kind in KINDS},
+    )
+    return asdict(told)
+
+
+def told(data: Mapping[str, Any]) -> Contrast:
+    """The contrast after its way through JSON."""
+    return Contrast(
+        identical=data["identical"],
+        changes=tuple(
+            Change(**{**each, "before": _frozen(each["before"]), "after": _frozen(each["after"]),
+                      "index": tuple(each["index"])})
+            for each in data["changes"]
+        ),
+        moves=tuple(Move(**each) for each in data["moves"]),
+        counts=tuple(Count(**each) for each in data["counts"]),
+        arrays=tuple(data["arrays"]),
+        elements={kind: (a, b) for kind, (a, b) in data["elements"].items()},
+    )  # fmt: skip
+
+
+def _frozen(value: Any) -> Value:
+    return tuple(_frozen(each) for each in value) if isinstance(value, list) else value
+
+
+def _renamed(names: Names, matching: Matching) -> Iterator[Change]:
+    for kind, by_name in names.items():
+        for before, after in by_name.items():
+            index = matching.alone.ids[kind][before], matching.composed.ids[kind][after]
+            yield Change("renamed", kind, after, before=before, after=after, index=index, name_before=before)
+
+
+def _presence(matching: Matching) -> Iterator[Change]:
+    """Elements that only one of the two has; what has no name goes with its body."""
+    for kind in KINDS:
+        if kind == "key":
+            continue
+        ids, taken = matching.ids[kind], matching.taken[kind]
+        lost = {i for i, j in enumerate(ids) if j == ABSENT}
+        new = {j for j in range(matching.composed.count(kind)) if j not in taken} - (
+            {0} if kind == "body" else set()
+        )
+        for index in sorted(lost):
+            if not _goes_along(matching.alone, kind, index, matching.ids["body"], None):
+                name = named(matching.alone, kind, index)
+                yield Change("removed", kind, name, index=(index, ABSENT), name_before=name)
+        for index in sorted(new):
+            if not _goes_along(matching.composed, kind, index, None, matching.taken["body"]):
+                yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
+
+
+def _goes_along(roster: Roster, kind: str, index: int, ids: list[int] | None, taken: set[int] | None) -> bool:
+    if kind not in ON_BODIES or roster.names[kind][index]:
+        return False
+    body = int(getattr(roster.model, ON_BODIES[kind])[index])
+    return body != 0 and (
+        (ids is not None and ids[body] == ABSENT) or (taken is not None and body not in taken)
+    )
+
+
+def _references(matching: Matching) -> Iterator[Change]:
+    """References that stand for another element than before."""
+    for kind in KINDS:
+        if kind == "key":
+            continue
+        for index, target in matching.pairs(kind):
+            yield from _references_of(matching, kind, index, target)
+
+
+def _references_of(matching: Matching, kind: str, index: int, target: int) -> Iterator[Change]:
+    mine = links(matching.alone.model, kind, index)
+    theirs = links(matching.composed.model, kind, target)
+    if kind in UNORDERED and len(theirs) == 2 and theirs[1].index in matching.targets(mine[0]):
+        theirs = [theirs[1], theirs[0]]
+    after = {link.field: link for link in theirs}
+    for link in mine:
+        other = after.pop(link.field, None)
+        same = other is not None and other.kind == link.kind and other.index in matching.targets(link)
+        if same:
+            continue
+        shown = [
+            None if each is None or each.index < 0 else side.describe(each.kind, each.index)
+            for each, side in ((link, matching.alone), (other, matching.composed))
+        ]
+        yield _changed(matching, kind, index, target, link.field, shown[0], shown[1])
+    for field, link in after.items():
+        named = None if link.index < 0 else matching.composed.describe(link.kind, link.index)
+        yield _changed(matching, kind, index, target, field, None, named)
+
+
+def _changed(
+    matching: Matching, kind: str, index: int, target: int, field: str, before: Value, after: Value
+) -> Change:
+    return Change(
+        "changed", kind, named(matching.composed, kind, target), field, before, after,
+        index=(index, target), name_before=named(matching.alone, kind, index), follows=follows(field),
+    )  # fmt: skip
+
+
+def _keys(matching: Matching, tolerance: float) -> Iterator[Change]:
+    """Keyframes by joint, actuator and mocap body."""
+    mine, theirs = matching.alone, matching.composed
+    types = matching.composed.model.jnt_type.tolist()
+    joints = {theirs.describe("joint", j): JOINTS[types[j]] for _, j in matching.pairs("joint")}
+    for difference in key_differences(matching, None, Keys.MERGE, Roots.KEPT, tolerance):
+        if difference.field == MISSING:
+            index = mine.ids["key"].get(difference.name, ABSENT)
+            yield Change(
+                "removed", "key", difference.name, index=(index, ABSENT), name_before=difference.name
+            )
+            continue
+        field, _, entry = difference.field.partition(" of ")
+        name = entry.strip("`")
+        before, after = _alone(difference.expected), _alone(difference.actual)
+        both = mine.ids["key"].get(difference.name, ABSENT), theirs.ids["key"].get(difference.name, ABSENT)
+        yield Change("changed", "key", difference.name, field, before, after, joints.get(name, ""), name, both,
+                     difference.name)  # fmt: skip
+    known = set(mine.names["key"])
+    for index, name in enumerate(theirs.names["key"]):
+        if name not in known:
+            yield Change("added", "key", theirs.describe("key", index), index=(ABSENT, index))
+
+
+def _alone(value: Value) -> Value:
+    """One number without its list."""
+    return value[0] if isinstance(value, tuple) and len(value) == 1 else value

@@ -1,0 +1,19 @@
+"""What elements of a compiled model are called in a diff."""
+
+from __future__ import annotations
+
+from composer.verify.links import links
+from composer.verify.matching import ON_BODIES
+from composer.verify.roster import Roster
+
+_TARGETS = 3
+
+
+def named(roster: Roster, kind: str, index: int) -> str:
+    """What an element is called; of what has no name and stands on no body also what it refers to."""
+    name = roster.describe(kind, index)
+    if not name.startswith("#") or kind in ON_BODIES or kind == "body":
+        return name
+    targets = [each for each in links(roster.model, kind, index) if each.index >= 0][:_TARGETS]
+    told = ", ".join(f"`{roster.describe(each.kind, each.index)}`" for each in targets)
+    return f"{name} ({told})" if told else name

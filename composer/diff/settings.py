@@ -1,0 +1,69 @@
+"""Settings of the whole model: `option`, `visual` and what MuJoCo computes as `statistic`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from composer.diff.change import Change, Value
+from composer.diff.values import close
+from composer.verify.difference import Difference
+from composer.verify.options import option_differences, statistic_differences
+from composer.verify.roster import Model
+
+_WORDS = {
+    "integrator": ("mjtIntegrator", "mjINT_"), "cone": ("mjtCone", "mjCONE_"),
+    "jacobian": ("mjtJacobian", "mjJAC_"), "solver": ("mjtSolver", "mjSOL_"),
+}  # fmt: skip
+_SPELLED = {"euler": "Euler", "rk4": "RK4", "pgs": "PGS", "cg": "CG", "newton": "Newton"}
+_FLAGS = {
+    "disableflags": ("mjtDisableBit", "mjDSBL_", True),
+    "enableflags": ("mjtEnableBit", "mjENBL_", False),
+}
+
+
+def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterator[Change]:
+    """Flags one by one, words in place of numbers."""
+    for difference in option_differences(a, b):
+        if difference.name in _FLAGS:
+            yield from _flags(mujoco, difference)
+        elif not _close(difference.expected, difference.actual, tolerance):
+            before, after = (
+                _word(mujoco, difference.name, each) for each in (difference.expected, difference.actual)
+            )
+            yield Change("changed", difference.kind, "", difference.name, before, after)
+    for difference in statistic_differences(a, b):
+        if not _close(difference.expected, difference.actual, tolerance):
+            yield Change("changed", "statistic", "", difference.name, difference.expected, difference.actual,
+                         follows=True)  # fmt: skip
+
+
+def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
+    enum, prefix, disables = _FLAGS[difference.name]
+    assert isinstance(difference.expected, int) and isinstance(difference.actual, int)
+    for word, bit in getattr(mujoco, enum).__members__.items():
+        if word.startswith(prefix) and (difference.expected ^ difference.actual) & int(bit):
+            states = [
+                bool(each & int(bit)) is not disables for each in (difference.expected, difference.actual)
+            ]
+            before, after = ("enable" if state else "disable" for state in states)
+            yield Change("changed", "option", "", f"flag {word.removeprefix(prefix).lower()}", before, after)
+
+
+def _word(mujoco: Any, name: str, value: Value) -> Value:
+    if name not in _WORDS:
+        return value
+    enum, prefix = _WORDS[name]
+    for word, number in getattr(mujoco, enum).__members__.items():
+        if int(number) == value:
+            plain: str = word.removeprefix(prefix).lower()
+            return _SPELLED.get(plain, plain)
+    return value
+
+
+def _close(a: Value, b: Value, tolerance: float) -> bool:
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(_close(x, y, tolerance) for x, y in zip(a, b, strict=True))
+    if isinstance(a, (int, float)) and isinstance(b, (int, float)):
+        return close(a, b, tolerance)
+    return a == b

@@ -1,0 +1,146 @@
+"""A or B, compiled: MuJoCo's child process keeps the model, and the tree tells where everything came from."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from composer import engine
+from composer.bundle.assemble import assemble
+from composer.bundle.bundle import MANIFEST, MODEL, Bundle
+from composer.bundle.collect import collect
+from composer.bundle.output_error import OutputError
+from composer.bundle.read import ReadError, read
+from composer.context import Context
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.diff.change import End
+from composer.diff.operand import Kind, Operand
+from composer.explain.trace import Trace
+from composer.explain.traced import Traced
+from composer.plan.make import Given, make_plan
+from composer.plan.plan import Plan
+from composer.steps.compose import Composer
+from composer.steps.measure import measure_with
+from composer.tree.parse import parse_file, parse_text
+from composer.tree.unit import Unit
+from composer.verify.compiles import CRASHES, Fault, parse, verify
+from composer.verify.judged import judge
+
+if TYPE_CHECKING:
+    from composer.engine import Session
+
+
+@dataclass(slots=True)
+class Side:
+    """`kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path.
+
+    Of an MJCF file that is the file alone. `traced` is None where nothing tells where elements came from, `plan` for
+    what is no recipe.
+    """
+
+    operand: Operand
+    kept: str
+    digests: dict[str, str]
+    traced: Traced | None
+    plan: Plan | None = None
+    texts: dict[str, str] = field(default_factory=dict)
+    read: dict[str, list[str]] = field(default_factory=dict)
+
+    @property
+    def end(self) -> End:
+        whole = hashlib.sha256("".join(f"{path}\0{sha}\n" for path, sha in self.digests.items()).encode())
+        return End(self.operand.label, self.operand.kind, whole.hexdigest())
+
+    def lines(self, file: str) -> list[str]:
+        """The lines of a file that a place is in; none where it cannot be read."""
+        if file not in self.read:
+            text = self.texts.get(file)
+            if text is None:
+                try:
+                    text = (self.operand.context.folder / file).read_text(encoding="utf-8", errors="replace")
+                except (OSError, ValueError):
+                    text = ""
+            self.read[file] = text.splitlines()
+        return self.read[file]
+
+
+def load(operand: Operand, kept: str, session: Session, given: Given | None = None) -> Side | None:
+    """The model of an operand, compiled; None where there is none, which its sink is told."""
+    if operand.kind is Kind.RECIPE:
+        return _recipe(operand, kept, session, given)
+    if operand.kind is Kind.MJCF:
+        return _mjcf(operand, kept, session)
+    return _bundle(operand, kept, session)
+
+
+def _recipe(operand: Operand, kept: str, session: Session, given: Given | None) -> Side | None:
+    context, watch = operand.context, Trace()
+    if (plan := make_plan(operand.path, context, given)) is None:
+        return None
+    composer = Composer(context, measure_with(context, session=session), session, watch=watch)
+    if (composed := composer.compose(plan)) is None:
+        return None
+    if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+        return None
+    watch([composed.model], collect)
+    if judge(bundle, composed.model, context, session, keep=kept) is None or context.sink.has_errors:
+        return None
+    traced = Traced(composed.model, watch, plan.separator, context.folder)
+    return Side(operand, kept, _digests(bundle), traced, plan)
+
+
+def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
+    context, path = operand.context, operand.path
+    shown = context.shown(path)
+    compiled = engine.compile(path.parent, path.name, keep=kept, session=session)
+    if not compiled.ok:
+        fault = Fault(compiled.error or "") if compiled.crash else parse(compiled.error or "")
+        _refused(fault, compiled.crash, shown, context)
+        return None
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    unit = parse_file(path, Sink(), file=shown)
+    return Side(operand, kept, {MODEL: digest}, _traced(unit, context))
+
+
+def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
+    context = operand.context
+    shown = context.shown(operand.path)
+    try:
+        bundle = read(operand.path)
+        verified = verify(bundle, session=session, keep=kept)
+    except (ReadError, OutputError) as error:
+        context.sink.error(error.code, error.message.replace(str(operand.path), shown))
+        return None
+    if verified.error is not None and not verified.compiled.ok:
+        _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context)
+        return None
+    file, text = f"{shown}/{bundle.model}", bundle.files[bundle.model]
+    unit = parse_text(
+        text, Sink(), file=file, directory=operand.path, label=operand.path.stem, contents=bundle.files
+    )
+    side = Side(operand, kept, _digests(bundle), _traced(unit, context))
+    side.texts[file] = text.decode("utf-8", "replace")
+    return side
+
+
+def _traced(unit: Unit | None, context: Context) -> Traced | None:
+    if unit is None:
+        return None
+    watch = Trace()
+    watch([unit], parse_file)
+    return Traced(unit, watch, "/", context.folder)
+
+
+def _refused(fault: Fault, crash: str | None, file: str, context: Context) -> None:
+    code = "mujoco-rejects" if crash is None else CRASHES.get(crash, "mujoco-crash")
+    span = None if fault.line is None else Span(file, fault.line, fault.column or 1)
+    named = f" ({fault.element or 'element'} `{fault.name}`)" if fault.name else ""
+    said = " ".join(fault.message.split())
+    context.sink.error(code, f"`{file}` does not compile: {said}{named}", span)
+
+
+def _digests(bundle: Bundle) -> dict[str, str]:
+    """Of every file but the manifest, which tells of the build and not of the model."""
+    return {path: bundle.digest(path) for path in bundle.files if path != MANIFEST}

@@ -1,0 +1,88 @@
+"""A diff for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from composer.diff.change import Cause, Diff, Group
+from composer.diff.words import count, moved, sentences
+
+
+def render(diff: Diff) -> str:
+    """All that is told, line by line."""
+    return "\n".join(_lines(diff))
+
+
+def verdict(diff: Diff) -> str:
+    """The answer in one sentence."""
+    if diff.same and diff.contrast.identical:
+        files = "and so are all files" if diff.same_bytes else "though their files are not"
+        return f"the same: the compiled models are equal bit for bit, {files}"
+    if diff.same:
+        return "the same in what was asked for; the compiled models are not equal bit for bit"
+    changes = sum(len(group.changes) for group in diff.groups)
+    causes = sum(group.cause is not None for group in diff.groups)
+    told = "1 change" if changes == 1 else f"{changes} changes"
+    where = f" at {causes} place{'s' if causes != 1 else ''}" if causes else ""
+    return f"different: {told}{where}"
+
+
+def place(cause: Cause) -> str:
+    """`recipe.yaml:12`, with A's place where that is another one, not only in another revision."""
+    spans = [None if span is None else f"{span.file}:{span.line}" for span in (cause.before, cause.after)]
+    if spans[0] is None or spans[0] == spans[1] or (spans[1] and spans[0].endswith(f":{spans[1]}")):
+        return str(spans[1])
+    if spans[1] is None:
+        return f"{spans[0]} (A)"
+    return f"{spans[0]} → {spans[1]}"
+
+
+def heading(cause: Cause) -> str:
+    """The place, and in words what is not told by its lines."""
+    told = cause.lines_before or cause.lines_after
+    return place(cause) if told else f"{place(cause)}: {cause.words}"
+
+
+def following(diff: Diff) -> str | None:
+    """What is not told one by one."""
+    if not diff.follows:
+        return None
+    return f"{diff.follows} numbers that MuJoCo computes from these differ too: --all tells them"
+
+
+def _lines(diff: Diff) -> Iterator[str]:
+    yield f"A {diff.a.label}"
+    yield f"B {diff.b.label}"
+    yield verdict(diff)
+    told = diff.contrast
+    if told.counts:
+        yield ""
+        yield "the whole model"
+        yield from (f"  {count(each)}" for each in told.counts)
+    for group in diff.groups:
+        yield ""
+        yield from _group(group)
+    if told.moves:
+        yield ""
+        yield "addresses"
+        yield from (f"  {each}" for each in moved(told.moves))
+    if told.arrays:
+        yield ""
+        yield f"arrays of mjModel that differ: {', '.join(told.arrays)}"
+    if (more := following(diff)) is not None:
+        yield ""
+        yield more
+    if diff.same_bytes != diff.same and diff.files:
+        yield ""
+        yield f"files that differ: {', '.join(diff.files)}"
+
+
+def _group(group: Group) -> Iterator[str]:
+    if group.cause is None:
+        yield "without a line of its own"
+    else:
+        yield heading(group.cause)
+        yield from (f"  - {line}" for line in group.cause.lines_before)
+        yield from (f"  + {line}" for line in group.cause.lines_after)
+    indent = "    " if group.cause is not None else "  "
+    yield from (f"{indent}{each}" for each in sentences(group.changes))

@@ -1,0 +1,233 @@
+"""The numbers of elements that both models have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from composer.diff.change import Change, Value
+from composer.diff.fields import follows
+from composer.diff.named import named
+from composer.verify.fields import BEFORE_CONTROLS, Treatment
+from composer.verify.matching import Matching
+from composer.verify.roster import JOINT_VELOCITIES, KINDS, Model
+from composer.verify.rows import DOF, Array, arrays, same_width
+from composer.verify.runs import runs
+
+JOINTS = ("free", "ball", "slide", "hinge")
+FLOOR = 1e-6
+"""Values smaller than that are held to the tolerance as if they were this large."""
+
+_SHOWN = 12
+_SWITCHES = frozenset(
+    "limited actgravcomp actlimited ctrllimited forcelimited actfrclimited active0 actearly castshadow active"
+    " texuniform mocapid".split()
+)
+_ENUMS = {
+    "jnt_type": ("mjtJoint", "mjJNT_"), "geom_type": ("mjtGeom", "mjGEOM_"), "site_type": ("mjtGeom", "mjGEOM_"),
+    "cam_mode": ("mjtCamLight", "mjCAMLIGHT_"), "light_mode": ("mjtCamLight", "mjCAMLIGHT_"),
+    "light_type": ("mjtLightType", "mjLIGHT_"), "tex_type": ("mjtTexture", "mjTEXTURE_"),
+    "eq_type": ("mjtEq", "mjEQ_"), "sensor_type": ("mjtSensor", "mjSENS_"),
+    "actuator_dyntype": ("mjtDyn", "mjDYN_"), "actuator_gaintype": ("mjtGain", "mjGAIN_"),
+    "actuator_biastype": ("mjtBias", "mjBIAS_"), "actuator_trntype": ("mjtTrn", "mjTRN_"),
+}  # fmt: skip
+_COUNTED = ("mesh_vert", "mesh_face")
+"""Of these the number is told by an array of its own."""
+
+_SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
+"""Data of these is never told number by number."""
+
+_FIXED, _NONE, _AFFINE = 0, 0, 1
+
+
+def close(a: float, b: float, tolerance: float) -> bool:
+    """Whether two numbers count as one. NaN is itself."""
+    return a == b or (a != a and b != b) or abs(a - b) <= tolerance * max(abs(a), abs(b), FLOOR)
+
+
+class Values:
+    """Compares every array that belongs to an element, in the unit and words of MuJoCo's own arrays."""
+
+    def __init__(self, mujoco: Any, matching: Matching, tolerance: float) -> None:
+        self.mujoco, self.matching, self.tolerance = mujoco, matching, tolerance
+        self.a, self.b = matching.alone.model, matching.composed.model
+        self._known: dict[tuple[int, str], list[tuple[str, Array, Treatment]]] = {}
+
+    def changes(self) -> Iterator[Change]:
+        """In the order of kinds, and of elements in B."""
+        for kind in KINDS:
+            if kind == "key":
+                continue
+            for index, target in sorted(self.matching.pairs(kind), key=lambda pair: pair[1]):
+                seen: set[str] = set()
+                for field, before, after in self._of(kind, index, target):
+                    if field not in seen:
+                        seen.add(field)
+                        note = str(after) if before is None and isinstance(after, str) else ""
+                        names = (
+                            named(self.matching.alone, kind, index),
+                            named(self.matching.composed, kind, target),
+                        )
+                        yield Change(
+                            "changed", kind, names[1], field, before, None if note else after,
+                            self._form(kind, target), "", (index, target), names[0], follows(field), note,
+                        )  # fmt: skip
+
+    def _of(self, kind: str, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
+        gains = self._gains(index, target) if kind == "actuator" else None
+        yield from gains or ()
+        there = {name: array for name, array, _ in self._arrays(self.b, kind)}
+        for name, array, treatment in self._arrays(self.a, kind):
+            other = there.get(name)
+            if other is None or (gains is not None and name in ("actuator_gainprm", "actuator_biasprm")):
+                continue
+            yield from self._row(name, treatment, array, other, index, target)
+        if kind == "joint":
+            yield from self._dofs(index, target)
+        theirs = dict(runs(self.b, kind, target))
+        for name, run in runs(self.a, kind, index):
+            if name in theirs:
+                yield from self._run(name, run, theirs[name])
+
+    def _arrays(self, model: Model, kind: str) -> list[tuple[str, Array, Treatment]]:
+        """What has one row an element and is compared as numbers."""
+        key = (id(model), kind)
+        if key not in self._known:
+            found: list[tuple[str, Array, Treatment]] = []
+            for name, array, how in arrays(model, kind):
+                treatment: Treatment = how.treatment if how else Treatment.PLAIN
+                if name in BEFORE_CONTROLS and not hasattr(model, "actuator_ctrladr"):
+                    treatment = BEFORE_CONTROLS[name]
+                if treatment not in (Treatment.SKIPPED, Treatment.LINKED, Treatment.DATA):
+                    found.append((name, array, treatment))
+            self._known[key] = found
+        return self._known[key]
+
+    def _row(
+        self, name: str, treatment: Treatment, mine: Array, theirs: Array, index: int, target: int
+    ) -> Iterator[tuple[str, Value, Value]]:
+        if treatment is Treatment.USER:
+            mine, theirs = same_width(mine, theirs)
+        before, after = mine[index].tolist(), theirs[target].tolist()
+        if before == after:
+            return
+        if treatment is Treatment.PRESENT:
+            if (before == -1) != (after == -1):
+                yield name, before != -1, after != -1
+        elif name in _ENUMS:
+            yield name, self._word(name, before), self._word(name, after)
+        elif name.partition("_")[2] in _SWITCHES:
+            yield name, bool(before), bool(after)
+        else:
+            yield from self._numbers(name, before, after)
+
+    def _numbers(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
+        ours, others = list(_flat(before)), list(_flat(after))
+        different = [
+            at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not close(x, y, self.tolerance)
+        ]
+        if not different:
+            return
+        if len(ours) <= _SHOWN:
+            yield name, _value(before), _value(after)
+            return
+        for at in different[:_SHOWN]:
+            yield f"{name}[{at}]", ours[at], others[at]
+
+    def _dofs(self, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
+        """The arrays with one row a degree of freedom; one number where all of a joint are alike."""
+        kind = int(self.a.jnt_type[index])
+        if kind != int(self.b.jnt_type[target]):
+            return
+        first, other, count = (
+            int(self.a.jnt_dofadr[index]),
+            int(self.b.jnt_dofadr[target]),
+            JOINT_VELOCITIES[kind],
+        )
+        there = {name: array for name, array, _ in self._arrays(self.b, DOF)}
+        for name, array, _ in self._arrays(self.a, DOF):
+            if name in there:
+                before = array[first : first + count].tolist()
+                after = there[name][other : other + count].tolist()
+                if before != after:
+                    yield from self._numbers(name, _one(before), _one(after))
+
+    def _run(self, name: str, mine: Array, theirs: Array) -> Iterator[tuple[str, Value, Value]]:
+        if name == "text_data":
+            before, after = (
+                bytes(run.tolist()).rstrip(b"\0").decode("utf-8", "replace") for run in (mine, theirs)
+            )
+            if before != after:
+                yield name, before, after
+        elif mine.shape != theirs.shape:
+            if mine.size <= _SHOWN and theirs.size <= _SHOWN and not name.startswith(_SHAPES):
+                yield name, _value(_one(mine.tolist())), _value(_one(theirs.tolist()))
+            elif name not in _COUNTED:
+                yield name, f"{len(mine)} rows", f"{len(theirs)} rows"
+        elif mine.size <= _SHOWN and not name.startswith(_SHAPES):
+            before, after = mine.tolist(), theirs.tolist()
+            if before != after and name.endswith("limited"):
+                yield name, bool(before[0]), bool(after[0])
+            elif before != after:
+                yield from self._numbers(name, _one(before), _one(after))
+        else:
+            pairs = zip(_flat(mine.tolist()), _flat(theirs.tolist()), strict=True)
+            off = [abs(x - y) for x, y in pairs if not close(x, y, self.tolerance)]
+            if off:
+                yield name, None, f"{len(off)} of {mine.size} numbers differ, by up to {max(off):.3g}"
+
+    def _gains(self, index: int, target: int) -> list[tuple[str, Value, Value]] | None:
+        """Gains by their names, where both models have the actuator in the same form."""
+        before, after = _servo(self.a, index), _servo(self.b, target)
+        if before is None or after is None or before.keys() != after.keys():
+            return None
+        return [
+            (name, value, after[name])
+            for name, value in before.items()
+            if not close(value, after[name], self.tolerance)
+        ]
+
+    def _form(self, kind: str, target: int) -> str:
+        if kind == "joint":
+            return JOINTS[int(self.b.jnt_type[target])]
+        return ""
+
+    def _word(self, name: str, value: int) -> str:
+        enum, prefix = _ENUMS[name]
+        members: dict[str, Any] = getattr(self.mujoco, enum).__members__
+        words = {int(number): word for word, number in members.items() if word.startswith(prefix)}
+        return words.get(int(value), str(value)).removeprefix(prefix).lower()
+
+
+def _servo(model: Model, index: int) -> dict[str, float] | None:
+    """The gains of a motor, a position or a velocity servo; None for any other actuator."""
+    gain, bias = model.actuator_gainprm[index].tolist(), model.actuator_biasprm[index].tolist()
+    kinds = int(model.actuator_gaintype[index]), int(model.actuator_biastype[index])
+    if any(gain[1:]):
+        return None
+    if kinds == (_FIXED, _NONE) and not any(bias):
+        return {"gain": gain[0]}
+    if kinds != (_FIXED, _AFFINE) or any(bias[3:]) or bias[0]:
+        return None
+    if bias[1] == -gain[0] and gain[0]:
+        return {"kp": gain[0], "kv": -bias[2]}
+    if bias[1] == 0 and bias[2] == -gain[0]:
+        return {"kv": gain[0]}
+    return None
+
+
+def _flat(value: Any) -> Iterator[float]:
+    if isinstance(value, list):
+        for each in value:
+            yield from _flat(each)
+    else:
+        yield value
+
+
+def _one(rows: list[Any]) -> Any:
+    """One row where all are alike."""
+    return rows[0] if rows and all(row == rows[0] for row in rows) else rows
+
+
+def _value(value: Any) -> Value:
+    return tuple(_value(each) for each in value) if isinstance(value, list) else value

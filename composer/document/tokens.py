@@ -1,0 +1,122 @@
+"""The tokens of a YAML text, with what stands between them: blank lines and comments."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+from composer.document.load import reader_of
+from composer.document.mask import Mask
+
+_LINE_BREAK = re.compile(r"\r\n|\n|\r")
+_BLOCK = re.compile(r"[|>](?:([0-9])|[-+])*")
+
+
+@dataclass(slots=True)
+class Comment:
+    """A comment. `column` counts from 0; `own_line` tells that nothing but white space stands before it."""
+
+    text: str
+    column: int
+    own_line: bool
+    blank_before: bool
+
+
+@dataclass(slots=True)
+class Token:
+    """A token of YAML's grammar: `BlockEntry`, `FlowSequenceStart`, `Scalar` and so on, and what stands before it.
+
+    `line` and `column` count from 0; `blank` tells of an empty line between it and the comment, or token, before.
+    Tokens such as `BlockEnd` have no width and stand where the next one does.
+    """
+
+    kind: str
+    text: str
+    line: int
+    end_line: int
+    column: int
+    comments: list[Comment] = field(default_factory=list)
+    blank: bool = False
+    depth: int = 0
+    """Of a block scalar: the column from which its lines are its content."""
+    ended: bool = True
+    """Of a block scalar: whether a line break follows."""
+
+
+def tokens(text: str) -> list[Token]:
+    """The tokens of a text in which `load` found no fault. No I/O."""
+    starts = [0, *(found.end() for found in _LINE_BREAK.finditer(text))]
+    result: list[Token] = []
+    columns = [0]  # of the collections around
+    last = 0
+    found: Iterator[Any] = yaml.scan(Mask(text).text, Loader=reader_of(text))
+    for each in found:
+        start, end = each.start_mark.index, each.end_mark.index
+        line = bisect_right(starts, start) - 1
+        kind = type(each).__name__.removesuffix("Token")
+        token = Token(kind, text[start:end], line, 0, start - starts[line])
+        if kind == "Scalar" and each.style in ("|", ">"):
+            _block(token, columns[-1])
+            token.ended = start + len(token.text) < len(text) or token.text.endswith(("\n", "\r"))
+        elif kind in ("BlockMappingStart", "BlockSequenceStart"):
+            columns.append(token.column)
+        elif kind == "BlockEnd":
+            columns.pop()
+        end = start + len(token.text)
+        token.end_line = bisect_right(starts, end) - 1
+        _between(text, last, start, token)
+        last = max(last, end)
+        result.append(token)
+    return result
+
+
+def comments(found: list[Token]) -> list[str]:
+    """The texts of all comments, those in the first line of a block scalar too."""
+    return [text for token in found for text in (*(each.text for each in token.comments), *_in_header(token))]
+
+
+def _in_header(token: Token) -> list[str]:
+    if token.kind != "Scalar" or token.text[:1] not in ("|", ">"):
+        return []
+    _, mark, rest = _LINE_BREAK.split(token.text)[0].partition("#")
+    return [f"{mark}{rest.rstrip()}"] if mark else []
+
+
+def _block(token: Token, column: int) -> None:
+    """Find how deep a block scalar stands, and leave out the lines at its end that are no part of its value."""
+    header = _BLOCK.match(token.text)
+    assert header is not None
+    lines = _LINE_BREAK.split(token.text)
+    if header.group(1):
+        token.depth = column + int(header.group(1))
+    else:
+        first = next((line for line in lines[1:] if line.strip(" ")), None)
+        blank = max((len(line) for line in lines[1:]), default=0)
+        token.depth = blank if first is None else len(first) - len(first.lstrip(" "))
+    if "+" in header.group():
+        return
+    while len(lines) > 1 and not lines[-1].strip(" ") and len(lines[-1]) <= token.depth:
+        token.text = token.text[: len(token.text) - len(lines.pop())]
+        token.text = token.text.removesuffix("\n").removesuffix("\r")
+
+
+def _between(text: str, start: int, end: int, token: Token) -> None:
+    pieces = _LINE_BREAK.split(text[start:end])
+    position = start
+    for index, piece in enumerate(pieces):
+        stripped = piece.strip()
+        if stripped.startswith("#"):
+            begin = max(text.rfind("\n", 0, position), text.rfind("\r", 0, position)) + 1
+            column = position + piece.index("#") - begin
+            own_line = index > 0 or start == 0 or text[start - 1] in "\r\n"
+            token.comments.append(Comment(stripped, column, own_line, token.blank))
+            token.blank = False
+        elif not stripped and 0 < index < len(pieces) - 1:
+            token.blank = True
+        position += len(piece)
+        position += len(found.group()) if (found := _LINE_BREAK.match(text, position)) else 0

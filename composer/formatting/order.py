@@ -1,0 +1,109 @@
+"""The order of keys: that of the language where the order means nothing, the author's everywhere else."""
+
+from __future__ import annotations
+
+from composer.formatting.syntax import Collection, Entry, Leaf
+
+Path = tuple[str, ...]
+
+_TOP = tuple(
+    "recipe name description extends angle eulerseq separator conflict params base attach "
+    "compiler option size visual statistic extension default asset add deformable contact tendon equality "
+    "actuator sensor custom edit keyframe variants matrix randomize check".split()
+)
+_ATTACH = tuple(
+    "model packages with subtree drop edit site body frame mate pos quat euler axisangle xyaxes zaxis "
+    "joint prefix replicate keyframes before after when".split()
+)
+_EDIT = tuple(
+    "id select expect optional unset set scale offset convert move rename remove when".split()
+)  # select first, then the verbs in the order in which they are applied
+# Where all keys have their place; one that is not known stays behind the one that it follows.
+_WHOLE: dict[Path, tuple[str, ...]] = {
+    (): _TOP,
+    ("base",): _ATTACH,
+    ("attach", "*"): _ATTACH,
+    ("edit", "*"): _EDIT,
+    ("base", "edit", "*"): _EDIT,
+    ("attach", "*", "edit", "*"): _EDIT,
+    ("params", "*"): ("type", "default", "min", "max", "choices", "length", "unit", "doc"),
+    ("keyframe", "*"): ("from", "time", "qpos", "qvel", "act", "ctrl", "mpos", "mquat"),
+    ("matrix",): ("axes", "exclude", "include", "name"),
+    ("randomize",): ("seed", "samples", "emit", "fields"),
+}
+# Where some keys come first; the others stay as they are.
+_FIRST: dict[Path, tuple[str, ...]] = {
+    ("add", "*"): ("id", "to"),
+    ("default", "*"): ("parent",),
+    **dict.fromkeys(
+        ((section, "*") for section in ("sensor", "actuator", "equality", "tendon")),
+        ("type",),
+    ),
+}
+
+
+def is_free(path: Path) -> bool:
+    """Whether the order of the keys of the mapping at `path` means nothing. Indices of lists are `*`.
+
+    >>> is_free(("attach",)), is_free(("attach", "arm")), is_free(("variants", "hand", "left", "attach", "arm"))
+    (False, True, True)
+    """
+    return _table(path)[0] != ()
+
+
+def put_in_order(root: Collection) -> None:
+    """Sort the keys in place, each with its comments."""
+    _walk(root, ())
+
+
+def _walk(node: Leaf | Collection | None, path: Path) -> None:
+    if not isinstance(node, Collection):
+        return
+    if node.mapping:
+        _sort(node, path)
+    for entry in node.entries:
+        _walk(entry.value, (*path, _name(entry)))
+
+
+def _sort(node: Collection, path: Path) -> None:
+    order, whole = _table(path)
+    if not order:
+        return
+    rank = {name: index for index, name in enumerate(order)}
+    ranks: list[int] = []
+    for entry in node.entries:
+        unknown = (ranks[-1] if ranks else -1) if whole else len(order)
+        ranks.append(rank.get(_name(entry), unknown))
+    before = node.entries
+    after = [before[index] for index in sorted(range(len(before)), key=lambda index: (ranks[index], index))]
+    if after == before or [e for e in before if e.pinned] != [e for e in after if e.pinned]:
+        return
+    if node.flow:
+        for entry, breaks in zip(after, [entry.breaks for entry in before], strict=True):
+            entry.breaks = breaks
+    else:
+        after[0].parted, before[0].parted = before[0].parted, after[0].parted
+    node.entries = after
+
+
+def _name(entry: Entry) -> str:
+    return "*" if entry.key is None else entry.key.text.strip("\"'")
+
+
+def _table(path: Path) -> tuple[tuple[str, ...], bool]:
+    """The keys in their order, and whether that is all of them."""
+    if path[:1] == ("variants",):
+        path = path[3:] if len(path) >= 3 else ("",)
+    for known, order in _WHOLE.items():
+        if _fits(path, known):
+            return order, True
+    for known, order in _FIRST.items():
+        if _fits(path, known):
+            return order, False
+    return (), False
+
+
+def _fits(path: Path, known: Path) -> bool:
+    return len(path) == len(known) and all(
+        wanted in ("*", name) for wanted, name in zip(known, path, strict=True)
+    )

@@ -1,0 +1,128 @@
+"""The elements of a model by kind and name, with the values that are in effect for them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING
+
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.grammar.element import ElementType
+from composer.grammar.format import to_text
+from composer.tree.classes import childclass_of
+from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+SECTIONS = ("worldbody", "tendon", "equality", "actuator", "sensor", "contact")
+_SETTINGS = ("option", "size", "visual", "statistic")
+_CLASSES = frozenset({"name", "class", "childclass"})
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """An element that has a name, or none; `namespace` is what its name is unique in."""
+
+    node: Node
+    kind: ElementType
+    section: str
+    namespace: str
+
+    @property
+    def name(self) -> str:
+        return str(self.node.get("name") or "")
+
+
+def items(unit: Unit) -> Iterator[Item]:
+    """The elements of the body tree and of the sections, in their order; steps of tendons are left out."""
+    for section in unit.root:
+        if section.tag not in SECTIONS:
+            continue
+        kinds = GRAMMAR.within(str(section.tag))
+        nodes = section.iter("*") if section.tag == "worldbody" else section.iterchildren("*")
+        for node in nodes:
+            kind = kinds.get(str(node.tag))
+            name = None if kind is None else kind.attributes.get("name")
+            if node is not section and kind is not None and name is not None and name.declares is not None:
+                yield Item(node, kind, str(section.tag), name.declares)
+
+
+def named(unit: Unit) -> dict[tuple[str, str], Item]:
+    """The elements that have a name."""
+    return {(each.namespace, each.name): each for each in items(unit) if each.name}
+
+
+def effective(item: Item, unit: Unit) -> dict[str, str]:
+    """What is written on the element or comes from its class; no names and no classes."""
+    around = childclass_of(item.node)
+    found = {}
+    for name in item.kind.attributes:
+        if name not in _CLASSES:
+            value = unit.classes.effective(item.node, around, name)
+            if value is not None:
+                found[name] = " ".join(value.split())
+    return found
+
+
+def differing(
+    one: dict[str, str], other: dict[str, str], kind: ElementType, prefix: str
+) -> dict[str, str | None]:
+    """The values of `other` that `one` has not; None for those that only `one` has.
+
+    Names in `one` count as equal when `prefix` stands before them in `other`.
+    """
+    changes: dict[str, str | None] = {}
+    for name, attribute in kind.attributes.items():
+        before, after = (each.get(name) or default_text(attribute) for each in (one, other))
+        if before == after or (before and after and _same(before, after, attribute, prefix)):
+            continue
+        changes[name] = after
+    return changes
+
+
+def default_text(attribute: Attribute) -> str | None:
+    """MuJoCo's default, where the grammar knows it."""
+    return None if attribute.default in (None, ()) else to_text(attribute, attribute.default)
+
+
+def _same(before: str, after: str, attribute: Attribute, prefix: str) -> bool:
+    if attribute.is_number:
+        try:
+            a, b = ([float(each) for each in text.split()] for text in (before, after))
+        except ValueError:
+            return False
+        default = [float(each) for each in (default_text(attribute) or "").split()]
+        length = max(len(a), len(b))
+        padded = ([*each, *default[len(each) : length]] for each in (a, b))
+        return next(padded) == next(padded)
+    if attribute.is_reference:
+        return [prefix + each for each in before.split()] == after.split()
+    return attribute.type in ("file", "name")
+
+
+def assets_of(unit: Unit) -> dict[tuple[str, str], Node]:
+    """The assets by tag and name, which is the file's stem where none is written."""
+    return {
+        (str(node.tag), str(node.get("name") or PurePosixPath(str(node.get("file") or "")).stem)): node
+        for section in unit.root.iterchildren("asset")
+        for node in section.iterchildren("*")
+    }
+
+
+def settings_of(unit: Unit) -> dict[tuple[str, ...], str]:
+    found: dict[tuple[str, ...], str] = {}
+
+    def walk(node: Node, path: tuple[str, ...]) -> None:
+        found.update(
+            {(*path, str(name)): " ".join(str(value).split()) for name, value in node.attrib.items()}
+        )
+        for child in node.iterchildren("*"):
+            walk(child, (*path, str(child.tag)))
+
+    for section in unit.root:
+        if section.tag in _SETTINGS:
+            walk(section, (str(section.tag),))
+    return found

@@ -1,0 +1,129 @@
+"""Passes: the joint defaults that reach the vertices of a `<flexcomp>`.
+
+MuJoCo gives a flex the joint defaults of the body that it stands in, those of the top class in the world; no frame
+and no class of its own can change that. So what a flex in the world needs stays in the top class, and every other
+class takes it back; a flex that would get other defaults than it has alone is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.grammar import GRAMMAR
+from composer.grammar.format import to_text
+from composer.link.linking import Flex, Linking, Part
+from composer.tree.classes import MAIN, childclass_of, through_frames
+from composer.tree.unit import Unit
+
+# What a flex decides itself, or MuJoCo refuses to it.
+_NOT_TAKEN = ("type", "axis", "pos", "damping", "springdamper")
+
+
+def note_flexes(linking: Linking) -> None:
+    """Remember the flexes that stand in the world of their units, while the units are apart."""
+    if not linking.parts:
+        return
+    for unit, part in [(linking.base, None), *((part.unit, part) for part in linking.parts)]:
+        for worldbody in unit.root.iterchildren("worldbody"):
+            found = (child for child in through_frames(worldbody) if child.tag == "flexcomp")
+            linking.flexes.extend(Flex(flex, unit, part, top_joint(unit)) for flex in found)
+
+
+def in_world(linking: Linking) -> Iterator[Flex]:
+    """The flexes that stand in the world of the model, too."""
+    for flex in linking.flexes:
+        part = flex.part
+        if part is None or (part.place.kind == "world" and not part.joints and not part.mocap):
+            yield flex
+
+
+def keep_in_main(linking: Linking, top: Node) -> None:
+    """Write into the top class what a flex in the world needs; the classes of the units take it back."""
+    kept = next((flex.joint for flex in in_world(linking) if flex.joint), None)
+    if kept is None:
+        return
+    linking.main_joint = dict(kept)
+    for wrapped in top.iterchildren("default"):
+        joint = next(wrapped.iterchildren("joint"), None)
+        if joint is None:
+            joint = wrapped.makeelement("joint")
+            wrapped.insert(0, joint)
+        for name, value in taken_back(kept).items():
+            if joint.get(name) is None:
+                joint.set(name, value)
+    top.insert(0, top.makeelement("joint", linking.main_joint))
+
+
+def taken_back(given: Mapping[str, str]) -> dict[str, str]:
+    """Joint attributes that undo what the top class gives."""
+    # As many numbers as are given, for the others are MuJoCo's own.
+    undone = {name: _neutral(name).split()[: len(value.split())] for name, value in given.items()}
+    return {name: " ".join(values) for name, values in undone.items() if values}
+
+
+def check_flexes(linking: Linking) -> None:
+    """Refuse a flex whose vertices would get other joint defaults in the model than alone."""
+    for flex in linking.flexes:
+        body = next(flex.element.iterancestors("body"), None)
+        given = linking.main_joint if body is None else _given_by(linking, body)
+        lost = [name for name in given if name in flex.joint and not _neutral(name)]
+        if not _same(given, flex.joint) or lost:
+            _refuse(linking, flex, given)
+
+
+def top_joint(unit: Unit) -> dict[str, str]:
+    """The joint settings of a unit's top class that its flexes take."""
+    written: dict[str, str] = {}
+    for section in unit.root.iterchildren("default"):
+        for joint in section.iterchildren("joint"):
+            written.update({str(name): str(value) for name, value in joint.items()})
+    return _taken(written)
+
+
+def _given_by(linking: Linking, body: Node) -> dict[str, str]:
+    name = str(body.get("childclass") or childclass_of(body) or "")
+    found = linking.base.classes.get(name or MAIN)
+    kind = GRAMMAR.element("default/joint")
+    values = {each: found.lookup("joint", each) for each in kind.attributes}
+    return _taken({each: value[0] for each, value in values.items() if value is not None})
+
+
+def _taken(written: Mapping[str, str]) -> dict[str, str]:
+    return {
+        name: value
+        for name, value in written.items()
+        if name not in _NOT_TAKEN and name != "class" and value.split() != _neutral(name).split()
+    }
+
+
+def _neutral(name: str) -> str:
+    """MuJoCo's own value; nothing where it has none that can be written."""
+    attribute = GRAMMAR.element("default/joint").attributes[name]
+    return "" if attribute.default is None else to_text(attribute, attribute.default)
+
+
+def _same(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
+    return {name: value.split() for name, value in one.items()} == {
+        name: value.split() for name, value in other.items()
+    }
+
+
+def _refuse(linking: Linking, flex: Flex, given: Mapping[str, str]) -> None:
+    part: Part | None = flex.part
+    called = part.called if part is not None else linking.base.label
+    linking.sink.error(
+        "not-supported",
+        f"the flex of `{called}` takes the joint defaults {_shown(flex.joint)} alone, and here {_shown(given)}",
+        linking.span(flex.unit, flex.element),
+        notes=(
+            Note("a flex takes the joint defaults of the body it stands in, in the world those of `main`"),
+        ),
+        help="put the `<flexcomp>` into a `<body>` of its own",
+    )
+
+
+def _shown(joint: Mapping[str, str]) -> str:
+    return " ".join(f'`{name}="{value}"`' for name, value in joint.items()) or "of MuJoCo"

@@ -1,0 +1,133 @@
+"""How the keys of the units and of the finished model are laid out, with MuJoCo's help where the tree does not tell.
+
+`layouts` is a pass: it runs while the units are still apart.
+"""
+
+from __future__ import annotations
+
+from lxml.etree import _Element as Node
+
+from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, lay_out
+from composer.link.linking import Linking
+from composer.link.measured import is_measured, widths
+from composer.link.multiplied import element_of
+from composer.tree.unit import Unit
+
+VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
+
+
+def layouts(linking: Linking) -> None:
+    """Note how each unit lays out its keys, while it is still by itself."""
+    for unit in linking.units if linking.parts else ():
+        _write_padding(unit)
+    keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
+    if linking.asked is None and not keeping and not keys_of(linking.base):
+        return
+    linking.base_layout = layout_of(linking, linking.base)
+    for part in linking.parts:
+        part.layout = layout_of(linking, part.unit)
+
+
+def keys_of(unit: Unit) -> list[Node]:
+    """The `<key>` elements of a unit."""
+    return [key for section in unit.root.iterchildren("keyframe") for key in section.iterchildren("key")]
+
+
+def _write_padding(unit: Unit) -> None:
+    """`<size nkey>` pads with default keys: as written keys they stay with the part that asks for them."""
+    for size in unit.root.iterchildren("size"):
+        count = int(str(size.attrib.pop("nkey", "-1")))
+        for _ in range(len(keys_of(unit)), count):
+            unit.section("keyframe").append(unit.root.makeelement("key"))
+
+
+def layout_of(linking: Linking, unit: Unit) -> Layout | None:
+    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is told."""
+    try:
+        layout = lay_out(unit, {})
+    except Unknown:
+        return _measured_layout(linking, unit)
+    if any(slot.free or slot.kind == BLOCK for slot in layout.joints.values()) and any(
+        is_measured(unit, joint, slot) for joint, slot in layout.joints.items()
+    ):
+        return _measured_layout(linking, unit)
+    if layout.actuators and next(unit.root.iter("replicate"), None) is not None:
+        return _measured_layout(linking, unit)  # which actuators are multiplied is for MuJoCo to say
+    return layout
+
+
+def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
+    """Ask MuJoCo for the widths and references that the tree does not tell."""
+    try:
+        known = widths(linking, unit)
+        if known is None:
+            return None
+        linking.measured.update(known)
+        return lay_out(unit, known)
+    except Unknown as unknown:
+        not_laid_out(linking, unit, unknown)
+        return None
+
+
+def final_layout(linking: Linking) -> Layout | None:
+    """How the finished model lays out its keys; None where that is told."""
+    known = {**linking.measured, **_slots(linking)}
+    for node in linking.reshaped:
+        known.pop(node, None)
+    try:
+        return lay_out(linking.base, known)
+    except Unknown as unknown:
+        if unknown.element in linking.reshaped:
+            return _measured_anew(linking, known, unknown)
+        not_laid_out(linking, linking.base, unknown)
+        return None
+
+
+def _measured_anew(linking: Linking, known: dict[Node, Slot], unknown: Unknown) -> Layout | None:
+    """What an edit has changed, asked of MuJoCo on the finished model without its keys."""
+    unit = linking.flat()
+    sections = list(unit.root.iterchildren("keyframe"))
+    for section in sections:
+        unit.root.remove(section)
+    found = widths(linking, unit)
+    for section in sections:
+        unit.root.append(section)
+    try:
+        return lay_out(linking.base, {**(found or {}), **known})
+    except Unknown:
+        not_laid_out(linking, linking.base, unknown)
+        return None
+
+
+def _slots(linking: Linking) -> dict[Node, Slot]:
+    """What the units already knew of their joints and actuators."""
+    found = [linking.base_layout, *(part.layout for part in linking.parts)]
+    known: dict[Node, Slot] = {}
+    for layout in found:
+        if layout is not None:
+            known |= layout.joints
+            known |= {element_of(holder): slot for holder, slot in layout.actuators.items()}
+    return known
+
+
+def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
+    """Tell it."""
+    tag = unknown.element.tag
+    leave_out = "leave the keys out: `keyframes: none`"
+    if linking.asked is not None:
+        leave_out += ", and no `keyframe` in the recipe"
+    linking.sink.error(
+        "not-supported",
+        f"keyframes of a model with this `<{tag}>` cannot be laid out: only MuJoCo knows its size",
+        linking.span(unit, unknown.element),
+        help=leave_out,
+    )
+
+
+def holders(layout: Layout, vector: str) -> list[tuple[Holder, int]]:
+    """What the numbers of a vector belong to, in their order, each with how many are its own."""
+    if vector in ("qpos", "qvel"):
+        return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
+    if vector in ("ctrl", "act"):
+        return [(actuator, slot.widths[vector == "act"]) for actuator, slot in layout.actuators.items()]
+    return [(body, 3 if vector == "mpos" else 4) for body in layout.mocaps]

@@ -1,0 +1,129 @@
+"""The order of actuators where `<replicate>` multiplies them: what refers to something replicated multiplies with it.
+
+MuJoCo carries out the replicates one after another, inner ones first. Each takes the tendons and actuators that
+refer to something in it out of their lists and appends a copy of each for its first copy, for its second, and so on;
+but none of what refers to something else, too, which is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from composer.tree.names import DECLARES, REFERS, naming_table
+
+Name = tuple[str, str]
+"""Namespace and name."""
+
+
+class Copy(NamedTuple):
+    """One of the actuators that MuJoCo makes of an element: its number in each replicate, the inner one first."""
+
+    element: Node
+    numbers: tuple[int, ...]
+
+
+def element_of(holder: Node | Copy) -> Node:
+    """The element that is written in the tree."""
+    return holder.element if isinstance(holder, Copy) else holder
+
+
+@dataclass(frozen=True, slots=True)
+class _Thing:
+    """A tendon or an actuator, as the replicates so far have left it."""
+
+    element: Node
+    numbers: tuple[int, ...]
+    name: str
+    refers: frozenset[Name]
+
+    def copied(self, number: int, suffix: str, lost: frozenset[Name]) -> _Thing:
+        """The copy that refers to the copies of what is `lost`."""
+        refers = frozenset(
+            (kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers
+        )
+        name = self.name + suffix if self.name else ""
+        return replace(self, numbers=(*self.numbers, number), name=name, refers=refers)
+
+
+def actuators_in_order(root: Node) -> list[Node | Copy]:
+    """Every actuator of a model in the order of its controls; a multiplied one as its copies."""
+    actuators = [each for section in root.iterchildren("actuator") for each in section.iterchildren("*")]
+    replicates = [each for world in root.iterchildren("worldbody") for each in _inner_first(world)]
+    if not actuators or not replicates:
+        return list(actuators)
+    tendons = [each for section in root.iterchildren("tendon") for each in section.iterchildren("*")]
+    hanging = [_thing(each, "tendon") for each in tendons]
+    driving = [_thing(each, "actuator") for each in actuators]
+    made: dict[Node, list[Name]] = {}
+    for replicate in replicates:
+        inside = list(_declared(replicate, made))
+        ends = suffixes(replicate)
+        made[replicate] = [(kind, name + end) for end in ends for kind, name in inside]
+        lost = frozenset(inside)
+        hanging, gone = _multiply(hanging, lost, ends)
+        driving, _ = _multiply(driving, lost | gone, ends)
+    return [Copy(each.element, each.numbers) if each.numbers else each.element for each in driving]
+
+
+def _multiply(
+    things: list[_Thing], lost: frozenset[Name], ends: list[str]
+) -> tuple[list[_Thing], frozenset[Name]]:
+    """The things after a replicate has multiplied those that refer to what is `lost`, and the names these had."""
+    kept = [thing for thing in things if thing.refers.isdisjoint(lost)]
+    taken = [thing for thing in things if not thing.refers.isdisjoint(lost)]
+    whole = [thing for thing in taken if thing.refers <= lost]
+    copies = [thing.copied(number, end, lost) for number, end in enumerate(ends) for thing in whole]
+    return kept + copies, frozenset(("tendon", thing.name) for thing in taken if thing.name)
+
+
+def _inner_first(parent: Node) -> Iterator[Node]:
+    for child in parent.iterchildren("*"):
+        yield from _inner_first(child)
+        if child.tag == "replicate":
+            yield child
+
+
+def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
+    """The names inside a replicate, those that inner ones have made included."""
+    for child in replicate.iterchildren("*"):
+        if child.tag == "replicate":
+            yield from made[child]
+            continue
+        name, kind = child.get("name"), _kinds().get(str(child.tag))
+        if name and kind:
+            yield kind, name
+        yield from _declared(child, made)
+
+
+@cache
+def _kinds() -> dict[str, str]:
+    """The namespace in which the tags of the body tree declare their names."""
+    return {
+        tag: namespace
+        for tag, actions in naming_table("worldbody").items()
+        for name, (action, namespace) in actions.items()
+        if action == DECLARES and name == "name"
+    }
+
+
+def suffixes(replicate: Node) -> list[str]:
+    """What is appended to the names in each copy."""
+    count = int(str(replicate.get("count") or 1))
+    width = len(str(count - 1))
+    return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(count)]
+
+
+def _thing(element: Node, section: str) -> _Thing:
+    table = naming_table(section)
+    refers = {
+        (namespace, str(each.get(name)))
+        for each in element.iter("*")
+        for name, (action, namespace) in table.get(str(each.tag), {}).items()
+        if action == REFERS and each.get(name) and namespace != "default"
+    }
+    return _Thing(element, (), str(element.get("name") or ""), frozenset(refers))

@@ -1,0 +1,177 @@
+"""The keys of every part, by the path of the part: what each says of its own joints, actuators and mocap bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.link import numbers
+from composer.link.key_layouts import VECTORS, holders, keys_of
+from composer.link.layout import BLOCK, Holder, Layout, Slot
+from composer.link.linking import Linking, Part
+from composer.pose import Pose, normalise, rotate
+from composer.tree.classes import ORIENTATIONS
+from composer.tree.key import Key, PartKeys
+from composer.tree.unit import Unit
+
+BASE = "base"
+"""What the base is called among the parts."""
+
+
+def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
+    """The keys of the base and of each part, and of the parts that these are made of; found once.
+
+    Of those that are left out only the ones that the recipe asks for. The poses of the parts must be known.
+    """
+    if linking.part_keys is not None:
+        return linking.part_keys
+    found: dict[str, PartKeys] = {}
+    asked = linking.asked or frozenset()
+    for part in (None, *linking.parts):
+        path = BASE if part is None else part.path(linking.separator)
+        policy = linking.base_keyframes if part is None else part.keyframes
+        unit, layout = (linking.base, linking.base_layout) if part is None else (part.unit, part.layout)
+        if layout is None:
+            continue
+        if policy != "none" or path in asked:
+            own = linking.own_keys[part] = tuple(_own_keys(linking, unit, layout, part))
+            found[path] = PartKeys(1, own)
+        for inner, (depth, keys) in unit.part_keys.items():
+            below = f"{path}{linking.separator}{inner}"
+            if policy != "none" or below in asked:
+                moved = tuple(_moved(linking, part, layout, key) for key in keys)
+                found[below] = PartKeys(depth + 1, moved)
+        if part is not None:
+            _carry_references(linking, part, layout)
+    linking.part_keys = found
+    return found
+
+
+def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -> Iterator[Key]:
+    for element in keys_of(unit):
+        key = Key(str(element.get("name") or ""), element.get("time"), element, unit.file, unit.origins)
+        for vector in VECTORS:
+            text = str(element.get(vector) or "").split()
+            taken = cut_row(linking, unit, layout, element, vector, text) if text else None
+            if taken is not None:
+                key.values[vector] = taken
+        yield _moved(linking, part, layout, key)
+
+
+def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key:
+    """The key where its part hangs."""
+    if part is None:
+        return key
+    values = {vector: dict(columns) for vector, columns in key.values.items()}
+    for vector, columns in values.items():
+        if vector in ("qpos", "qvel"):
+            _check_flexes(linking, part, layout, key, vector, columns)
+        _carry(part, layout, vector, columns)
+    return replace(key, values=values)
+
+
+def cut_row(
+    linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str, text: list[str]
+) -> dict[Holder, list[str]] | None:
+    """The numbers of one vector of a key by joint, actuator or body; short rows give fewer, wrong ones are told."""
+    owners = holders(layout, vector)
+    total = sum([width for _, width in owners])
+    if len(text) > total:
+        linking.sink.error(
+            "keyframe-conflict",
+            f"`{vector}` of {called(element)} has {len(text)} numbers, and `{unit.file}` has room for {total}",
+            linking.span(unit, element, vector),
+        )
+        return None
+    taken: dict[Holder, list[str]] = {}
+    at = 0
+    for holder, width in owners:
+        if at + width > len(text):
+            if at < len(text) and vector not in ("mpos", "mquat"):  # MuJoCo ignores half a pose there
+                linking.sink.error(
+                    "keyframe-conflict",
+                    f"`{vector}` of {called(element)} ends in the middle of a joint, "
+                    f"after {len(text)} of {total} numbers",
+                    linking.span(unit, element, vector),
+                )
+            break
+        taken[holder] = text[at : at + width]
+        at += width
+    return taken
+
+
+def _check_flexes(
+    linking: Linking, part: Part, layout: Layout, key: Key, vector: str, taken: Mapping[Holder, object]
+) -> None:
+    """The bodies of a flex do not turn with the frames above it, so that its numbers mean other directions there."""
+    for block, slot in layout.joints.items():
+        if slot.kind == BLOCK and block in taken and block.tag == "flexcomp" and _is_turned(part, block):
+            linking.sink.error(
+                "not-supported",
+                f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns",
+                key.span(vector),
+                notes=(Note("the flex", linking.span(part.unit, block)),),
+                help="leave the keys out, `keyframes: none`, or put the `<flexcomp>` into a body",
+            )
+
+
+def _is_turned(part: Part, flex: Node) -> bool:
+    """Whether the place of the part turns a flex at its root."""
+    own, node = True, flex.getparent()
+    while node is not None and node.tag == "frame":
+        own = own and node.get("childclass") != part.top_class
+        if not own and any(node.get(name) for name in ORIENTATIONS):
+            return True
+        node = node.getparent()
+    return False
+
+
+def called(key: Node) -> str:
+    """What messages call a key."""
+    return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
+
+
+def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[str]]) -> None:
+    """Free joints and mocap bodies say where they are in the world: they move with the part."""
+    moved = part.pose_in_world
+    if moved is None or moved.is_identity:
+        return
+    if vector in ("qpos", "qvel"):
+        for joint, slot in layout.joints.items():
+            if slot.free and joint in taken:
+                taken[joint] = _carried(moved, slot, vector, taken[joint])
+    elif vector in ("mpos", "mquat"):
+        for body in layout.mocaps:
+            values = taken.get(body)
+            if values:
+                x = numbers.read(" ".join(values))
+                if vector == "mpos":
+                    new: tuple[float, ...] = (moved @ Pose((x[0], x[1], x[2]))).pos
+                else:
+                    new = (moved @ Pose(quat=normalise(x))).quat
+                taken[body] = numbers.text(new).split()
+
+
+def _carried(moved: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
+    """The numbers of a joint or a block, with every free joint in it moved."""
+    values = list(values)
+    for at_qpos, at_qvel in slot.free:
+        if vector == "qvel":  # the linear part is in the world's frame, the angular in the body's own
+            x, y, z = numbers.read(" ".join(values[at_qvel : at_qvel + 3]))
+            values[at_qvel : at_qvel + 3] = numbers.text(rotate(moved.quat, (x, y, z))).split()
+        else:
+            x, y, z, w, a, b, c = numbers.read(" ".join(values[at_qpos : at_qpos + 7]))
+            pose = moved @ Pose((x, y, z), normalise((w, a, b, c)))
+            values[at_qpos : at_qpos + 7] = numbers.text([*pose.pos, *pose.quat]).split()
+    return values
+
+
+def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
+    """What was measured of a part by itself moves with it."""
+    moved = part.pose_in_world
+    for joint, slot in layout.joints.items():
+        if slot.free and moved is not None and joint in linking.references:
+            linking.references[joint] = _carried(moved, slot, "qpos", linking.references[joint])

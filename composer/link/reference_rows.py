@@ -1,0 +1,95 @@
+"""The reference configuration of the finished model: what a key holds where nobody says anything."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+
+from lxml.etree import _Element as Node
+
+from composer.link import numbers
+from composer.link.angles import model_angle
+from composer.link.layout import BLOCK, Holder, Layout, Slot
+from composer.link.linking import Linking
+from composer.link.multiplied import element_of
+from composer.link.placing import pose_in_world, read_pose
+from composer.pose import Pose
+from composer.tree.classes import childclass_of
+
+_IDENTITY = "1 0 0 0".split()
+
+
+class Reference:
+    """Gives rows of keys, filled up with the reference configuration."""
+
+    def __init__(self, linking: Linking) -> None:
+        self.linking = linking
+        self.sequence = linking.base.settings.eulerseq
+
+    @cached_property
+    def degrees(self) -> bool:
+        return model_angle(self.linking) == "degree"
+
+    @cached_property
+    def class_refs(self) -> bool:
+        return self.linking.base.classes.give("joint", "ref")
+
+    def row(self, vector: str, layout: Layout, values: Mapping[Holder, list[str]]) -> list[str]:
+        """All numbers of a vector as text; `values` are those that somebody gives."""
+        row: list[str] = []
+        if vector in ("mpos", "mquat"):
+            for body in layout.mocaps:
+                given = values.get(body)
+                if given is None:
+                    pose = self._pose(body)
+                    given = numbers.text(pose.pos if vector == "mpos" else pose.quat).split()
+                row += given
+            return row
+        if vector in ("qpos", "qvel"):
+            for joint, slot in layout.joints.items():
+                given = values.get(joint)
+                if given is not None and not self._holds(joint, given, slot.widths[vector == "qvel"]):
+                    given = None
+                if given is None:
+                    given = self._qpos(joint, slot) if vector == "qpos" else ["0"] * slot.widths[1]
+                row += given
+            return row
+        for actuator, slot in layout.actuators.items():
+            width = slot.widths[vector == "act"]
+            given = values.get(actuator)
+            row += given if given and self._holds(actuator, given, width) else ["0"] * width
+        return row
+
+    def _holds(self, holder: Holder, given: list[str], width: int) -> bool:
+        """Whether numbers still mean something after what has been edited."""
+        return element_of(holder) not in self.linking.emptied and len(given) == width
+
+    def _qpos(self, joint: Node, slot: Slot) -> list[str]:
+        measured = self.linking.references.get(joint)
+        if measured is not None:
+            return measured
+        if slot.kind == "free":
+            body = joint.getparent()
+            while body is not None and body.tag != "body":
+                body = body.getparent()
+            if body is not None:
+                pose = self._pose(body)
+                return numbers.text([*pose.pos, *pose.quat]).split()
+        if slot.kind == BLOCK:
+            return ["0"] * slot.widths[0]
+        if slot.kind == "ball":
+            return _IDENTITY
+        ref = joint.get("ref")
+        if ref is None and self.class_refs:
+            ref = self.linking.base.classes.effective(joint, childclass_of(joint), "ref")
+        if ref is None:
+            return ["0"]
+        value = numbers.read(ref)[0]
+        if slot.kind == "hinge" and self.degrees:
+            value = numbers.joint_radians(value)
+        return numbers.text([value]).split()
+
+    def _pose(self, body: Node) -> Pose:
+        outer = body.getparent()
+        inner = read_pose(body, self.degrees, self.sequence)
+        return inner if outer is None else pose_in_world(outer, self.degrees, self.sequence) @ inner

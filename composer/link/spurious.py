@@ -1,0 +1,94 @@
+"""Passes: what the `<replicate>` of one unit would multiply in another, by a fault of MuJoCo.
+
+MuJoCo (3.12 to 4.0) takes for replicated what still resolves when the copy's number is appended to every name in
+it: a sensor without an object, a tuple of assets, and what refers to `j1` where there is a `j10` before the replicate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.link.linking import Linking
+from composer.link.multiplied import suffixes
+from composer.tree.names import REFERS, REFERS_BY, WORLD, naming_table, object_namespace
+from composer.tree.unit import Unit
+
+_SECTIONS = ("contact", "tendon", "equality", "actuator", "sensor", "custom")
+_OF_NOTHING = ("numeric", "text")
+# What a replicate copies; assets, numbers and texts keep their names, so that they always resolve.
+_COPIED = frozenset(
+    "body joint geom site camera light tendon equality actuator sensor pair exclude flex skin".split()
+)
+
+
+def note_replicates(linking: Linking) -> None:
+    """Remember whose replicate is whose, while the units are apart."""
+    for unit in linking.units if linking.parts else ():
+        linking.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
+
+
+def spurious(linking: Linking) -> None:
+    """Refuse a replicate that would change another unit."""
+    if not linking.replicates:
+        return
+    places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}
+    told: set[tuple[Unit, Unit]] = set()
+    for unit, replicate in linking.replicates:
+        for other in linking.units:
+            if other is unit or (unit, other) in told:
+                continue
+            thing = next(
+                (each for each in _things(other) if _resolves(linking, each, replicate, places)), None
+            )
+            if thing is not None:
+                told.add((unit, other))
+                _refuse(linking, unit, replicate, other, thing)
+
+
+def _things(unit: Unit) -> Iterator[Node]:
+    for section in unit.root.iterchildren(*_SECTIONS):
+        yield from (each for each in section.iterchildren("*") if each.tag not in _OF_NOTHING)
+
+
+def _resolves(linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int]) -> bool:
+    """Whether MuJoCo finds what the thing refers to with a number behind it, too, when it reads the replicate."""
+    referred = list(_referred(thing))
+    found = (linking.names.find(kind, name + end) for kind, name in referred for end in suffixes(replicate))
+    here = places.get(replicate, 0)
+    return not referred or any(
+        element is not None and (_is_listed(element) or places.get(element, here) < here) for element in found
+    )
+
+
+def _is_listed(element: Node) -> bool:
+    """Whether it stands in a section of its own, which MuJoCo reads before the bodies."""
+    section = element.getparent()
+    return section is not None and section.tag in _SECTIONS
+
+
+def _referred(thing: Node) -> Iterator[tuple[str, str]]:
+    section = thing.getparent()
+    assert section is not None
+    table = naming_table(str(section.tag))
+    for element in thing.iter("*"):
+        for attribute, (action, namespace) in table.get(str(element.tag), {}).items():
+            name = str(element.get(attribute) or "")
+            kind = object_namespace(element, namespace) if action == REFERS_BY else namespace
+            if name == WORLD and thing.tag == "tuple":
+                continue
+            if name and action in (REFERS, REFERS_BY) and kind in _COPIED:
+                yield str(kind), name
+
+
+def _refuse(linking: Linking, unit: Unit, replicate: Node, other: Unit, thing: Node) -> None:
+    called = f"`{thing.get('name')}`" if thing.get("name") else "without a name"
+    linking.sink.error(
+        "not-supported",
+        f"the `<replicate>` of `{unit.file}` would multiply the `<{thing.tag}>` {called} of `{other.file}`, too",
+        linking.span(unit, replicate),
+        notes=(Note("MuJoCo would take this for one of what it replicates", linking.span(other, thing)),),
+        help="write the copies out instead of `<replicate>`",
+    )

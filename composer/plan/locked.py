@@ -1,0 +1,217 @@
+"""A plan and its lock: what a lock of it would say, and whether one that is there still holds."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+from typing import cast
+
+from composer.context import Context
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
+from composer.plan.plan import Plan
+from composer.plan.used_files import files_of_recipe, files_of_source
+from composer.sources.digest import differences, sha256_of
+from composer.sources.fetching import Fetching
+from composer.sources.lock import Lock, Locked, SourceKind, lock_path, read_lock
+from composer.sources.origin import Origin
+from composer.sources.source import Source
+from composer.version import __version__
+
+_SHOWN = 8
+
+
+def use_lock(recipe: Path, context: Context) -> Fetching | None:
+    """How to fetch for a recipe: as its lock says where there is one. Read once a run; None where it has faults."""
+    fetching = context.fetching = context.fetching or Fetching()
+    if fetching.lock_file is not None:
+        return fetching
+    before = context.sink.error_count
+    path = lock_path(context.folder / recipe)
+    fetching.recipe = context.shown(context.folder / recipe)
+    fetching.lock = read_lock(path, context.shown(path), context.sink)
+    if context.sink.error_count > before:
+        return None
+    if fetching.lock is None and fetching.locked:
+        help = f"run `mjcompose lock {fetching.recipe}` and commit the lock"
+        context.sink.error("lock-stale", f"there is no lock `{context.shown(path)}`", help=help)
+        return None
+    fetching.lock_file = path
+    return fetching
+
+
+@dataclass(slots=True)
+class _Use:
+    """What is known of a source while files are gathered."""
+
+    root: Path
+    origin: Origin | None
+    source: Source | None
+    span: Span | None
+    files: dict[str, Path] = field(default_factory=dict)
+    licences: set[str] = field(default_factory=set)
+    used_by: dict[str, None] = field(default_factory=dict)
+
+
+def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path) -> Lock:
+    """The lock of plans of one recipe, its variants; `folder` is where the lock will be. Reads every file."""
+    uses = _Gathering(fetching.origins.values(), folder).of(plans)
+    return Lock(
+        mjcompose=__version__,
+        mujoco=_mujoco(),
+        sources={id: locked for id, use in uses.items() if (locked := _locked(use)) is not None},
+    )
+
+
+def check_lock(plan: Plan, context: Context) -> None:
+    """Tell what differs from the lock, if there is one: bytes that changed, sources that are not in it."""
+    fetching = context.fetching
+    if fetching is None or fetching.lock is None or fetching.lock_file is None:
+        return
+    shown = context.shown(fetching.lock_file)
+    for id, use in _Gathering(fetching.origins.values(), fetching.lock_file.parent).of([plan]).items():
+        now, before = _locked(use), fetching.lock.sources.get(id)
+        if now is None:
+            continue
+        name = next(iter(use.used_by))
+        if before is None:
+            tell = context.sink.error if fetching.locked else context.sink.warning
+            tell("lock-stale", f"`{id}` is not in the lock `{shown}`", use.span,
+                 help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
+        elif changes := differences(
+            {
+                file: digest
+                for file, digest in before.files.items()
+                if file in now.files or _is_gone(use, file)
+            },
+            now.files,
+        ):
+            tell = context.sink.warning if before.is_local and not fetching.locked else context.sink.error
+            tell(
+                "source-changed",
+                f"`{id}` is not what `{shown}` pins",
+                use.span,
+                notes=[Note(change) for change in changes[:_SHOWN]] + _more(changes),
+                help=f"if that is meant, run `mjcompose update {plan.file} {name}`",
+            )
+
+
+def _more(changes: tuple[str, ...]) -> list[Note]:
+    return [Note(f"and {len(changes) - _SHOWN} more")] if len(changes) > _SHOWN else []
+
+
+def _is_gone(use: _Use, file: str) -> bool:
+    """Whether a locked file that is not used is not there either; another variant may use it."""
+    return not (use.root / file).is_file()
+
+
+class _Gathering:
+    """All files of plans, each with the source that it belongs to."""
+
+    def __init__(self, origins: Iterable[Origin], folder: Path) -> None:
+        self.origins = tuple(origins)
+        self.folder = folder
+        self.uses: dict[str, _Use] = {}
+
+    def of(self, plans: Iterable[Plan]) -> dict[str, _Use]:
+        for plan in plans:
+            self._plan(plan, "", None)
+        return self.uses
+
+    def _plan(self, plan: Plan, prefix: str, asked: Span | None) -> None:
+        """`asked` is the place where the recipe that is built asks for this one, None for itself."""
+        own = list(files_of_recipe(plan))
+        if prefix:
+            own.append(plan.path)  # of the recipe that is built, anything may change that changes no source
+        self._put(plan.path, own, None, prefix or plan.path.name, asked)
+        models = [("base", plan.base.model, plan.base.span)]
+        models += [(part.prefix.removesuffix(plan.separator), part.model, part.span) for part in plan.parts]
+        for name, model, span in models:
+            label = f"{prefix}{plan.separator}{name}" if prefix else name
+            if isinstance(model, Plan):
+                self._plan(model, label, asked or span)
+            elif model is not None:
+                self._put(model.path, list(files_of_source(model)), model, label, asked or span)
+
+    def _put(
+        self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None
+    ) -> None:
+        origin = self._origin_of(main)
+        root = self.folder if origin is None else origin.root
+        id = _local_id(_relative(main, root)) if origin is None else origin.id
+        if files:
+            use = self.uses.setdefault(id, _Use(root, origin, source, span))
+            use.used_by.setdefault(label)
+            licences = {os.path.realpath(each) for each in source.licences} if source is not None else set()
+            for file in files:
+                name = _relative(file, root)
+                use.files[name] = file
+                if os.path.realpath(file) in licences:
+                    use.licences.add(name)
+
+    def _origin_of(self, path: Path) -> Origin | None:
+        """What a file was fetched or installed with; the innermost where folders lie in one another."""
+        real = Path(os.path.realpath(path))
+        around = [each for each in self.origins if real.is_relative_to(os.path.realpath(each.root))]
+        return max(around, key=lambda each: len(os.path.realpath(each.root)), default=None)
+
+
+def _local_id(path: str) -> str:
+    return path if path.startswith("../") or os.path.isabs(path) else f"./{path}"
+
+
+def _locked(use: _Use) -> Locked | None:
+    """The entry of a source; None where nothing of it can be read."""
+    files = {}
+    for name, path in use.files.items():
+        try:
+            files[name] = sha256_of(path)
+        except OSError:
+            continue  # told by those who need it
+    if not files:
+        return None
+    source, origin = use.source, use.origin
+    return Locked(
+        kind=cast("SourceKind", str(origin.kind)) if origin is not None else "path",
+        commit=origin.commit if origin else None,
+        tree=origin.tree if origin else None,
+        sha256=origin.sha256 if origin else None,
+        package=source.package if source else None,
+        version=source.version if source and source.package else None,
+        files=files,
+        licences=sorted(use.licences),
+        used_by=sorted(use.used_by),
+    )
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """With `..` where it has to be: a licence may lie outside of a package."""
+    return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(folder))).as_posix()
+
+
+def _mujoco() -> str | None:
+    try:
+        return metadata.version("mujoco")
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def changed(before: Lock | None, after: Lock) -> Iterator[str]:
+    """What a new lock says that an older one did not, in words. No I/O."""
+    old = before.sources if before is not None else {}
+    for id in sorted({*old, *after.sources}):
+        if id not in after.sources:
+            yield f"{id}: no longer used"
+        elif id not in old:
+            pin = after.sources[id].pin
+            yield f"{id}: locked" + (f" at {pin[:12]}" if pin else "")
+        else:
+            was, now = old[id], after.sources[id]
+            if was.pin and now.pin and was.pin != now.pin:
+                yield f"{id}: {was.pin[:12]} is now {now.pin[:12]}"
+            elif was.version and now.version and was.version != now.version:
+                yield f"{id}: version {was.version} is now {now.version}"
+            yield from (f"{id}: {line}" for line in differences(was.files, now.files))

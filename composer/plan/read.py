@@ -1,0 +1,147 @@
+"""A recipe file to its located tree, merged over the recipes that it extends."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from composer.context import Context
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import exists_note
+from composer.document import load
+from composer.document.decode import MAX_SIZE
+from composer.document.merge import merge
+from composer.document.node import Mapping, Node, Scalar, locate, to_python
+from composer.recipe.validate import judge
+from composer.sources.error import SourceError
+from composer.sources.nearby import model_files, nearest
+from composer.sources.resolve import resolve
+
+EXTENDS = "extends"
+# What bare numbers of a file mean: of a chain, all files must say the same.
+_READING = ("angle", "eulerseq")
+
+
+def read_recipe(path: Path, context: Context) -> Node | None:
+    """The tree of a recipe with all that it extends; faults go to the context's sink and give None."""
+    return _read(path, context, ())
+
+
+def _read(path: Path, context: Context, chain: tuple[Path, ...]) -> Node | None:
+    before = context.sink.error_count
+    text = _text(path, context)
+    node = None if text is None else load(text, context.shown(path), context.sink)
+    if node is None or context.sink.error_count > before:
+        return None
+    if not isinstance(node, Mapping) or EXTENDS not in node.entries:
+        return node
+    key, named = node.entries[EXTENDS]
+    upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
+    lower_path = _extended(named, path, context, (*chain, path))
+    lower = None if lower_path is None else _read(lower_path, context, (*chain, path))
+    if not isinstance(lower, Mapping):
+        if lower is not None:
+            context.sink.error("wrong-type", "what is extended is no recipe", named.span)
+        return None
+    _check_reading(lower, upper, key.span, context.sink)
+    return merge(lower, upper, context.sink)
+
+
+def folder_of(span: Span, context: Context) -> Path:
+    """The folder against which a path counts that is written at a place."""
+    return (context.folder / span.file).parent
+
+
+def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]) -> Path | None:
+    sink = context.sink
+    if not isinstance(named, Scalar) or not isinstance(named.value, str):
+        sink.error(
+            "wrong-type", "`extends` names another recipe", named.span, help="write `extends: ./other.yaml`"
+        )
+        return None
+    try:
+        source = resolve(
+            named.value, relative_to=path.parent, environment=context.environment, fetching=context.fetching
+        )
+    except SourceError as error:
+        notes = tuple(Note(note) for note in error.notes)
+        sink.error(error.code, error.message, named.span, notes=notes, help=error.help)
+        return None
+    if source.format != "recipe":
+        sink.error(
+            "source-kind", f"`{named.value}` is no recipe, which is all that can be extended", named.span,
+            help=f"start from it: `base: {named.value}`",
+        )  # fmt: skip
+        return None
+    real = os.path.realpath(source.path)
+    if any(os.path.realpath(each) == real for each in chain):
+        ring = " → ".join([*(each.name for each in chain), source.path.name])
+        sink.error("source-cycle", f"recipes extend one another: {ring}", named.span,
+                   help="take one of these `extends` out")  # fmt: skip
+        return None
+    return source.path
+
+
+def _check_reading(lower: Mapping, upper: Mapping, span: Span, sink: Sink) -> None:
+    """Angles without a unit mean what the file says that they are in; merged, one word holds for all."""
+    for name in _READING:
+        below, above = lower.entries.get(name), upper.entries.get(name)
+        if below is not None and above is not None and to_python(below[1]) != to_python(above[1]):
+            sink.error(
+                "wrong-keyword",
+                f"`{name}` is another in the recipe that is extended",
+                above[1].span,
+                notes=(Note("there it is this", below[1].span),),
+                help=f"write the same in both; units behind the numbers (`90deg`) need no `{name}`",
+            )
+    for node, other in ((upper, lower), (lower, upper)):
+        if "angle" not in node.entries and "angle" in other.entries:
+            faults = judge(node)[1]
+            for fault in faults:
+                if fault.code == "bare-angle":
+                    sink.error(
+                        "bare-angle", f"{fault.message}, and its file does not say which",
+                        locate(node, fault.at) if fault.at else span, help=fault.help,
+                    )  # fmt: skip
+
+
+def _text(path: Path, context: Context) -> bytes | None:
+    shown = context.shown(path)
+    try:
+        with path.open("rb") as stream:
+            text = stream.read(MAX_SIZE + 1)
+    except OSError as error:
+        _unreadable(path, shown, error, context)
+        return None
+    if text.lstrip().startswith(b"<"):
+        context.sink.error(
+            "source-kind",
+            f"`{shown}` is XML and no recipe",
+            Span(shown, 1, 1),
+            help=f"a recipe names its models: `base: ./{path.with_suffix('.xml').name}`",
+        )
+        return None
+    return text
+
+
+def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> None:
+    folder = path if path.is_dir() else path.parent
+    recipes = [each for each in model_files(folder, 1) if each.endswith((".yaml", ".yml"))]
+    if path.is_dir():
+        notes = [exists_note("recipe", recipes)]
+        help: str | None = "name a file in it; `mjcompose new` writes a recipe to begin with"
+        if len(recipes) == 1:
+            help = f"did you mean `{context.shown(folder / recipes[0])}`?"
+        context.sink.error("file-unreadable", f"`{shown}` is a folder, not a recipe", notes=notes, help=help)
+    elif isinstance(error, FileNotFoundError):
+        near = nearest(path.name, recipes)
+        help = f"did you mean `{context.shown(folder / near)}`?" if near else None
+        if not recipes:
+            help = f"`mjcompose new {shown}` writes a recipe to begin with"
+        notes = [exists_note("recipe", recipes)] if recipes else []
+        context.sink.error("file-not-found", f"there is no recipe `{shown}`", notes=notes, help=help)
+    else:
+        reason = (error.strerror or str(error)).lower()
+        context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")

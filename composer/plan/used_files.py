@@ -1,0 +1,78 @@
+"""The files that a plan reads: of every source its model file and all that this names, and the licences."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from composer.diagnostics.sink import Sink
+from composer.plan.plan import AddElement, AppendElement, Plan
+from composer.recipe.element import Element
+from composer.sources import ros_package
+from composer.sources.source import Source
+from composer.tree.files import CUBE, file_attributes, join, written_path
+from composer.tree.parse import parse_file
+
+_MESH = re.compile(r"""\bfilename\s*=\s*["']([^"']+)["']""")
+_FILE = re.compile(r"""\bfile\w*\s*=\s*["']([^"']+)["']""")
+
+
+def files_of_source(source: Source) -> Iterator[Path]:
+    """The files of a model that are there; what is missing or broken is told by those who read it."""
+    found = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, set())
+    yield from (path for path in (*found, *source.licences) if os.path.isfile(path))
+
+
+def files_of_recipe(plan: Plan) -> Iterator[Path]:
+    """The files that a recipe itself names in its elements."""
+    for step in plan.steps:
+        if isinstance(step, AddElement | AppendElement):
+            for name in _named(step.element):
+                path = Path(join(str(plan.path.parent), name))
+                if os.path.isfile(path):
+                    yield path
+
+
+def _named(element: Element) -> Iterator[str]:
+    if element.xml is not None:
+        yield from _FILE.findall(element.xml)
+    for attribute in ("file", *CUBE):
+        if isinstance(value := element.attributes.get(attribute), str):
+            yield value
+    for child in element.children:
+        yield from _named(child)
+
+
+def _of_mjcf(path: Path, seen: set[Path]) -> Iterator[Path]:
+    if path in seen:
+        return
+    seen.add(path)
+    yield path
+    unit = parse_file(path, Sink())
+    if unit is None:
+        return
+    yield from map(Path, unit.origins.texts)  # the included files too
+    for element, _, name in file_attributes(unit.root):
+        yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
+    for model in unit.root.iterfind("asset/model"):
+        if inner := model.get("file"):
+            yield from _of_mjcf(Path(join(str(unit.directory), inner)), seen)
+
+
+def _of_urdf(source: Source) -> Iterator[Path]:
+    yield source.path
+    try:
+        text = source.path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return
+    packages = ros_package.folders(ros_package.packages_in(text), source.path, dict(source.packages))
+    for name in _MESH.findall(text):
+        package, _, inside = name.removeprefix("package://").partition("/")
+        if name.startswith("package://"):
+            if package in packages:
+                yield packages[package] / inside
+        else:
+            yield source.path.parent / name
+            yield source.path.parent / Path(name).name

@@ -1,0 +1,116 @@
+"""What to write instead of a value that is nearly one: help for those who come from XML, Python or a drawing."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection
+
+from composer.grammar.attribute import Attribute
+from composer.grammar.element import ElementType
+from composer.grammar.format import number_text
+from composer.grammar.number import items, parse_real
+from composer.recipe.element import Angle
+from composer.recipe.shown import shown
+
+_WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false"}
+_SWITCHES = {
+    **dict.fromkeys(("true", "yes", "on", "enabled", "1"), "enable"),
+    **dict.fromkeys(("false", "no", "off", "disabled", "0"), "disable"),
+}
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([a-zA-Zµ]+)")
+_PI = re.compile(rf"([-+])?(?:({_NUMBER})\s*\*\s*)?(?:np\.|math\.)?pi(?:\s*/\s*({_NUMBER}))?", re.IGNORECASE)
+# By how much a number in that unit is divided, and the unit that is usual in MJCF.
+_UNITS = {
+    "mm": (1e3, "metres"), "cm": (1e2, "metres"), "m": (1, "metres"),
+    "us": (1e6, "seconds"), "µs": (1e6, "seconds"), "ms": (1e3, "seconds"), "s": (1, "seconds"),
+    "g": (1e3, "kilograms"), "kg": (1, "kilograms"), "N": (1, "newtons"), "Nm": (1, "newton metres"),
+}  # fmt: skip
+_FORMS = {
+    "pos": "[x, y, z]", "axis": "[x, y, z]", "zaxis": "[x, y, z]", "dir": "[x, y, z]", "anchor": "[x, y, z]",
+    "gravity": "[x, y, z]", "quat": "[w, x, y, z]", "axisangle": "[x, y, z, angle]",
+    "xyaxes": "[x, y, z, x, y, z], the x axis and then the y axis",
+    "fromto": "[x, y, z, x, y, z], one end and then the other",
+    "rgba": "[red, green, blue, opacity], each from 0 to 1",
+    "range": "[lower, upper]", "ctrlrange": "[lower, upper]", "forcerange": "[lower, upper]",
+}  # fmt: skip
+
+
+def form_of(attribute: Attribute) -> str | None:
+    """How the numbers of an attribute are written, for those that many people write."""
+    form = _FORMS.get(attribute.name)
+    count = len(form.split("]")[0].split(",")) if form else 0
+    return form if attribute.type == "real" and attribute.max_length == count else None
+
+
+def instead(attribute: Attribute, value: object) -> str | None:
+    """What to write instead of `'0.5'`, `90 deg`, `45°`, `pi/2`, `10cm`, `yes`; None where nobody can tell."""
+    word = shown(value)
+    if attribute.type == "bool" or "true" in attribute.keywords:
+        # YAML 1.1 read `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`.
+        near = _WORDS.get(word.lower()) if isinstance(value, str) else None
+        return f"write `{near}`" if near else None
+    if set(attribute.keywords) == {"enable", "disable"}:
+        near = _SWITCHES.get(word.lower())
+        return f"write `{near}`" if near else None
+    if not attribute.is_number:
+        return None
+    advice = _number(attribute, value) if isinstance(value, str) else None
+    form = form_of(attribute)
+    return advice or (f"write `{attribute.name}: {form.replace(']', ']`', 1)}" if form else None)
+
+
+def item_instead(attribute: Attribute, item: object) -> str | None:
+    """The same for one of several numbers."""
+    if not isinstance(item, str):
+        return None
+    parts = items(item)
+    if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
+        return f"write commas between them: `{', '.join(parts)}`"
+    return _number(attribute, item)
+
+
+def _number(attribute: Attribute, text: str) -> str | None:
+    if parse_real(text) is not None:
+        return f"write `{text}` without quotes"
+    if attribute.type != "real":
+        return None
+    near = text.replace("°", "deg").replace("degrees", "deg").replace("radians", "rad").replace(" ", "")
+    if near != text and Angle.read(near):
+        return f"write `{near}`"
+    if found := _PI.fullmatch(text.strip()):
+        sign, times, over = found.groups()
+        degrees = 180 * float(times or 1) / (float(over or 1) or math.nan)
+        return None if math.isnan(degrees) else f"write `{sign or ''}{number_text(round(degrees, 9))}deg`"
+    if (found := _WITH_UNIT.fullmatch(text.strip())) and found[2] in _UNITS:
+        per, unit = _UNITS[found[2]]
+        number = number_text(float(found[1]) / per)
+        return f"write `{number}`: numbers have no unit but `deg` and `rad`, {unit} are usual"
+    return None
+
+
+def without_space(text: str, keys: Collection[str]) -> str | None:
+    """A key and its value between which the space is missing, as they are meant.
+
+    >>> without_space("model:./arm.xml", ["model"])
+    'model: ./arm.xml'
+    """
+    key, colon, value = text.partition(":")
+    return f"{key}: {value}" if colon and value and key in keys else None
+
+
+def element_instead(kind: ElementType, value: object) -> str | None:
+    """A mapping to write instead of a lone value that says what is meant: `sphere`, `./bracket.stl`."""
+    if isinstance(value, list):
+        return "leave out the `-` or the brackets: this is one mapping"
+    if not isinstance(value, str):
+        return None
+    if value.lstrip().startswith("<"):
+        return "write a fragment of MJCF as `{xml: …}`"
+    if spaced := without_space(value, kind.attributes):
+        return f"put a space behind the colon: `{spaced}`"
+    for attribute in kind.attributes.values():
+        if value in attribute.keywords or (attribute.type == "file" and "." in value):
+            return f"write `{{{attribute.name}: {value}}}`"
+    return "write a mapping from attributes to values: `{…: …}`"

@@ -1,0 +1,111 @@
+"""The check `exists`: that the model has elements of these names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.checks.keys import Keys
+from composer.recipe.checks.kind import NAME, Kind
+from composer.recipe.fault import Path, Remark
+from composer.recipe.shown import kind_of
+
+TAGS = (
+    "body", "joint", "geom", "site", "camera", "light", "flex", "skin", "mesh", "hfield", "texture", "material",
+    "pair", "exclude", "equality", "tendon", "actuator", "sensor", "numeric", "text", "tuple", "plugin", "key",
+)  # fmt: skip
+"""What a compiled model has names for; families stand for all of their tags."""
+EXPECT = "expect"
+
+
+@dataclass(frozen=True, slots=True)
+class Selected:
+    """Elements by a glob over their names; `expect` is how many, None for any number but none."""
+
+    tag: str
+    glob: str
+    expect: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Exists:
+    """Each of the selectors finds something. The place of one is `(*at, "exists", INDEX)`."""
+
+    word: ClassVar[str] = "exists"
+    name: str
+    selectors: tuple[Selected, ...]
+    at: Path
+
+
+def read(keys: Keys, at: Path) -> Exists | None:
+    """The check, or None where there was a fault."""
+    before = len(keys.faults)
+    if not keys.value:
+        keys.add(
+            "missing-key", f"`exists` of {keys.owner} asks for nothing", help="write `exists: [{site: tcp}]`"
+        )
+    found = [_selected(index, each, keys) for index, each in enumerate(keys.value)]
+    if len(keys.faults) > before:
+        return None
+    return Exists(keys.name, tuple(each for each in found if each is not None), at)
+
+
+def _selected(index: int, value: object, keys: Keys) -> Selected | None:
+    if not isinstance(value, dict):
+        message = f"a selector in {keys.owner} is a mapping from a tag to a name, got {kind_of(value)}"
+        keys.add("wrong-type", message, index, help="write for instance `{site: tcp}`")
+        return None
+    tags = [key for key in value if key != EXPECT]
+    for tag in tags:
+        if tag not in TAGS:
+            near = closest(tag, TAGS)
+            remark = Remark(exists_note("tag", TAGS, tag).message)
+            message = f"`{tag}` in {keys.owner} is no tag whose names a compiled model has"
+            keys.add("unknown-key", message, index, tag, key=True, remarks=(remark,),
+                     help=f"write `{near[0]}`" if near else None)  # fmt: skip
+            return None
+    if len(tags) != 1:
+        message = f"a selector in {keys.owner} has {len(tags)} tags, and needs one"
+        keys.add("wrong-type", message, index, help="write one selector for each: `[{site: a}, {body: b}]`")
+        return None
+    glob = value[tags[0]]
+    if not isinstance(glob, str) or not glob:
+        message = f"`{tags[0]}` in {keys.owner} expects a name or a glob, got {kind_of(glob)}"
+        keys.add("wrong-type", message, index, tags[0])
+        return None
+    expect = value.get(EXPECT)
+    if EXPECT in value and (isinstance(expect, bool) or not isinstance(expect, int) or expect < 0):
+        keys.add(
+            "wrong-type", f"`expect` in {keys.owner} expects a count, got {kind_of(expect)}", index, EXPECT
+        )
+        return None
+    return Selected(tags[0], glob, expect)
+
+
+KIND = Kind(
+    "exists",
+    read,
+    {
+        "type": "array",
+        "minItems": 1,
+        "description": "Elements that must be there: selectors, a tag with a name or a glob over names.",
+        "items": {
+            "type": "object",
+            "minProperties": 1,
+            "maxProperties": 2,
+            "additionalProperties": False,
+            "properties": {
+                **{tag: {**NAME, "description": f"a glob over the names: {tag}"} for tag in TAGS},
+                EXPECT: {
+                    "type": ["integer", "string"],
+                    "minimum": 0,
+                    "pattern": r"\$\{",
+                    "description": "how many there must be; without it, at least one",
+                },
+            },
+        },
+    },
+    "[{site: tcp}]",
+    listed=True,
+)

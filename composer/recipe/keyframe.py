@@ -1,0 +1,148 @@
+"""The section `keyframe`: keys by the names of joints, actuators and mocap bodies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR
+from composer.recipe.element import Angle, Single
+from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.raw import path_of
+from composer.recipe.reader import Reader
+from composer.recipe.section import Section
+from composer.recipe.shown import kind_of, shown
+from composer.recipe.value import read_value
+
+FROM, TIME = "from", "time"
+VECTORS: Mapping[str, str] = {
+    "qpos": "joint",
+    "qvel": "joint",
+    "ctrl": "actuator",
+    "act": "actuator",
+    "mpos": "mocap body",
+    "mquat": "mocap body",
+}
+"""The vectors of a key, each with what its entries are named after."""
+WIDTHS = {"mpos": 3, "mquat": 4}
+_KEYS = (FROM, TIME, *VECTORS)
+
+Entry = tuple[Single, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """One key: what it takes over from keys of parts, by the path of the part, and the entries that it sets.
+
+    `values` has the entries of each vector by name. `at` is the path to its mapping in the recipe.
+    """
+
+    name: str
+    time: float | None = None
+    sources: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, Mapping[str, Entry]] = field(default_factory=dict)
+    at: Path = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframes(Section):
+    """A mapping from the names of keys to what is in them. Gives a tuple of `Keyframe`."""
+
+    form: ClassVar[str] = "keyframes"
+
+    def read(self, reader: Reader, value: Any) -> tuple[Keyframe, ...]:
+        entries = reader.names(value, (), f"`{self.tag}`")
+        read = [_keyframe(reader, name, item) for name, item in entries]
+        return tuple(each for each in read if each is not None)
+
+
+def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:
+    owner, at = f"keyframe `{name}`", (name,)
+    if not isinstance(value, dict):
+        help = "write what is in it by name: `qpos: {JOINT: 0.1}`" if isinstance(value, list) else None
+        message = f"{owner} expects a mapping, got {kind_of(value)}"
+        reader.faults.append(Fault("wrong-type", message, at, help=help))
+        return None
+    for key in value:
+        if key not in _KEYS:
+            near = closest(key, _KEYS)
+            reader.faults.append(
+                Fault(
+                    "unknown-key",
+                    f"`{key}` is no key of a keyframe",
+                    (*at, key),
+                    key=True,
+                    remarks=(Remark(exists_note("key", _KEYS).message),),
+                    help=f"write `{near[0]}`" if near else None,
+                )
+            )
+    values = {
+        vector: _entries(reader, vector, value[vector], (*at, vector), owner)
+        for vector in VECTORS
+        if vector in value
+    }
+    sources = _sources(reader, value[FROM], (*at, FROM), owner) if FROM in value else {}
+    time = _time(reader, value[TIME], (*at, TIME), owner) if TIME in value else None
+    return Keyframe(name, time, sources, values, path_of(value))
+
+
+def _time(reader: Reader, value: Any, at: Path, owner: str) -> float | None:
+    read = read_value(GRAMMAR.element("keyframe/key").attributes[TIME], value, at, owner, reader.faults)
+    if isinstance(read, Angle):
+        message = f"`{TIME}` of {owner} is in seconds, and {shown(str(read))} is an angle"
+        reader.faults.append(Fault("wrong-type", message, at))
+        return None
+    return float(read) if isinstance(read, int | float) else None
+
+
+def _sources(reader: Reader, value: Any, at: Path, owner: str) -> dict[str, str]:
+    """The key of each part that one is made from."""
+    if not isinstance(value, dict):
+        name = value if isinstance(value, str) else "home"
+        message = f"`{FROM}` of {owner} expects a mapping from parts to their keys, got {kind_of(value)}"
+        help = f"write `{FROM}: {{base: {name}}}`, or the prefix of a part in place of `base`"
+        reader.faults.append(Fault("wrong-type", message, at, help=help))
+        return {}
+    found: dict[str, str] = {}
+    for part, key in value.items():
+        if isinstance(key, str) and key:
+            found[part] = key
+        else:
+            quoted = None if isinstance(key, list | dict) or key == "" else f"quote it: '{shown(key)}'"
+            message = f"`{part}` in `{FROM}` of {owner} expects the name of a key, got {kind_of(key)}"
+            reader.faults.append(Fault("wrong-type", message, (*at, part), help=quoted))
+    return found
+
+
+def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str) -> dict[str, Entry]:
+    """The entries of one vector, by name."""
+    named = VECTORS[vector]
+    if not isinstance(value, dict):
+        help = f"write `{vector}: {{{named.upper().replace(' ', '_')}: {_EXAMPLES.get(vector, '0.1')}}}`"
+        message = f"`{vector}` of {owner} expects a mapping by {named}, got {kind_of(value)}"
+        reader.faults.append(Fault("wrong-type", message, at, help=help))
+        return {}
+    attribute = GRAMMAR.element("keyframe/key").attributes[vector]
+    found: dict[str, Entry] = {}
+    for name, item in value.items():
+        subject, path = f"{named} `{name}` in {owner}", (*at, name)
+        read = read_value(attribute, item, path, subject, reader.faults)
+        if read is None:
+            continue
+        entry = read if isinstance(read, tuple) else (read,)
+        width = WIDTHS.get(vector, len(entry) or 1)
+        if not all(math.isfinite(each) for each in entry if isinstance(each, int | float)):
+            message = f"`{vector}` of {subject} expects finite numbers"
+            reader.faults.append(Fault("out-of-range", message, path))
+        elif len(entry) == width:
+            found[name] = entry
+        else:
+            message = f"`{vector}` of {subject} expects {width} numbers, got {len(entry)}"
+            reader.faults.append(Fault("wrong-length", message, path))
+    return found
+
+
+_EXAMPLES = {"mpos": "[0, 0, 0.1]", "mquat": "[1, 0, 0, 0]"}

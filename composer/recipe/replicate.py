@@ -1,0 +1,105 @@
+"""Copies of a part, in rows: `replicate`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR
+from composer.recipe.angles import bare_angle
+from composer.recipe.element import Single, Value
+from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.presence import lacks
+from composer.recipe.reader import Reader
+from composer.recipe.settings import settings
+from composer.recipe.shown import kind_of
+from composer.recipe.value import read_value
+
+COUNT = "count"
+ATTRIBUTES = (COUNT, "offset", "euler")
+"""What an axis has of MJCF's `<replicate>`."""
+MAX_COPIES = 10_000
+_STILL: tuple[Single, ...] = (0, 0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """A row of copies; from one to the next it is `offset` further (metres) and turned by `euler`."""
+
+    count: int
+    offset: tuple[Single, ...] = _STILL
+    euler: tuple[Single, ...] = _STILL
+
+
+@dataclass(frozen=True, slots=True)
+class Axes:
+    """Marks the field `replicate`: a list of axes, each of which copies what those after it make."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        from composer.recipe.element_schema import axes
+
+        return axes()
+
+    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Axis, ...]:
+        reader = Reader(settings(info.context))
+        axes: list[Axis] = []
+        if not isinstance(value, list) or not value:
+            got = "an empty list" if value == [] else kind_of(value)
+            message = f"`replicate` expects a list of axes, got {got}"
+            reader.faults.append(
+                Fault("wrong-type", message, help="write `replicate: [{count: 3, offset: [0.1, 0, 0]}]`")
+            )
+        else:
+            axes = [each for at, item in enumerate(value) if (each := _axis(reader, item, (at,)))]
+        if not reader.faults and (total := math.prod(axis.count for axis in axes)) > MAX_COPIES:
+            message = f"`replicate` makes {total} copies, and at most {MAX_COPIES} are allowed"
+            reader.faults.append(Fault("out-of-range", message))
+        if reader.faults:
+            raise refusal(reader.faults, value)
+        return tuple(axes)
+
+
+def _axis(reader: Reader, value: Any, at: Path) -> Axis | None:
+    owner = "an axis of `replicate`"
+    if not isinstance(value, dict):
+        message = f"{owner} is a mapping, got {kind_of(value)}"
+        reader.faults.append(Fault("wrong-type", message, at, help="write `{count: 3, offset: [0.1, 0, 0]}`"))
+        return None
+    kind = GRAMMAR.element("replicate")
+    read: dict[str, Value] = {}
+    for name, item in value.items():
+        path = (*at, name)
+        if name not in ATTRIBUTES:
+            near = closest(name, ATTRIBUTES)
+            remark = Remark(exists_note("attribute", ATTRIBUTES).message)
+            help = f"write `{near[0]}`" if near else None
+            message = f"`{name}` is no attribute of {owner}"
+            reader.faults.append(
+                Fault("unknown-attribute", message, path, key=True, remarks=(remark,), help=help)
+            )
+            continue
+        found = read_value(kind.attributes[name], item, path, owner, reader.faults)
+        if found is not None:
+            read[name] = found
+            if not reader.settings.bare_angles:
+                bare = bare_angle(kind.attributes[name], found, None, path, owner)
+                reader.faults += [bare] if bare is not None else []
+    if COUNT not in value:
+        reader.faults.append(lacks(owner, COUNT, at))
+    count, offset, euler = read.get(COUNT, 1), read.get("offset", _STILL), read.get("euler", _STILL)
+    if not isinstance(count, int | float) or not isinstance(offset, tuple) or not isinstance(euler, tuple):
+        return None
+    if count < 1:
+        message = f"`{COUNT}` of {owner} is at least 1, got {count}"
+        reader.faults.append(Fault("out-of-range", message, (*at, COUNT)))
+    return Axis(int(count), offset, euler)

@@ -1,0 +1,37 @@
+"""The hashes of files, and how two sets of them differ."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+
+def sha256_of(path: Path) -> str:
+    """Of the bytes of a file. Raises OSError."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def files_below(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Every file below a folder with its path from there, with forward slashes, in no order; links are not followed."""
+    for where, _, names in os.walk(folder):
+        for name in names:
+            path = Path(where, name)
+            yield path.relative_to(folder).as_posix(), path
+
+
+def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[str, ...]:
+    """What has become of files, a line for each, by name; empty when nothing has. No I/O.
+
+    >>> differences({"a": "0" * 64, "b": "1" * 64}, {"a": "2" * 64, "c": "3" * 64})
+    ('`a` changed: 000000000000… was locked, 222222222222… is there', '`b` is gone', '`c` is new')
+    """
+    return tuple(
+        f"`{name}` is gone" if name not in after
+        else f"`{name}` is new" if name not in before
+        else f"`{name}` changed: {before[name][:12]}… was locked, {after[name][:12]}… is there"
+        for name in sorted({*before, *after})
+        if before.get(name) != after.get(name)
+    )  # fmt: skip

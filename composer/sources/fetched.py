@@ -1,0 +1,54 @@
+"""The model file inside something that was fetched."""
+
+from __future__ import annotations
+
+import os
+from pathlib import PurePosixPath
+
+from composer.sources import licence, nearby
+from composer.sources.error import SourceError
+from composer.sources.fetching import Fetching
+from composer.sources.origin import Origin
+from composer.sources.reference import Reference
+from composer.sources.source import Source, has_format
+
+
+def source_in(origin: Origin, reference: Reference) -> Source:
+    """The file that a reference names inside of `origin`. Raises SourceError."""
+    inside = PurePosixPath(reference.path)
+    if inside.is_absolute() or ".." in inside.parts or "\\" in reference.path:
+        raise SourceError(
+            "source-kind", f"the model reference `{reference.text}` leaves what it was fetched with"
+        )
+    existing = [f"{origin.id}#{each}" for each in nearby.model_files(origin.root, depth=6)]
+    if not has_format(inside):
+        raise nearby.without_suffix(reference.text, existing)
+    path = origin.root / inside
+    if not os.path.isfile(path):
+        raise nearby.not_found(reference.text, path, existing)
+    return Source(
+        path,
+        reference.kind,
+        reference.text,
+        version=origin.pin,
+        licences=licence.find(path, origin.root),
+        origin=origin,
+    )
+
+
+def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
+    """The error for a source that would have to be looked up although only what is locked may be used."""
+    return SourceError(
+        "lock-stale",
+        f"`{reference.text}` is not in the lock",
+        help="run `mjcompose lock` and commit the lock",
+    )
+
+
+def not_at_hand(reference: Reference) -> SourceError:
+    """The error for a source that would have to be fetched although nothing may be."""
+    return SourceError(
+        "source-offline",
+        f"`{reference.text}` is not in the store, and nothing is fetched offline",
+        help="run it once without `--offline`",
+    )

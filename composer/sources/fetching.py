@@ -1,0 +1,49 @@
+"""How a run may fetch, and what it has fetched: handed to every `resolve` of one run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.sources.origin import Origin
+
+if TYPE_CHECKING:
+    from composer.sources.lock import Lock
+
+
+def quiet(message: str) -> None:
+    """Progress that nobody wants to see."""
+
+
+@dataclass(slots=True)
+class Fetching:
+    """The rules of one run, and its memory.
+
+    `offline`: nothing is fetched, what is not in the store is an error. `locked`: what the lock does not pin is
+    an error. `lock` is the lock of the recipe, `lock_file` where it is or is to be, `recipe` the recipe as
+    messages name it. `fresh` are the origins whose pin is not to be used, None for all of them. `origins` has
+    what was resolved in this run, by id: a branch that moves meanwhile is the same commit for all parts.
+    """
+
+    offline: bool = False
+    locked: bool = False
+    lock: Lock | None = None
+    lock_file: Path | None = None
+    recipe: str = "RECIPE"
+    fresh: frozenset[str] | None = frozenset()
+    progress: Callable[[str], None] = quiet
+    origins: dict[str, Origin] = field(default_factory=dict)
+
+    def pin(self, id: str) -> str | None:
+        """The commit or sha256 that the lock has for an origin."""
+        if self.lock is None or self.fresh is None or id in self.fresh or id not in self.lock.sources:
+            return None
+        return self.lock.sources[id].pin
+
+    def known_files(self, id: str) -> Mapping[str, str]:
+        """The files of an origin and their sha256 as the lock has them; empty where it has none."""
+        if self.lock is None or id not in self.lock.sources:
+            return {}
+        return self.lock.sources[id].files

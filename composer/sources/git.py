@@ -1,0 +1,180 @@
+"""Model references into git repositories, at a branch, a tag or a commit."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.sources.error import SourceError
+from composer.sources.fetched import not_at_hand, source_in, unlocked
+from composer.sources.fetching import Fetching
+from composer.sources.git_command import Git, GitFailure, words_of
+from composer.sources.git_tree import write_tree
+from composer.sources.origin import Origin
+from composer.sources.reference import Reference
+from composer.sources.source import Source
+from composer.sources.store import Entry, Store
+
+_COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
+_ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
+
+
+def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetching) -> Source:
+    """The file at a revision. The commit comes from the lock, or else the repository is asked. Raises SourceError."""
+    id = reference.id
+    if id not in fetching.origins:
+        fetching.origins[id] = _Repository(
+            reference, id, Store.of(environment), environment, fetching
+        ).origin()
+    return source_in(fetching.origins[id], reference)
+
+
+@dataclass(frozen=True, slots=True)
+class _Repository:
+    reference: Reference
+    id: str
+    store: Store
+    environment: Mapping[str, str]
+    fetching: Fetching
+
+    def origin(self) -> Origin:
+        pinned = self.fetching.pin(self.id)
+        if pinned is None and self.fetching.locked:
+            raise unlocked(self.reference, self.fetching)
+        revision = self.reference.revision
+        commit = pinned or (revision if _COMMIT.fullmatch(revision) else None)
+        if commit is None:
+            if self.fetching.offline:
+                commit = self.store.recall(self.id).get("commit")
+                if commit is None:
+                    raise not_at_hand(self.reference)
+            else:
+                commit = self._asked()
+        entry = self.store.get("git", commit) or self._fetched(commit, pinned is not None)
+        return Origin(self.id, self.reference.kind, entry.content, commit=commit, tree=entry.about["tree"])
+
+    @property
+    def _git(self) -> Git:
+        return Git(self.environment, self.fetching.progress)
+
+    def _asked(self) -> str:
+        """The commit that the repository has for the revision now."""
+        url, revision = self.reference.name, self.reference.revision
+        self.fetching.progress(f"looking up {revision} in {url}")
+        try:
+            refs = _refs(self._git.fetch("ls-remote", "--", url))
+        except GitFailure as failure:
+            raise self._unreachable(failure) from None
+        for name in (revision, f"refs/tags/{revision}", f"refs/heads/{revision}", f"refs/{revision}"):
+            if name in refs:
+                commit = refs.get(f"{name}^{{}}", refs[name])
+                self.store.remember(self.id, {"commit": commit})
+                return commit
+        if _ABBREVIATED.fullmatch(revision):
+            return self._whole_hash(revision, refs)
+        raise self._no_revision(refs)
+
+    def _whole_hash(self, short: str, refs: Mapping[str, str]) -> str:
+        """The commit that begins so: only the whole history tells."""
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                self._history(Path(folder))
+                found = self._git.run(
+                    "rev-parse", "--verify", "-q", f"{short}^{{commit}}", folder=Path(folder)
+                )
+            except GitFailure:
+                raise self._no_revision(refs) from None
+        commit = found.decode().strip()
+        self.store.remember(self.id, {"commit": commit})
+        return commit
+
+    def _fetched(self, commit: str, pinned: bool) -> Entry:
+        if self.fetching.offline:
+            raise not_at_hand(self.reference)
+        with self.store.lock(commit, self.fetching.progress):
+            if (entry := self.store.get("git", commit)) is not None:  # another process has fetched it
+                return entry
+            with self.store.usable(), tempfile.TemporaryDirectory(prefix="mjcompose-") as folder:
+                repository = Path(folder)
+                self._get(commit, repository, pinned)
+                tree = self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
+                return self.store.add(
+                    "git",
+                    commit,
+                    self.id,
+                    lambda target: self._write(repository, commit, target),
+                    {"tree": tree},
+                )
+
+    def _get(self, commit: str, repository: Path, pinned: bool) -> None:
+        """Have the commit in `repository`: alone where the other side gives it, else with all that it has."""
+        git, url = self._git, self.reference.name
+        self.fetching.progress(f"fetching {url} at {commit[:12]}")
+        kind = ("--object-format=sha256",) if len(commit) == 64 else ()
+        try:
+            git.run("init", "-q", "--bare", *kind, "--", str(repository))
+            try:
+                git.fetch("fetch", "-q", "--depth=1", "--no-tags", "--", url, commit, folder=repository)
+            except GitFailure:
+                self._history(repository)
+            git.run("cat-file", "-e", f"{commit}^{{commit}}", folder=repository)
+        except GitFailure as failure:
+            if "Not a valid object" in failure.said or not failure.said:
+                raise self._no_commit(commit, pinned) from None
+            raise self._unreachable(failure) from None
+
+    def _history(self, repository: Path) -> None:
+        git, url = self._git, self.reference.name
+        git.run("init", "-q", "--bare", "--", str(repository))
+        git.fetch("fetch", "-q", "--no-tags", "--", url, "+refs/*:refs/fetched/*", folder=repository)
+
+    def _write(self, repository: Path, commit: str, target: Path) -> None:
+        try:
+            write_tree(self._git, repository, commit, target)
+        except GitFailure as failure:
+            raise self._unreachable(failure) from None
+
+    def _unreachable(self, failure: GitFailure) -> SourceError:
+        return SourceError(
+            "source-fetch", f"the repository `{self.reference.name}` cannot be fetched", notes=words_of(failure),
+            help="see that `git ls-remote` with that address works; with `--offline` what is in the store is used",
+        )  # fmt: skip
+
+    def _no_revision(self, refs: Mapping[str, str]) -> SourceError:
+        wanted, url = self.reference.revision, self.reference.name
+        tags = [name.removeprefix("refs/tags/") for name in refs if name.startswith("refs/tags/")]
+        tags = [tag for tag in tags if not tag.endswith("^{}")]
+        heads = [name.removeprefix("refs/heads/") for name in refs if name.startswith("refs/heads/")]
+        near = closest(wanted, [*tags, *heads])
+        return SourceError(
+            "source-revision",
+            f"`{url}` has no branch, tag or commit `{wanted}`",
+            notes=(exists_note("tag", tags, wanted).message, exists_note("branch", heads, wanted).message),
+            help=f"write `{self.reference.text.replace('@' + wanted + '#', '@' + near[0] + '#')}`"
+            if near
+            else None,
+        )
+
+    def _no_commit(self, commit: str, pinned: bool) -> SourceError:
+        url, text = self.reference.name, self.reference.text
+        if not pinned:
+            return SourceError("source-revision", f"`{url}` has no commit `{commit}`, in `{text}`")
+        return SourceError(
+            "source-revision",
+            f"`{url}` no longer has the commit `{commit}` that the lock pins for `{text}`",
+            notes=("the branch or tag was moved and the old commit is gone",),
+            help=f"see what it has now, then run `mjcompose update {self.fetching.recipe} {self.id}`",
+        )
+
+
+def _refs(out: bytes) -> dict[str, str]:
+    """What a repository calls its commits; tags with an object of their own have `NAME^{}` too."""
+    found = {}
+    for line in out.decode("utf-8", "replace").splitlines():
+        commit, _, name = line.partition("\t")
+        found[name] = commit
+    return found

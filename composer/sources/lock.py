@@ -1,0 +1,133 @@
+"""The lock of a recipe: what every source was when it was locked, so that it is the same again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+
+from composer.diagnostics.sink import Sink
+from composer.document import Mapping, Scalar, load, locate, to_python
+
+FORMAT = 1
+SourceKind = Literal["path", "package", "menagerie", "descriptions", "git", "archive"]
+_Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+_GitHash = Annotated[str, StringConstraints(pattern=r"^([0-9a-f]{40}|[0-9a-f]{64})$")]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Locked(_Part):
+    """One source: a repository, an archive, a robot, a package, a file beside the recipe."""
+
+    kind: SourceKind
+    commit: _GitHash | None = None
+    tree: _GitHash | None = None
+    sha256: _Sha256 | None = None
+    package: str | None = None
+    version: str | None = None
+    files: dict[str, _Sha256]
+    licences: list[str] = Field(default_factory=list)
+    used_by: list[str] = Field(default_factory=list)
+
+    @property
+    def pin(self) -> str | None:
+        """What fetches the same bytes again."""
+        return self.commit or self.sha256
+
+    @property
+    def is_local(self) -> bool:
+        """Whether its files are the user's own, who may change them."""
+        return self.kind == "path"
+
+
+class Lock(_Part):
+    """All sources of a recipe and of the recipes in it, by their id; files are named relative to the source.
+
+    `mjcompose` and `mujoco` are the versions that the lock was made with.
+    """
+
+    lock: Literal[1] = 1
+    mjcompose: str
+    mujoco: str | None
+    sources: dict[str, Locked]
+
+
+def lock_path(recipe: Path) -> Path:
+    """Where the lock of a recipe is: beside it, `arm.lock` for `arm.yaml`. No I/O.
+
+    >>> lock_path(Path("robots/recipe.yaml")).as_posix()
+    'robots/recipe.lock'
+    """
+    return recipe.with_suffix(".lock")
+
+
+def to_text(lock: Lock) -> str:
+    """The lock as its file has it: the same lock is the same text. No I/O."""
+    told = lock.model_dump(exclude_defaults=True)
+    told["sources"] = {
+        id: {**source, "files": dict(sorted(source["files"].items()))}
+        for id, source in sorted(told["sources"].items())
+    }
+    return json.dumps({"lock": FORMAT, **told}, indent=2, ensure_ascii=False) + "\n"
+
+
+def read_lock(path: Path, shown: str, sink: Sink) -> Lock | None:
+    """The lock in a file; None where there is none, or where it cannot be read, which goes to `sink`."""
+    try:
+        text = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        sink.error(
+            "lock-invalid", f"the lock `{shown}` cannot be read: {(error.strerror or str(error)).lower()}"
+        )
+        return None
+    return from_text(text, shown, sink)
+
+
+def from_text(text: bytes | str, shown: str, sink: Sink) -> Lock | None:
+    """The lock that a text is; one fault of it at its place goes to `sink`. No I/O."""
+    own = Sink()
+    node = load(text, shown, own)
+    if own.errors:
+        first = own.sorted()[0]
+        sink.error("lock-invalid", f"`{shown}` is no lock: {first.message}", first.span, help=_HELP)
+        return None
+    if not isinstance(node, Mapping):
+        sink.error("lock-invalid", f"`{shown}` is no lock", None if node is None else node.span, help=_HELP)
+        return None
+    version = node.entries.get("lock")
+    number = version[1] if version is not None else None
+    if isinstance(number, Scalar) and isinstance(number.value, int) and number.value > FORMAT:
+        sink.error(
+            "lock-invalid",
+            f"`{shown}` was written by a newer mjcompose: its format is {number.value}, this one knows {FORMAT}",
+            number.span,
+            help="update mjcompose, or remove the lock and run `mjcompose lock`",
+        )
+        return None
+    try:
+        return Lock.model_validate(to_python(node))
+    except ValidationError as error:
+        _tell(error.errors()[0], node, shown, sink)
+        return None
+
+
+_HELP = "take the lock from version control, or remove it and run `mjcompose lock`"
+
+
+def _tell(fault: Any, node: Mapping, shown: str, sink: Sink) -> None:
+    path = tuple(fault["loc"])
+    key = fault["type"] in ("missing", "extra_forbidden")
+    where = " / ".join(f"`{step}`" for step in path)
+    said = {"missing": "is not there", "extra_forbidden": "is no key of a lock"}.get(fault["type"])
+    if said is None:
+        said = "is no hash" if fault["type"] == "string_pattern_mismatch" else "is not what it must be"
+    sink.error(
+        "lock-invalid", f"`{shown}` is no lock: {where} {said}", locate(node, path, key=key), help=_HELP
+    )

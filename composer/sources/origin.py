@@ -1,0 +1,27 @@
+"""What a source belongs to: the thing that was fetched or installed as one, and that a lock pins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """A repository at a commit, an archive, a robot of Menagerie, an installed package: `kind` is as in `Kind`.
+
+    `id` is the model reference without the file in it (`git+https://host/repo@v1`); `root` the folder against
+    which its files are named. `commit` and `tree` are git's hashes, `sha256` that of an archive.
+    """
+
+    id: str
+    kind: str
+    root: Path
+    commit: str | None = None
+    tree: str | None = None
+    sha256: str | None = None
+
+    @property
+    def pin(self) -> str | None:
+        """What fetches the same bytes again; None for what somebody else installed."""
+        return self.commit or self.sha256

@@ -1,0 +1,319 @@
+"""The store: what was fetched, one folder for each commit or archive, complete or not there.
+
+    git/COMMIT/, archive/SHA256/      content/ and entry.json: what it is, its size, the hash of every file
+    seen/                             what a branch, tag or URL stood for when it was last asked for
+    partial/                          downloads to be resumed
+    staging/                          entries being made; they move to their place in one step
+    locks/                            one for each entry: two processes do not fetch the same thing at once
+
+Every name in it is the hash of something, so that no reference can lead out of it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import secrets
+import shutil
+import stat
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from composer.sources.digest import differences, files_below, sha256_of
+from composer.sources.error import SourceError
+
+KINDS = ("git", "archive")
+DEFAULT_LIMIT = 10 * 1024**3
+GRACE = 3600.0
+"""Seconds for which an entry that was used is not pruned on its own: a build may still be reading it."""
+_WAIT = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One thing in the store; `content` is the folder with its files, `about` what a fetcher wrote down of it."""
+
+    kind: str
+    key: str
+    folder: Path
+    origin: str
+    size: int
+    files: Mapping[str, str]
+    about: Mapping[str, str]
+    used: float
+
+    @property
+    def content(self) -> Path:
+        return self.folder / "content"
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """A folder of entries; `limit` is the size in bytes that it is kept below."""
+
+    folder: Path
+    limit: int = DEFAULT_LIMIT
+
+    @classmethod
+    def of(cls, environment: Mapping[str, str]) -> Store:
+        """The user's store: `MJCOMPOSE_CACHE`, or where the system keeps caches; `MJCOMPOSE_CACHE_SIZE` bounds it."""
+        limit = _size(environment.get("MJCOMPOSE_CACHE_SIZE", ""))
+        if named := environment.get("MJCOMPOSE_CACHE"):
+            return cls(Path(os.path.abspath(os.path.expanduser(named))), limit)
+        from platformdirs import user_cache_path
+
+        return cls(user_cache_path("mjcompose", appauthor=False), limit)
+
+    def get(self, kind: str, key: str) -> Entry | None:
+        """The entry, marked as used now; None where there is none."""
+        folder = self.folder / kind / key
+        entry = self._read(kind, folder)
+        if entry is not None:
+            with contextlib.suppress(OSError):  # somebody else's store, which may be read
+                os.utime(folder / "entry.json")
+        return entry
+
+    def add(
+        self, kind: str, key: str, origin: str, fill: Callable[[Path], None], about: Mapping[str, str]
+    ) -> Entry:
+        """Make an entry: `fill` writes its files into the empty folder that it is given.
+
+        Under the lock of `key`, which the caller holds. Whatever happens in between, the entry is there as a
+        whole or not at all. Raises what `fill` raises, and SourceError where the disk refuses.
+        """
+        with self.usable():
+            self._sweep(key)
+            stage = self.folder / "staging" / f"{key}.{secrets.token_hex(6)}"
+            try:
+                content = stage / "content"
+                content.mkdir(parents=True)
+                fill(content)
+                files, size = {}, 0
+                for name, path in files_below(content):
+                    files[name] = sha256_of(path)
+                    size += path.stat().st_size
+                    path.chmod(stat.S_IREAD | stat.S_IRGRP | stat.S_IROTH)
+                told = {
+                    "origin": origin,
+                    "size": size,
+                    "about": dict(about),
+                    "files": dict(sorted(files.items())),
+                }
+                with (stage / "entry.json").open("w", encoding="utf-8") as stream:
+                    json.dump(told, stream, indent=1)
+                    stream.flush()
+                    os.fsync(stream.fileno())
+                target = self.folder / kind / key
+                target.parent.mkdir(parents=True, exist_ok=True)
+                if os.path.lexists(target):  # damaged: a whole one would have been found
+                    self._remove(target, key)
+                stage.replace(target)
+            finally:
+                _erase(stage)
+        entry = self._read(kind, self.folder / kind / key)
+        if entry is None:
+            raise SourceError("store-unusable", f"what was just stored in `{self.folder}` is not there")
+        self.prune(self.limit, keep={key})
+        return entry
+
+    @contextlib.contextmanager
+    def lock(self, name: str, waiting: Callable[[str], None]) -> Iterator[None]:
+        """No other process is in a block of the same name; a process that is killed lets go of it."""
+        from filelock import FileLock, Timeout
+
+        with self.usable():
+            folder = self.folder / "locks"
+            folder.mkdir(parents=True, exist_ok=True)
+            lock = FileLock(folder / f"{name}.lock")
+            try:
+                lock.acquire(timeout=0)
+            except Timeout:
+                waiting("waiting for another mjcompose that fetches the same")
+                try:
+                    lock.acquire(timeout=_WAIT)
+                except Timeout:
+                    raise SourceError(
+                        "store-unusable",
+                        f"another process has held `{lock.lock_file}` for an hour",
+                        help="end that process",
+                    ) from None
+        try:
+            yield
+        finally:
+            lock.release()
+
+    @contextlib.contextmanager
+    def usable(self) -> Iterator[None]:
+        """What the file system refuses inside the block becomes a SourceError."""
+        try:
+            yield
+        except (OSError, NotImplementedError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise SourceError(
+                "store-unusable",
+                f"the store `{self.folder}` cannot be used: {reason.lower()}",
+                help="make room, or name another folder in `MJCOMPOSE_CACHE`",
+            ) from error
+
+    def entries(self) -> list[Entry]:
+        """All whole entries, the one that was used longest ago first."""
+        found = []
+        for kind in KINDS:
+            with contextlib.suppress(OSError):
+                for folder in (self.folder / kind).iterdir():
+                    if (entry := self._read(kind, folder)) is not None:
+                        found.append(entry)
+        return sorted(found, key=lambda entry: (entry.used, entry.key))
+
+    def prune(
+        self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()
+    ) -> list[Entry]:
+        """Remove what was used longest ago until at most `limit` bytes are left, and what killed processes left.
+
+        Spares `keep`, and what was used in the last `grace` seconds. What was removed.
+        """
+        removed = []
+        entries = self.entries()
+        size = sum(entry.size for entry in entries)
+        for entry in entries:
+            if size <= limit:
+                break
+            if entry.key in keep or time.time() - entry.used < grace:
+                continue
+            self.remove(entry)
+            removed.append(entry)
+            size -= entry.size
+        for left in self.unfinished():
+            self._sweep_unless_busy(left)
+        return removed
+
+    def remove(self, entry: Entry) -> None:
+        """Take an entry out of the store, in one step."""
+        with self.usable():
+            self._remove(entry.folder, entry.key)
+
+    def unfinished(self) -> list[Path]:
+        """What is being made or downloaded now, or was when its process was killed."""
+        found: list[Path] = []
+        for name in ("staging", "partial"):
+            with contextlib.suppress(OSError):
+                found += (self.folder / name).iterdir()
+        return sorted(found)
+
+    def damage(self, entry: Entry) -> tuple[str, ...]:
+        """How an entry differs from what was stored, a line for each file; empty when it is whole."""
+        there = {}
+        for name, path in files_below(entry.content):
+            try:
+                there[name] = sha256_of(path)
+            except OSError:
+                there[name] = "unreadable"
+        return differences(entry.files, there)
+
+    def remember(self, id: str, told: Mapping[str, str]) -> None:
+        """Write down what an origin stood for; a note that cannot be written is none."""
+        path = self.folder / "seen" / f"{name_of(id)}.json"
+        stage = path.with_name(f"{path.name}.{secrets.token_hex(6)}")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            stage.write_text(json.dumps({**told, "id": id}), encoding="utf-8")
+            stage.replace(path)
+        except OSError:
+            with contextlib.suppress(OSError):
+                stage.unlink()
+
+    def recall(self, id: str) -> Mapping[str, str]:
+        """What `remember` wrote down last; empty where it did not."""
+        try:
+            told = json.loads((self.folder / "seen" / f"{name_of(id)}.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+        if not isinstance(told, dict) or told.get("id") != id:
+            return {}
+        return {name: value for name, value in told.items() if isinstance(value, str)}
+
+    def _read(self, kind: str, folder: Path) -> Entry | None:
+        try:
+            text = (folder / "entry.json").read_text(encoding="utf-8")
+            used = (folder / "entry.json").stat().st_mtime
+            told: Any = json.loads(text)
+            return Entry(
+                kind, folder.name, folder, told["origin"], told["size"], told["files"], told["about"], used
+            )
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+    def _remove(self, folder: Path, key: str) -> None:
+        stage = self.folder / "staging" / f"{key}.{secrets.token_hex(6)}"
+        stage.parent.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileNotFoundError):  # another process was faster
+            folder.replace(stage)
+        _erase(stage)
+
+    def _sweep(self, key: str) -> None:
+        """Erase what killed processes left of this key, whose lock is held."""
+        for left in (self.folder / "staging").glob(f"{key}.*"):
+            _erase(left)
+
+    def _sweep_unless_busy(self, left: Path) -> None:
+        from filelock import FileLock, Timeout
+
+        with (
+            contextlib.suppress(Timeout, OSError),
+            FileLock(self.folder / "locks" / f"{left.name.partition('.')[0]}.lock", timeout=0),
+        ):
+            if left.parent.name == "staging" or time.time() - left.stat().st_mtime > 7 * 24 * 3600:
+                _erase(left)
+
+
+def name_of(id: str) -> str:
+    """A name for the files that belong to an origin."""
+    return hashlib.sha256(id.encode()).hexdigest()
+
+
+def _erase(path: Path) -> None:
+    if path.is_dir():
+        if os.name == "nt":  # where a file that cannot be written cannot be removed either
+            for _, file in files_below(path):
+                with contextlib.suppress(OSError):
+                    file.chmod(stat.S_IWRITE)
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            path.unlink()
+
+
+_UNITS = {"": 1, "K": 1024, "M": 1024**2, "G": 1024**3, "T": 1024**4}
+
+
+def parse_size(text: str) -> int | None:
+    """A number of bytes, as `500M` or `2.5G`; None for what is none. No I/O.
+
+    >>> parse_size("2K"), parse_size("0"), parse_size("many")
+    (2048, 0, None)
+    """
+    digits = text.strip().upper().removesuffix("B").removesuffix("I")
+    unit = digits[-1:] if digits[-1:] in _UNITS else ""
+    try:
+        value = float(digits.removesuffix(unit)) * _UNITS[unit]
+        return int(value) if value >= 0 else None
+    except (ValueError, OverflowError):
+        return None
+
+
+def _size(text: str) -> int:
+    if not text:
+        return DEFAULT_LIMIT
+    size = parse_size(text)
+    if size is None:
+        raise SourceError(
+            "store-unusable",
+            f"`MJCOMPOSE_CACHE_SIZE` is no size: `{text}`",
+            help="write it as `500M` or `10G`",
+        )
+    return size

@@ -1,0 +1,165 @@
+"""Archives of strangers: plain files below one folder, of bounded number and size, or nothing at all."""
+
+from __future__ import annotations
+
+import bz2
+import gzip
+import lzma
+import re
+import stat
+import tarfile
+import zipfile
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+
+class Unsafe(Exception):
+    """An archive that is broken or may do harm; the text says which entry and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """How much one source may hold; `ratio` is between unpacked and packed, for what is larger than `small`."""
+
+    files: int = 200_000
+    size: int = 8 * 1024**3
+    ratio: int = 300
+    small: int = 64 * 1024**2
+
+    def check(self, files: int, size: int, packed: int | None = None) -> None:
+        """Raises Unsafe for what is too much."""
+        if files > self.files:
+            raise Unsafe(f"it holds more than {self.files} files")
+        if size > self.size:
+            raise Unsafe(f"it unpacks to more than {self.size >> 30} GiB")
+        if packed is not None and size > self.small and size > self.ratio * packed:
+            raise Unsafe(f"it unpacks to more than {self.ratio} times its size, as only bombs do")
+
+
+limits = Limits()
+_CHUNK = 1024 * 1024
+_HEADER = 16 * _CHUNK
+_DRIVE = re.compile(r"[A-Za-z]:")
+_OPENERS: tuple[tuple[bytes, Any], ...] = (
+    (b"\x1f\x8b", gzip.open),
+    (b"BZh", bz2.open),
+    (b"\xfd7zXZ\x00", lzma.open),
+)
+
+
+def unpack(archive: Path, target: Path) -> None:
+    """Unpack a zip or a tar (plain, gz, bz2 or xz), told by its bytes, into `target`, an empty folder.
+
+    Raises Unsafe for an archive that is broken, leads out of the folder, holds links or devices or the same
+    name twice, is encrypted, or is larger than `limits`; OSError where the disk refuses.
+    """
+    with archive.open("rb") as stream:
+        start = stream.read(512)
+    packed = archive.stat().st_size
+    try:
+        if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
+            with zipfile.ZipFile(archive) as opened:
+                _write(_zip_members(opened), target, packed)
+            return
+        opener = next((opener for magic, opener in _OPENERS if start.startswith(magic)), None)
+        if opener is None and start[257:262] != b"ustar":
+            looks = ": it looks like a web page" if start.lstrip()[:1] == b"<" else ""
+            raise Unsafe(f"it is neither a zip nor a tar{looks}")
+        with archive.open("rb") as raw, raw if opener is None else opener(raw) as plain, _tar(plain) as tar:
+            _write(_tar_members(tar), target, packed)
+    except (zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError, NotImplementedError,
+            gzip.BadGzipFile, ValueError, RuntimeError) as fault:  # fmt: skip
+        raise Unsafe(f"it is broken: {str(fault) or type(fault).__name__}") from fault
+
+
+def check_name(name: str) -> None:
+    """Raises Unsafe for a path that is not one below a folder, on any system. No I/O."""
+    parts = name.split("/")
+    if not name or name.startswith("/") or "\\" in name or _DRIVE.match(name) or ".." in parts:
+        raise Unsafe(f"`{name}` leads out of its folder")
+    if any(character < " " or character == "\x7f" for character in name):
+        raise Unsafe(f"{name!r} has a control character in its name")
+
+
+def _zip_members(archive: zipfile.ZipFile) -> Iterator[tuple[str, IO[bytes] | None]]:
+    members = archive.infolist()
+    limits.check(len(members), sum(member.file_size for member in members))
+    for member in members:
+        kind = stat.S_IFMT(member.external_attr >> 16)
+        if kind not in (0, stat.S_IFREG, stat.S_IFDIR):
+            raise Unsafe(f"`{member.filename}` is {_KINDS.get(kind, 'no plain file')}")
+        if member.flag_bits & 1:
+            raise Unsafe(f"`{member.filename}` is encrypted")
+        if member.is_dir():
+            yield member.filename.rstrip("/"), None
+        else:
+            # Of what the archive calls it: zipfile itself changes names, so that bad ones look good.
+            with archive.open(member) as stream:
+                yield member.orig_filename, stream
+
+
+_KINDS = {
+    stat.S_IFLNK: "a link",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+}
+
+
+def _tar(stream: IO[bytes]) -> tarfile.TarFile:
+    bounded: Any = _Bounded(stream)
+    return tarfile.open(fileobj=bounded, mode="r:")
+
+
+def _tar_members(archive: tarfile.TarFile) -> Iterator[tuple[str, IO[bytes] | None]]:
+    for member in archive:
+        if member.issym() or member.islnk():
+            raise Unsafe(f"`{member.name}` is a link")
+        if member.isdir():
+            yield member.name, None
+        elif member.isreg():
+            yield member.name, archive.extractfile(member)
+        else:
+            raise Unsafe(f"`{member.name}` is {'a pipe' if member.isfifo() else 'a device'}")
+
+
+def _write(members: Iterator[tuple[str, IO[bytes] | None]], target: Path, packed: int) -> None:
+    count = size = 0
+    for name, stream in members:
+        name = name.removeprefix("./")
+        if name in ("", ".") and stream is None:
+            continue
+        check_name(name)
+        count += 1
+        limits.check(count, size, packed)
+        path = target / name
+        try:
+            if stream is None:
+                path.mkdir(parents=True, exist_ok=True)
+                continue
+            path.parent.mkdir(parents=True, exist_ok=True)
+            file = path.open("xb")
+        except (FileExistsError, NotADirectoryError):
+            raise Unsafe(f"it holds `{name}` twice") from None
+        with file:
+            while chunk := stream.read(_CHUNK):
+                size += len(chunk)
+                limits.check(count, size, packed)
+                file.write(chunk)
+
+
+class _Bounded:
+    """A stream that refuses to read much at once: nothing but a forged header asks for it."""
+
+    def __init__(self, stream: IO[bytes]) -> None:
+        self._stream = stream
+        self.tell, self.seek = stream.tell, stream.seek
+
+    def read(self, size: int = -1) -> bytes:
+        if not 0 <= size <= _HEADER:
+            raise Unsafe("it has a header of absurd size")
+        return self._stream.read(size)

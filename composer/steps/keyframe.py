@@ -1,0 +1,222 @@
+"""Step: keys that the recipe writes, by the names of joints, actuators and mocap bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import partial
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, exists_note
+from composer.document.node import find, locate
+from composer.link import numbers
+from composer.link.key_layouts import final_layout
+from composer.link.layout import BLOCK, Layout, Slot
+from composer.link.linking import Linking
+from composer.link.multiplied import Copy
+from composer.link.names import may_be_generated
+from composer.link.part_keys import part_keys
+from composer.plan.parts import parts_of
+from composer.plan.plan import Plan, WriteKeyframe
+from composer.recipe.element import Angle, Single
+from composer.recipe.keyframe import FROM, TIME, VECTORS, Entry
+from composer.recipe.shown import shown
+from composer.steps.elements import Making, in_radians, plain
+from composer.tree.classes import through_frames
+from composer.tree.key import Key
+from composer.tree.names import word
+
+_Holder = tuple[Node, Slot | None]
+"""A joint, an actuator or a mocap body; the slot is None for what always has the same width."""
+_JOINTS = ("joint", "freejoint")
+_MEANT = {
+    ("free", "qpos"): "position and quaternion, `[x, y, z, w, a, b, c]`",
+    ("free", "qvel"): "linear and angular velocity, `[x, y, z, a, b, c]`",
+    ("ball", "qpos"): "a quaternion, `[w, a, b, c]`",
+    ("ball", "qvel"): "an angular velocity, `[a, b, c]`",
+}
+
+
+def write_keyframes(plan: Plan, linking: Linking, making: Making) -> None:
+    """Look up what the keys of the recipe name; the linker lays them out with the keys of the parts."""
+    if not plan.keyframes:
+        return
+    layout = final_layout(linking)
+    if layout is None:
+        return
+    holders: dict[str, dict[str, _Holder]] = {
+        "joint": _joints(layout),
+        "actuator": {
+            _name(node): (node, slot) for node, slot in layout.actuators.items() if not isinstance(node, Copy)
+        },
+        "mocap body": {_name(node): (node, None) for node in layout.mocaps},
+    }
+    parts = frozenset(parts_of(plan))
+    for step in plan.keyframes:
+        linking.written_keys.append(_Writing(step, linking, making, holders, parts).key())
+
+
+def _joints(layout: Layout) -> dict[str, _Holder]:
+    """The joints by name; one without a name that is its body's only one goes by the name of the body."""
+    named = {_name(joint) for joint in layout.joints}
+    found: dict[str, _Holder] = {}
+    for joint, slot in layout.joints.items():
+        if slot.kind == BLOCK:
+            continue
+        name = _name(joint)
+        if not name:
+            body = next(joint.iterancestors("body"))
+            name = _name(body)
+            if name in named or [each for each in through_frames(body) if each.tag in _JOINTS] != [joint]:
+                continue
+        found[name] = (joint, slot)
+    return found
+
+
+def _name(node: Node) -> str:
+    return str(node.get("name") or "")
+
+
+@dataclass(slots=True)
+class _Writing:
+    """One key in the making."""
+
+    step: WriteKeyframe
+    linking: Linking
+    making: Making
+    holders: Mapping[str, Mapping[str, _Holder]]
+    parts: frozenset[str]
+    values: dict[str, dict[Node, list[str]]] = field(default_factory=dict)
+
+    def key(self) -> Key:
+        asked, making = self.step.key, self.making
+        element = etree.Element("key")
+        making.origins.own(element, partial(self._written, element))
+        time = None if asked.time is None else numbers.text([asked.time])
+        key = Key(asked.name, time, element, making.file, making.origins, self.values)
+        for source in self._sources():
+            for vector, columns in source.values.items():
+                self.values.setdefault(vector, {}).update(columns)
+            if asked.time is None and source.time is not None:
+                self._take_time(key, source)
+        for vector, entries in asked.values.items():
+            for name, entry in entries.items():
+                self._set(vector, name, entry)
+        return key
+
+    def _written(self, element: Node, attribute: str | None) -> Span:
+        path = (*self.step.key.at, attribute or "")
+        if attribute is None or find(self.making.document, path) is None:
+            return self.step.span
+        return locate(self.making.document, path)
+
+    def _at(self, *path: str, key: bool = False) -> Span:
+        return locate(self.making.document, (*self.step.key.at, *path), key=key)
+
+    def _sources(self) -> list[Key]:
+        """The keys that `from` names, those of parts after those of what the parts are in."""
+        known = part_keys(self.linking)
+        found: list[tuple[int, Key]] = []
+        for part, name in self.step.key.sources.items():
+            there = known.get(part)
+            key = there.named(name) if there is not None else None
+            if there is not None and key is not None:
+                found.append((there.depth, key))
+                continue
+            if part not in self.parts:
+                continue  # the plan tells it
+            names = there.names if there is not None else []
+            near = closest(name, names)
+            self.making.sink.error(
+                "unknown-name",
+                f"`{part}` has no key `{name}`",
+                self._at(FROM, part),
+                notes=(exists_note("key", names, name),),
+                help=f"did you mean `{part}: {near[0]}`?" if near else None,
+            )
+        return [key for _, key in sorted(found, key=lambda each: each[0])]
+
+    def _take_time(self, key: Key, source: Key) -> None:
+        assert source.time is not None
+        if key.time is None:
+            key.time = source.time
+        elif numbers.read(key.time) != numbers.read(source.time):
+            self.making.sink.error(
+                "keyframe-conflict",
+                f"the keys that `{key.name}` is made from have different times: {key.time} and {source.time}",
+                self._at(FROM, key=True),
+                notes=(Note("the second one is here", source.span(TIME)),),
+                help=f"write the time of the key: `{TIME}: {source.time}`",
+            )
+
+    def _set(self, vector: str, name: str, entry: Entry) -> None:
+        known = self.holders[VECTORS[vector]].get(name)
+        if known is None:
+            self._unknown(vector, name)
+            return
+        node, slot = known
+        if slot is not None:
+            width = slot.widths[vector in ("qvel", "act")]
+            if len(entry) != width:
+                self._wrong_width(vector, name, slot, entry, width)
+                return
+        if slot is not None and slot.kind == "hinge":
+            values = [self._angle(vector, name, value) for value in entry]
+        else:
+            values = [plain(value) for value in entry]
+        self.values.setdefault(vector, {})[node] = numbers.text(values).split()
+
+    def _angle(self, vector: str, name: str, value: Single) -> float:
+        if self.making.angle is None and not isinstance(value, Angle) and value != 0:
+            self.making.sink.error(
+                "bare-angle",
+                f"`{vector}` of the hinge `{name}` is an angle and {shown(value)} has no unit",
+                self._at(vector, name),
+                help=f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe",
+            )
+        return in_radians(value, self.making, numbers.joint_radians)
+
+    def _wrong_width(self, vector: str, name: str, slot: Slot, entry: Entry, width: int) -> None:
+        kind = "actuator" if slot.kind == "actuator" else f"{slot.kind} joint"
+        count = f"{width} number{'' if width == 1 else 's'}" if width else "no numbers"
+        meant = _MEANT.get((slot.kind, vector))
+        self.making.sink.error(
+            "wrong-length",
+            f"`{vector}` of the {kind} `{name}` has {count}, got {len(entry)}",
+            self._at(vector, name),
+            help=f"write {meant}" if meant else "leave it out" if not width else None,
+        )
+
+    def _unknown(self, vector: str, name: str) -> None:
+        kind, linking, sink = VECTORS[vector], self.linking, self.making.sink
+        span = self._at(vector, name, key=True)
+        names = [each for each in self.holders[kind] if each]
+        declared = linking.names.find(kind, name)
+        if declared is not None and declared.getroottree().getroot() is not linking.base.root:
+            sink.forgive([name])  # it was lost with another fault
+        if kind == "joint" and declared is None and may_be_generated(name, linking.base.root):
+            sink.error(
+                "not-supported",
+                f"`{name}` in `{vector}` may be a joint that MuJoCo makes of a `<replicate>` or the like, "
+                "which a key cannot set yet",
+                span,
+                notes=(exists_note(kind, names, name),),
+                help="attach the part as often as it is needed: `replicate` in `attach`",
+            )
+            return
+        near = closest(name, names)
+        help = f"did you mean `{near[0]}`?" if near else None
+        notes = [exists_note(kind, names, name)]
+        others = [each for each in linking.names.kinds_of(name) if each != kind]
+        if others and not near:
+            notes.insert(0, Note(f"`{name}` is {word(others[0], article=True)}"))
+            drives = [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]
+            if drives:
+                help = f"`{drives[0]}` is the {kind} of that {others[0]}"
+        sink.error(
+            "unknown-name", f"there is no {kind} `{name}` to set `{vector}` of", span, notes=notes, help=help
+        )

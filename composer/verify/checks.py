@@ -1,0 +1,145 @@
+"""The checks of a recipe on the model that was built, and of the recipes in it, told where they are written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+
+from composer import engine
+from composer.context import Context
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.document.node import locate
+from composer.link.dedup import Merged
+from composer.plan.member import Member, of_part
+from composer.plan.plan import Plan
+from composer.recipe.checks.kind import Check
+from composer.recipe.checks.unchanged import Unchanged, attributes
+from composer.verify.compiles import CRASHES
+from composer.verify.difference import EXTRA, MISSING, Difference
+from composer.verify.excuses import arrays_of
+from composer.verify.kinds.ask import ask
+from composer.verify.kinds.finding import Finding
+from composer.verify.nested import Nested
+from composer.verify.outcome import Hear, Outcome
+from composer.verify.parts import WHOLE, Compared, Judge
+from composer.verify.report import causes, changed, notes
+
+
+def run_checks(
+    plan: Plan,
+    members: Sequence[Member],
+    session: engine.Session,
+    context: Context,
+    merged: Merged,
+    hear: Hear | None = None,
+) -> None:
+    """Run every check on the model that the session keeps; what does not hold goes to the sink.
+
+    `hear` is called with what came of each check, in the order of the recipe.
+    """
+    judge, kept = Judge(session, merged), True
+    for recipe, check in Nested(plan).checks():
+        own = replace(context, sink=Sink())
+        if isinstance(check, Unchanged):
+            _unchanged(check, recipe, members, plan.separator, judge, own)
+        else:
+            kept = _ask(check, recipe, members, session, own)
+        for diagnostic in own.sink.diagnostics:
+            context.sink.add(diagnostic)
+        if hear is not None:
+            told = tuple(own.sink.diagnostics)
+            hear(Outcome(recipe.part + check.name, check.word, _place(check, recipe), told))
+        if not kept:
+            break
+
+
+def _place(check: Check, recipe: Nested) -> Span:
+    return locate(recipe.plan.document, (*check.at, check.word), key=True)
+
+
+def _ask(
+    check: Check, recipe: Nested, members: Sequence[Member], session: engine.Session, context: Context
+) -> bool:
+    """A check on the compiled model, asked in the process that keeps it; whether it still does."""
+    asked = {**asdict(check), "angle": recipe.plan.angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
+    about = f"check `{recipe.part}{check.name}`"
+    if check.word == "reachable" and asked["frame"] is None:
+        message = (
+            f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
+        )
+        help = "move the check to the recipe around it"
+        context.sink.error("check-failed", message, _place(check, recipe), help=help)
+        return True
+    question = {"kind": check.word, "asked": asked, "scope": recipe.scope()}
+    answer = engine.call(session, ask, [WHOLE], question)
+    if not answer.ok:
+        code = CRASHES.get(answer.crash or "", "mujoco-crash")
+        told = [Note("no check behind it was run")] if answer.crash else []
+        message = f"{about}: {answer.error or answer.crash}"
+        context.sink.error(code, message, _place(check, recipe), notes=told)
+        return not answer.crash
+    for finding in map(Finding.from_json, answer.value):
+        path = (*check.at, check.word, *finding.at)
+        span = locate(recipe.plan.document, path, key=not finding.at)
+        told = [Note(note) for note in finding.notes]
+        context.sink.error(finding.code, f"{about}: {finding.message}", span, notes=told, help=finding.help)
+    return True
+
+
+def _unchanged(
+    check: Unchanged,
+    recipe: Nested,
+    members: Sequence[Member],
+    separator: str,
+    judge: Judge,
+    context: Context,
+) -> None:
+    """The part as the outermost recipe calls it, each of its sources against itself alone."""
+    part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
+    excused = [array for name in check.excepted for array in arrays_of(name)]
+    for member in of_part(members, part, separator):
+        compared = judge.compare(member, excused)
+        if not compared.ok:
+            _tell(compared, recipe, check, context)
+
+
+def _tell(compared: Compared, recipe: Nested, check: Unchanged, context: Context) -> None:
+    path = (*check.at, "unchanged")
+    span = locate(recipe.plan.document, (*path, "part") if check.part else path, key=check.part is None)
+    about = f"check `{recipe.part}{check.name}`"
+    if compared.obscure is not None:
+        message = (
+            f"{about}: `{compared.member.called}` cannot be compared with its source: {compared.obscure}"
+        )
+        context.sink.error("part-not-compared", message, span)
+        return
+    message = f"{about}: {changed(compared)}"
+    context.sink.error(
+        "part-changed", message, span, notes=notes(compared.differences), help=_excepting(compared, check)
+    )
+
+
+def _excepting(compared: Compared, check: Unchanged) -> str | None:
+    """The line to write if all of that is meant; None where no attribute can be named for it."""
+    names = list(check.excepted)
+    for each in causes(compared.differences):
+        if each.field in (MISSING, EXTRA):
+            return None
+        if (name := _attribute(each)) is None:
+            return None
+        names.append(name)
+    listed = ", ".join(dict.fromkeys(names))
+    return f"if that is meant, write `except: [{listed}]`"
+
+
+def _attribute(difference: Difference) -> str | None:
+    """An attribute of MJCF from which the array follows."""
+    end = difference.array.partition("_")[2]
+    known = attributes()
+    if end in known:
+        return end
+    return next(
+        (name for name in known if end in arrays_of(name) or difference.array in arrays_of(name)), None
+    )

@@ -1,0 +1,77 @@
+"""The sources of a stored bundle, found again: only a file with the hash that the manifest has counts."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+from composer.bundle.assemble import sources
+from composer.bundle.manifest import Input, Manifest
+from composer.context import Context
+from composer.diagnostics.sink import Sink
+from composer.plan.make import make_plan
+from composer.sources.error import SourceError
+from composer.sources.resolve import resolve
+from composer.sources.source import Source
+
+_LOCAL = ("path", "package", "menagerie")
+"""Kinds of reference that are followed although nobody but the bundle asks for it: they run nothing."""
+
+
+class Inputs:
+    """Looks for the inputs of a bundle: through its recipe where that is at hand, else from `context.folder`.
+
+    Without `recipe` a file of that name in the folder is taken if it is the very recipe of the manifest. What
+    is wrong with a given recipe goes to the sink.
+    """
+
+    def __init__(self, manifest: Manifest, recipe: Path | None, context: Context) -> None:
+        self.manifest, self.context = manifest, context
+        self.given = recipe is not None
+        found = recipe or self._beside()
+        self.folder = context.folder if found is None else (context.folder / found).parent
+        self.planned: list[Source] = []
+        if found is not None:
+            aside = Context(context.sink if self.given else Sink(), context.environment, context.folder)
+            plan = make_plan(found, aside)
+            self.planned = [] if plan is None else [source for _, source in sources(plan)]
+
+    def find(self, number: int) -> Source | str:
+        """The source of an input, or a sentence that says why there is none."""
+        if number >= len(self.manifest.inputs):
+            return f"the manifest has no input {number}"
+        wanted = self.manifest.inputs[number]
+        changed: Path | None = None
+        for source in self._candidates(number, wanted):
+            digest = _sha256(source.path)
+            if digest == wanted.sha256:
+                return source
+            changed = changed or (source.path if digest else None)
+        if changed is not None:
+            return f"`{self.context.shown(changed)}` is not the file that the bundle was built from"
+        return f"its source `{wanted.reference}` is not found"
+
+    def _beside(self) -> Path | None:
+        recipe = self.manifest.recipe
+        if recipe is None or Path(recipe.path).name != recipe.path:
+            return None
+        path = self.context.folder / recipe.path
+        return path if _sha256(path) == recipe.sha256 else None
+
+    def _candidates(self, number: int, wanted: Input) -> Iterator[Source]:
+        if len(self.planned) == len(self.manifest.inputs):
+            yield self.planned[number]
+        if wanted.kind in _LOCAL:
+            with suppress(SourceError):
+                yield resolve(wanted.reference, relative_to=self.folder, environment=self.context.environment)
+        yield Source(self.folder / wanted.path, wanted.kind, wanted.reference)
+
+
+def _sha256(path: Path) -> str | None:
+    """None where there is no such file."""
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+    except (OSError, ValueError):
+        return None

@@ -1,0 +1,30 @@
+"""One check, asked of a compiled model in the child process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from composer.verify.kinds import equal, exists, mass, no_penetration, reachable, size, stable
+from composer.verify.kinds.finding import Finding
+from composer.verify.kinds.scope import Scope
+from composer.verify.roster import Model
+
+KINDS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Finding]]] = {
+    "size": size.check,
+    "mass": mass.check,
+    "exists": exists.check,
+    "stable": stable.check,
+    "no_penetration": no_penetration.check,
+    "reachable": reachable.check,
+    "equal": equal.check,
+}
+
+
+def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> list[dict[str, Any]]:
+    """For `composer.engine.call`: what does not hold, as JSON data.
+
+    ``question`` has the `kind`, what the check asks for under `asked`, and the fields of a `Scope` under `scope`.
+    """
+    scope = Scope(mujoco, model, **question["scope"])
+    return [finding.to_json() for finding in KINDS[question["kind"]](scope, question["asked"])]

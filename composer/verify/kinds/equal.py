@@ -1,0 +1,136 @@
+"""The check `equal`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from composer.recipe.checks.arrays import ANGLES, DEGREES, array_of
+from composer.verify.kinds.finding import Finding, failed, unknown
+from composer.verify.kinds.scope import Scope
+
+_TYPES = ("free", "ball", "slide", "hinge")
+_ROUNDING = {4: 1e-6, 8: 1e-9}
+"""By the bytes of a number: how far off counts as rounding, in parts of the larger of 1 and the value."""
+_SHOWN = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A number as it is written, with its unit; `per_unit` is what one of that is in the compiled model."""
+
+    number: float
+    unit: str | None
+    per_unit: float
+
+    @property
+    def value(self) -> float:
+        """The number in the compiled model's unit."""
+        return self.number * self.per_unit
+
+    def __str__(self) -> str:
+        if isinstance(self.number, bool):
+            return str(self.number).lower()
+        return f"{self.number:.9g}{self.unit or ''}"
+
+    def like(self, value: float) -> str:
+        """A value of the compiled model, in this one's unit."""
+        if isinstance(value, bool):
+            return str(value).lower()
+        return str(Quantity(value / self.per_unit, self.unit, self.per_unit))
+
+
+def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+    """The finding that some of the elements have another value, if so."""
+    tag, glob = asked["tag"], asked["element"]
+    matched = scope.matching(tag, glob)
+    if not matched:
+        return [unknown(tag, glob, scope.names(tag), tag)]
+    wrong: list[tuple[str, str, str]] = []
+    for index in matched:
+        actual = _value(scope, tag, index, asked["attr"])
+        if isinstance(actual, Finding):
+            return [actual]
+        if asked["index"] is not None:
+            if asked["index"] >= actual.size:
+                message = f"`{asked['attr']}` of {tag} `{glob}` has {actual.size} numbers"
+                return [Finding(message, ("attr",), (f"the first is `{asked['attr']}[0]`",), "wrong-length")]
+            actual = actual[asked["index"]][None]
+        expected = _expected(scope, tag, index, asked)
+        if isinstance(expected, Finding):
+            return [expected]
+        if len(expected) != actual.size:
+            message = (
+                f"`{asked['attr']}` of {tag} `{glob}` has {actual.size} numbers, `value` has {len(expected)}"
+            )
+            return [Finding(message, ("value",), code="wrong-length")]
+        tol = None if asked["tol"] is None else _quantity(asked["tol"][0], asked["tol"][1], asked["attr"])
+        if not _equal(actual, [each.value for each in expected], None if tol is None else tol.value):
+            tolerance = "" if tol is None else f" ± {tol}"
+            have = [each.like(value) for each, value in zip(expected, actual.tolist(), strict=True)]
+            wanted = _listed([str(each) for each in expected])
+            wrong.append((scope.called(tag, index), wanted + tolerance, _listed(have)))
+    if not wrong:
+        return []
+    name, wanted, found = wrong[0]
+    attr = asked["attr"] + ("" if asked["index"] is None else f"[{asked['index']}]")
+    more = [f"{other}: {value}" for other, _, value in wrong[1:_SHOWN]]
+    more += [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
+    return [failed(f"`{attr}` of {name} is {found}, not {wanted}", wanted, found, "value", more=more)]
+
+
+def _value(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:
+    """The numbers of an attribute, flat."""
+    model, name = scope.model, array_of(tag, attr)
+    array = getattr(model, name, None)
+    if array is None:
+        return Finding(f"this MuJoCo has no `{attr}` of a {tag}", ("attr",), code="unknown-attribute")
+    row = index
+    if tag == "joint" and name.startswith("dof_"):
+        row = int(model.jnt_dofadr[index])
+    elif tag == "joint" and name.startswith("qpos"):
+        row = int(model.jnt_qposadr[index])
+    elif tag == "actuator" and "ctrl" in name and hasattr(model, "actuator_ctrladr"):
+        row = int(model.actuator_ctrladr[index])
+    return np.atleast_1d(array[row]).ravel()
+
+
+def _expected(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> list[Quantity] | Finding:
+    """The numbers in the unit that the compiled model has them in."""
+    attr = asked["attr"]
+    joint = _TYPES[int(scope.model.jnt_type[index])] if tag == "joint" else ""
+    angular = attr in ANGLES.get(joint, ())
+    found: list[Quantity] = []
+    for number, unit in asked["value"]:
+        if unit is None and angular and number != 0:
+            unit = {"degree": "deg", "radian": "rad", None: None}[asked["angle"]]
+            if unit is None:
+                help = f"write `{number:.9g}deg` or `{number:.9g}rad`, or `angle: degree` at the top of the recipe"
+                message = f"`{attr}` of {joint} {scope.called(tag, index)} is an angle, `value` has no unit"
+                return Finding(message, ("value",), code="bare-angle", help=help)
+        found.append(_quantity(number, unit, attr))
+    return found
+
+
+def _quantity(number: float, unit: str | None, attr: str) -> Quantity:
+    own = "deg" if attr in DEGREES else "rad"
+    if unit in (None, own):
+        return Quantity(number, unit, 1.0)
+    return Quantity(number, unit, math.radians(1) if own == "rad" else math.degrees(1))
+
+
+def _equal(actual: Any, expected: list[float], tol: float | None) -> bool:
+    wanted = np.array(expected, dtype=np.float64)
+    if tol is None:
+        part = _ROUNDING[4 if actual.dtype == np.float32 else 8]
+        return bool(
+            np.all(np.abs(actual.astype(np.float64) - wanted) <= part * np.maximum(1.0, np.abs(wanted)))
+        )
+    return bool(np.all(np.abs(actual.astype(np.float64) - wanted) <= tol))
+
+
+def _listed(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else f"[{', '.join(words)}]"

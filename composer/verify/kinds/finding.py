@@ -1,0 +1,45 @@
+"""What a check found, as data that goes through the pipe of the child process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from composer.diagnostics.suggest import closest, exists_note
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What does not hold. `at` is the path below the check's kind of what asks for it."""
+
+    message: str
+    at: tuple[str | int, ...] = ()
+    notes: tuple[str, ...] = ()
+    code: str = "check-failed"
+    help: str | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> Finding:
+        return cls(**{**data, "at": tuple(data["at"]), "notes": tuple(data["notes"])})
+
+
+def failed(message: str, expected: str, actual: str, *at: str | int, more: Iterable[str] = ()) -> Finding:
+    """A check that does not hold: what was expected, and what is."""
+    return Finding(message, at, (f"expected: {expected}", f"actual: {actual}", *more))
+
+
+def unknown(kind: str, name: str, known: Iterable[str], *at: str | int) -> Finding:
+    """A name that nothing has. `known` are the names as the recipe would write them."""
+    known = [each for each in known if each]
+    near = closest(name, known)
+    return Finding(
+        f"there is no {kind} `{name}`",
+        at,
+        (exists_note(kind, known, name).message,),
+        "unknown-name",
+        f"did you mean `{near[0]}`?" if near else None,
+    )

@@ -1,0 +1,75 @@
+"""The check `no_penetration`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from composer.tree.glob import matcher
+from composer.verify.kinds.finding import Finding, failed
+from composer.verify.kinds.scope import Scope
+
+_SHOWN = 8
+
+Side = tuple[str, int]
+"""A geom or flex by kind and id."""
+
+
+def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+    """The finding that things are inside of one another, with the deepest pairs, if so."""
+    data = scope.at_key(asked["key"])
+    if isinstance(data, Finding):
+        return [data]
+    _collide(scope, data)
+    globs = [tuple(matcher(glob, scope.separator) for glob in pair) for pair in asked["exclude"]]
+    deepest: dict[tuple[Side, Side], float] = {}
+    for contact in data.contact:
+        pair = (_side(contact, 0), _side(contact, 1))
+        depth = -float(contact.dist)
+        if depth <= asked["max"] or not all(scope.owns(*side) for side in pair):
+            continue
+        if not any(_excluded(scope, pair, one, other) for one, other in globs):
+            deepest[pair] = max(depth, deepest.get(pair, 0.0))
+    if not deepest:
+        return []
+    ranked = sorted(deepest.items(), key=lambda item: -item[1])
+    told = [f"{scope.called(*pair[0])} and {scope.called(*pair[1])}: {depth:.4g} m" for pair, depth in ranked]
+    more = told[1:_SHOWN] + ([f"and {len(told) - _SHOWN} more pairs"] if len(told) > _SHOWN else [])
+    pair, depth = ranked[0]
+    message = f"{scope.called(*pair[0])} is {depth:.4g} m inside of {scope.called(*pair[1])}"
+    return [failed(message, f"at most {asked['max']:g} m", f"{depth:.4g} m", more=more)]
+
+
+def _collide(scope: Scope, data: Any) -> None:
+    """Find contacts, also in a model whose options switch them off."""
+    mujoco, option = scope.mujoco, scope.model.opt
+    flags = int(option.disableflags)
+    off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    option.disableflags = flags & ~off
+    try:
+        mujoco.mj_fwdPosition(scope.model, data)
+    finally:
+        option.disableflags = flags
+
+
+def _side(contact: Any, side: int) -> Side:
+    geom = int(contact.geom[side])
+    return ("geom", geom) if geom >= 0 else ("flex", int(contact.flex[side]))
+
+
+def _excluded(
+    scope: Scope, pair: tuple[Side, Side], one: Callable[[str], bool], other: Callable[[str], bool]
+) -> bool:
+    first, second = (_names(scope, side) for side in pair)
+    return (any(map(one, first)) and any(map(other, second))) or (
+        any(map(other, first)) and any(map(one, second))
+    )
+
+
+def _names(scope: Scope, side: Side) -> list[str]:
+    """What a glob can name a side by: its own name and that of its body."""
+    kind, index = side
+    names = [scope.roster.names[kind][index]]
+    if kind == "geom":
+        names.append(scope.roster.names["body"][int(scope.model.geom_bodyid[index])])
+    return [name.removeprefix(scope.prefix) for name in names if name]

@@ -1,0 +1,53 @@
+"""The check `reachable`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from composer.verify.kinds.finding import Finding, failed
+from composer.verify.kinds.inverse_kinematics import STARTS, Solver
+from composer.verify.kinds.scope import Scope
+
+
+def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+    """The finding that no joint positions were found, with the nearest point, if so."""
+    site = scope.find("site", asked["site"], "site")
+    if isinstance(site, Finding):
+        return [site]
+    data = scope.at_key(asked["key"])
+    if isinstance(data, Finding):
+        return [data]
+    scope.mujoco.mj_kinematics(scope.model, data)
+    target = _in_the_world(scope, data, asked["target"], asked["frame"])
+    solver = Solver(scope.mujoco, scope.model, data, site, target, asked["tolerance"])
+    if not len(solver.chain):
+        distance = solver.distance
+        if distance <= asked["tolerance"]:
+            return []
+        more = ["no joint moves it, but for free joints, which stay where they are"]
+    else:
+        distance = solver.solve()
+        if distance <= asked["tolerance"]:
+            return []
+        more = [f"{STARTS} starts were tried"]
+        if solver.at_limits:
+            names = ", ".join(scope.written("joint", joint) for joint in solver.at_limits)
+            more.append(f"where it comes nearest, joints are at their limits: {names}")
+    point = ", ".join(f"{each:g}" for each in asked["target"])
+    message = f"site `{asked['site']}` comes no nearer to [{point}] than {distance:.4g} m"
+    return [failed(message, f"within {asked['tolerance']:g} m", f"{distance:.4g} m", "target", more=more)]
+
+
+def _in_the_world(scope: Scope, data: Any, target: list[float], frame: dict[str, Any]) -> Any:
+    """A point of the recipe's world in the model's; `frame` is where the first stands in the latter."""
+    turned = np.zeros(3)
+    scope.mujoco.mju_rotVecQuat(
+        turned, np.array(target, dtype=np.float64), np.array(frame["quat"], dtype=np.float64)
+    )
+    point = turned + np.array(frame["pos"], dtype=np.float64)
+    if frame["body"] is None:
+        return point
+    body = scope.roster.ids["body"][frame["body"]]
+    return data.xpos[body] + data.xmat[body].reshape(3, 3) @ point

@@ -1,0 +1,121 @@
+"""What of a compiled model is a recipe's own: all of it, or what bears its prefix where it is nested."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from composer.tree.glob import matcher
+from composer.verify.kinds.finding import Finding, unknown
+from composer.verify.links import links
+from composer.verify.matching import ON_BODIES
+from composer.verify.roster import Model, Roster
+
+
+@dataclass
+class Scope:
+    """The names of a recipe in a compiled model, in which each has `prefix` in front.
+
+    `others` are prefixes of what is not the recipe's although it begins alike. `keys` stands before the names
+    of its keyframes; None where they were left out. `whole` is whether everything is its own.
+    """
+
+    mujoco: Any
+    model: Model
+    prefix: str = ""
+    others: Sequence[str] = ()
+    separator: str = "/"
+    keys: str | None = ""
+    whole: bool = True
+    roster: Roster = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.roster = Roster(self.model)
+
+    def before(self, kind: str) -> str:
+        """What stands before the recipe's names of a kind."""
+        return (self.keys or "") if kind == "key" else self.prefix
+
+    def own(self, kind: str) -> Iterator[int]:
+        """The ids of the elements that are the recipe's."""
+        return (index for index in range(self.roster.count(kind)) if self.owns(kind, index))
+
+    def owns(self, kind: str, index: int) -> bool:
+        """Whether an element is the recipe's: by its name, or by what it is on or about."""
+        if self.whole:
+            return True
+        name = self.roster.names[kind][index]
+        if kind == "key":  # those of several recipes merge into one
+            return self.keys is not None and name.startswith(self.keys)
+        if name and not (kind == "body" and index == 0):
+            return self._is_own(name)
+        if kind == "body":
+            return index > 0 and self.owns("body", int(self.model.body_parentid[index]))
+        if kind in ON_BODIES:
+            return self.owns("body", int(getattr(self.model, ON_BODIES[kind])[index]))
+        return any(
+            self.owns(each.kind, each.index) for each in links(self.model, kind, index) if each.index >= 0
+        )
+
+    def _is_own(self, name: str) -> bool:
+        # The body and joint that carry a part are called by its prefix alone, and are not its own.
+        return (
+            name.startswith(self.prefix) and name != self.prefix and not name.startswith(tuple(self.others))
+        )
+
+    def called(self, kind: str, index: int) -> str:
+        """An element as messages call it: geom `pad`, or geom #2 of body `hand`."""
+        name = self.written(kind, index)
+        return f"{kind} `{name}`" if self.roster.names[kind][index] else f"{kind} {name}"
+
+    def written(self, kind: str, index: int) -> str:
+        """What the recipe calls an element, or where an unnamed one is."""
+        return self.roster.describe(kind, index).removeprefix(self.before(kind))
+
+    def names(self, kind: str) -> list[str]:
+        """The names of a kind as the recipe writes them."""
+        found = [self.roster.names[kind][index] for index in self.own(kind)]
+        return [name.removeprefix(self.before(kind)) for name in found if name]
+
+    def find(self, kind: str, name: str, *at: str | int) -> int | Finding:
+        """The id of the element that the recipe calls so; the finding that there is none. The world is any recipe's."""
+        if kind == "body" and name == "world":
+            return 0
+        index = self.roster.ids[kind].get(self.prefix + name)
+        return unknown(kind, name, self.names(kind), *at) if index is None else index
+
+    def matching(self, kind: str, glob: str) -> list[int]:
+        """The ids of the recipe's elements that a glob names; `**` alone names those without a name too."""
+        if glob == "**":
+            return list(self.own(kind))
+        fits, before = matcher(glob, self.separator), self.before(kind)
+        return [
+            index
+            for index in self.own(kind)
+            if (name := self.roster.names[kind][index]) and fits(name.removeprefix(before))
+        ]
+
+    def at_key(self, key: str | None) -> Any | Finding:
+        """An mjData at a keyframe, or at the reference configuration; `mj_forward` is still to be called."""
+        data = self.mujoco.MjData(self.model)
+        if key is None:
+            return data
+        if self.keys is None:
+            return Finding(
+                f"there is no keyframe `{key}`: those of this recipe were left out",
+                ("key",),
+                ("the recipe around it says `keyframes: none`",),
+                "unknown-name",
+            )
+        index = self.roster.ids["key"].get(self.keys + key)
+        if index is None:
+            return unknown("keyframe", key, self.names("key"), "key")
+        self.mujoco.mj_resetDataKeyframe(self.model, data, index)
+        return data
+
+    @cached_property
+    def joints(self) -> frozenset[int]:
+        """The ids of the recipe's joints."""
+        return frozenset(self.own("joint"))

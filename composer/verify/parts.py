@@ -1,0 +1,115 @@
+"""The parts of a compiled composition against their sources compiled alone, in MuJoCo's child process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from composer import engine
+from composer.plan.member import Member
+from composer.pose import IDENTITY_QUAT, ORIGIN
+from composer.sources import ros_package
+from composer.verify.difference import Difference
+from composer.verify.keyframes import Keys
+from composer.verify.question import Question, ask, told
+
+WHOLE = "whole"
+"""The name under which the session keeps the composition."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """What came of one part: its differences, or why it could not be compared."""
+
+    member: Member
+    differences: tuple[Difference, ...] = ()
+    obscure: str | None = None
+
+    @property
+    def ok(self) -> bool:
+        return self.obscure is None and not self.differences
+
+
+@dataclass(slots=True)
+class Judge:
+    """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once.
+
+    `merged` has by kind the names of the composition for which another one stands.
+    """
+
+    session: engine.Session
+    merged: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    alone: dict[str, str | None] = field(default_factory=dict)
+
+    def compare(self, member: Member, excused: Iterable[str] = ()) -> Compared:
+        """The part as it is in the composition. `excused` are arrays, or ends of their names."""
+        if member.obscure is not None:
+            return Compared(member, obscure=member.obscure)
+        name = _kept(member)
+        if name not in self.alone:
+            self.alone[name] = self._compile(member, name)
+        fault = self.alone[name]
+        if fault is not None:
+            return Compared(member, obscure=fault)
+        question = _question(member, tuple(excused), self.merged)
+        answer = engine.call(self.session, ask, [name, WHOLE], question.to_json())
+        if not answer.ok:
+            return Compared(member, obscure=answer.error or answer.crash or "it cannot be compared")
+        return Compared(member, tuple(told(answer.value)))
+
+    def _compile(self, member: Member, name: str) -> str | None:
+        """Keep the source compiled alone; a sentence where MuJoCo refuses it."""
+        path, text = member.source.path, None
+        if member.source.format == "urdf":
+            try:
+                names = ros_package.packages_in(path.read_text(encoding="utf-8", errors="replace"))
+            except OSError as error:
+                return f"its source cannot be read: {(error.strerror or str(error)).lower()}"
+            packages = ros_package.folders(names, path, dict(member.source.packages))
+            converted = engine.convert_urdf(path, packages, stands=member.stands, session=self.session)
+            if (text := converted.text) is None:
+                return _refused(converted.error or converted.crash)
+        file = path.name if text is None else f"{path.stem}.xml"
+        compiled = engine.compile(path.parent, file, text=text, keep=name, session=self.session)
+        return None if compiled.ok else _refused(compiled.error or compiled.crash)
+
+
+def _refused(said: str | None) -> str:
+    return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
+
+
+def _kept(member: Member) -> str:
+    """A name for what sources that are the same alone have in common."""
+    stands = member.stands or member.source.format != "urdf"
+    return f"alone {'' if stands else 'and loose '}{member.source.path}"
+
+
+def _question(member: Member, excused: tuple[str, ...], merged: Mapping[str, Mapping[str, str]]) -> Question:
+    pose = member.pose
+    renamed = {
+        kind: {
+            gone.removeprefix(member.prefix): kept
+            for gone, kept in names.items()
+            if gone.startswith(member.prefix)
+        }
+        for kind, names in merged.items()
+    }
+    keys, key_prefix = Keys.MERGE, None
+    if member.keys is None:
+        keys = Keys.NONE
+    elif member.keys and member.keys == member.prefix:
+        keys = Keys.PREFIX
+    elif member.keys:
+        key_prefix = member.keys
+    return Question(
+        prefix=member.prefix,
+        body=member.body,
+        pos=ORIGIN if pose is None else pose.pos,
+        quat=IDENTITY_QUAT if pose is None else pose.quat,
+        posed=pose is not None,
+        keys=keys,
+        key_prefix=key_prefix,
+        welded=member.welded,
+        renamed=renamed,
+        ignore=excused,
+    )

@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+from cli.shell import process, run
+
+UNTIDY = "name: cell   # short\nrecipe: 1\nattach: {tool: {site: flange, model: ./models/tool.xml}}\n"
+TIDY = "recipe: 1\nname: cell   # short\nattach: {tool: {model: ./models/tool.xml, site: flange}}\n"
+
+
+def test_a_file_is_written_in_its_place(folder: Path) -> None:
+    path = folder / "untidy.yaml"
+    path.write_text(UNTIDY)
+    path.chmod(0o640)
+    result = run("fmt", "untidy.yaml", "cell.yaml")
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "formatted untidy.yaml\n", "")
+    assert path.read_text() == TIDY
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+    assert [each.name for each in folder.iterdir() if each.name.startswith(".")] == []
+    assert run("fmt", "untidy.yaml").stdout == ""
+
+
+def test_a_link_stays_a_link(folder: Path) -> None:
+    (folder / "untidy.yaml").write_text(UNTIDY)
+    os.symlink("untidy.yaml", folder / "link.yaml")
+    assert run("fmt", "link.yaml").exit_code == 0
+    assert (folder / "link.yaml").is_symlink() and (folder / "untidy.yaml").read_text() == TIDY
+
+
+def test_check_shows_the_difference_and_writes_nothing(folder: Path) -> None:
+    (folder / "untidy.yaml").write_text(UNTIDY)
+    result = run("fmt", "--check", "cell.yaml", "untidy.yaml")
+    assert result.exit_code == 1
+    assert result.stdout.startswith("--- untidy.yaml\n+++ untidy.yaml (formatted)\n")
+    assert "\n-recipe: 1\n" in result.stdout and "\n+recipe: 1\n" in result.stdout
+    assert result.stderr == "1 of 2 would change\n"
+    assert (folder / "untidy.yaml").read_text() == UNTIDY
+    assert run("fmt", "--check", "cell.yaml").exit_code == 0
+
+
+def test_check_tells_a_missing_line_break(folder: Path) -> None:
+    (folder / "untidy.yaml").write_text("recipe: 1")
+    assert (
+        "-recipe: 1\n\\ No newline at end of file\n+recipe: 1\n"
+        in run("fmt", "--check", "untidy.yaml").stdout
+    )
+
+
+def test_standard_input(folder: Path) -> None:
+    done = process("fmt", "-", input=UNTIDY.replace("\n", "\r\n").encode())
+    assert (done.returncode, done.stdout, done.stderr) == (0, TIDY.replace("\n", "\r\n").encode(), b"")
+    wrong = process("fmt", "-", input=b"a: [\n")
+    assert (
+        wrong.returncode == 1 and wrong.stdout == b"" and b"<stdin>:2:1: error[yaml-syntax]" in wrong.stderr
+    )
+
+
+def test_faults_leave_the_file_alone_and_the_others_are_formatted(folder: Path) -> None:
+    (folder / "untidy.yaml").write_text(UNTIDY)
+    (folder / "broken.yaml").write_text("name: [\n")
+    result = run("fmt", "broken.yaml", "absent.yaml", "models", "untidy.yaml")
+    assert result.exit_code == 1
+    assert result.stdout == "formatted untidy.yaml\n"
+    for code in (
+        "broken.yaml:2:1: error[yaml-syntax]",
+        "error[file-not-found]: `absent.yaml`",
+        "error[file-unreadable]: `models`",
+    ):
+        assert code in result.stderr
+    assert (folder / "broken.yaml").read_text() == "name: [\n"
+
+
+def test_no_recipe_is_a_usage_error() -> None:
+    assert run("fmt").exit_code == 2

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from composer.context import Context
+from composer.diff.diff import diff
+from composer.diff.revision import RevisionError, check_out, split
+from composer.diff.text import render
+from composer.engine import Session
+
+CASE = Path(__file__).parent / "cases" / "sources" / "a"
+pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="there is no git command")
+
+
+def _git(folder: Path, *arguments: str) -> str:
+    identity = {
+        f"GIT_{who}_{what}": "x@example.org" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")
+    }
+    done = subprocess.run(
+        ["git", "-C", str(folder), *arguments], check=True, capture_output=True, text=True,
+        env={**os.environ, **identity, "GIT_CONFIG_GLOBAL": os.devnull},
+    )  # fmt: skip
+    return done.stdout
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    """A commit with `cells/recipe.yaml` and its parts; in the folder the arm has been changed since."""
+    folder = tmp_path / "repository"
+    shutil.copytree(CASE, folder / "cells")
+    _git(folder, "init", "-q")
+    _git(folder, "add", ".")
+    _git(folder, "commit", "-q", "-m", "one")
+    arm = folder / "cells" / "arm.xml"
+    arm.write_text(arm.read_text().replace('mass="2"', 'mass="3"'))
+    return folder
+
+
+def test_revision_and_path() -> None:
+    assert split("HEAD^:a.yaml") == ("HEAD^", "a.yaml")
+    assert split("a.yaml") is None and split(":a.yaml") is None and split("main:") is None
+    assert split("C:\\a.yaml") is None
+
+
+def test_a_revision_against_the_folder(repository: Path) -> None:
+    before = _git(repository, "status", "--porcelain")
+    context = Context(folder=repository)
+    with Session() as session:
+        found = diff("HEAD:cells/recipe.yaml", "cells/recipe.yaml", context, session)
+        same = diff("HEAD:cells/recipe.yaml", "HEAD:cells/recipe.yaml", context, session)
+    assert found is not None and same is not None, context.sink.diagnostics
+    assert same.same and same.same_bytes
+    assert "cells/arm.xml:13\n" in render(found)
+    assert "mass of body `upper`: 2 kg → 3 kg (+50 %)" in render(found)
+    span = found.groups[0].cause
+    assert span is not None and span.before is not None and span.before.file == "HEAD:cells/arm.xml"
+    assert _git(repository, "status", "--porcelain") == before
+
+
+def test_the_path_is_that_of_the_folder_one_is_in(repository: Path) -> None:
+    context = Context(folder=repository / "cells")
+    with Session() as session:
+        found = diff("HEAD:recipe.yaml", "recipe.yaml", context, session)
+    assert found is not None and "\narm.xml:13\n" in render(found)
+
+
+def test_a_file_that_is_gone_from_the_folder(repository: Path, tmp_path: Path) -> None:
+    shutil.rmtree(repository / "cells")
+    into = tmp_path / "out"
+    into.mkdir()
+    tree = check_out("HEAD", repository / "cells" / "recipe.yaml", into, os.environ)
+    assert tree.path.read_bytes() == (CASE / "recipe.yaml").read_bytes()
+    assert (tree.path.parent / "arm.xml").is_file()
+
+
+def test_faults(repository: Path, tmp_path: Path) -> None:
+    path = repository / "cells" / "recipe.yaml"
+    with pytest.raises(RevisionError, match="there is no revision `nowhere`"):
+        check_out("nowhere", path, tmp_path, os.environ)
+    with pytest.raises(RevisionError, match="there is no revision `--help`"):
+        check_out("--help", path, tmp_path, os.environ)
+    with pytest.raises(RevisionError, match="is in no git repository"):
+        check_out(
+            "HEAD", tmp_path / "a.yaml", tmp_path, {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path)}
+        )
+    with pytest.raises(RevisionError, match="the git command is not there"):
+        check_out("HEAD", path, tmp_path, {"PATH": str(tmp_path)})
+
+
+def test_faults_are_told_where_they_are(repository: Path) -> None:
+    recipe = repository / "cells" / "recipe.yaml"
+    recipe.write_text(recipe.read_text().replace("flange", "flang"))
+    _git(repository, "commit", "-q", "-a", "-m", "two")
+    context = Context(folder=repository)
+    with Session() as session:
+        assert diff("HEAD:cells/recipe.yaml", "HEAD:cells/gone.yaml", context, session) is None
+    told = {each.code: each for each in context.sink.diagnostics}
+    assert told.keys() == {"attach-place", "file-not-found"}
+    span = told["attach-place"].span
+    assert span is not None and (span.file, span.line) == ("HEAD:cells/recipe.yaml", 7)
+    assert "`cells/gone.yaml` in revision `HEAD`" in told["file-not-found"].message

@@ -1,0 +1,126 @@
+"""What README.md and docs/recipes.md show works as it stands."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from composer.context import Context
+from composer.diagnostics.text import render
+from composer.pipeline import build
+
+ROOT = Path(__file__).resolve().parents[2]
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+FAULT = """\
+recipe: 1
+base: ./models/arm6/arm6.xml
+
+attach:
+  gripper:
+    model: ./models/gripper2/gripper2.xml
+    site: atachment_site
+
+option: {cone: elliptic, impratio: 10}
+"""
+LINK_WITH_MASS = """<link name="{}">
+  <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+  <visual><geometry><sphere radius="0.1"/></geometry></visual>
+</link>"""
+FIXED = '<joint name="tool" type="fixed"><parent link="base"/><child link="tool0"/></joint>'
+URDFS = {
+    "arm_description/urdf/arm.urdf": (
+        f'<robot name="arm">{LINK_WITH_MASS.format("base")}<link name="tool0"/>{FIXED}</robot>'
+    ),
+    "tools/gripper.urdf": f'<robot name="gripper">{LINK_WITH_MASS.format("palm")}</robot>',
+}
+"""Models that recipes of the guides name and that no package has."""
+GUIDES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+def blocks(name: str, kind: str) -> list[str]:
+    text = (ROOT / name).read_text(encoding="utf-8")
+    return [content for language, content in BLOCK.findall(text) if language == kind]
+
+
+def recipes_of(name: str) -> list[str]:
+    return [text for text in blocks(name, "yaml") if text.startswith("recipe:")]
+
+
+def context(folder: Path, menagerie: Path) -> Context:
+    return Context(folder=folder, environment={**os.environ, "MENAGERIE_ROOT": str(menagerie)})
+
+
+@pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_links_lead_somewhere(guide: Path) -> None:
+    for target in LINK.findall(guide.read_text(encoding="utf-8")):
+        assert "://" in target or (guide.parent / target).exists(), target
+
+
+RECIPES = [
+    (name, number, text)
+    for name in ("README.md", "docs/recipes.md")
+    for number, text in enumerate(recipes_of(name))
+]
+
+
+@pytest.mark.parametrize(("name", "number", "text"), RECIPES, ids=[f"{name}-{n}" for name, n, _ in RECIPES])
+def test_a_recipe_builds_without_a_word(
+    name: str, number: int, text: str, tmp_path: Path, menagerie_root: Path
+) -> None:
+    if "franka" in text and not os.environ.get("MJCOMPOSE_CORPUS"):
+        pytest.skip("MJCOMPOSE_CORPUS names no corpus")
+    if "urdf" in text and not hasattr(mujoco.MjSpec, "fuse_static"):
+        pytest.skip("this MuJoCo fuses links without a trace")
+    (tmp_path / "models").symlink_to(ROOT / "recipes" / "models")
+    for path, urdf in URDFS.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(urdf, encoding="utf-8")
+    (tmp_path / "tools" / "tool_meshes").mkdir()
+    (tmp_path / "r.yaml").write_text(text, encoding="utf-8")
+    told = context(tmp_path, menagerie_root)
+    assert build(tmp_path / "r.yaml", told) is not None
+    assert told.sink.diagnostics == []
+
+
+def test_the_fault_of_the_readme_is_told_as_it_shows(tmp_path: Path, menagerie_root: Path) -> None:
+    (tmp_path / "models").symlink_to(ROOT / "recipes" / "models")
+    (tmp_path / "arm.yaml").write_text(FAULT, encoding="utf-8")
+    told = context(tmp_path, menagerie_root)
+    assert build(tmp_path / "arm.yaml", told) is None
+    (fault,) = told.sink.diagnostics
+    shown = next(text for text in blocks("README.md", "text") if "error[" in text)
+    assert render(fault, lambda file: FAULT) == shown.rstrip("\n")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the commands are of a POSIX shell")
+def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
+    commands = next(text for text in blocks("README.md", "sh") if "mjcompose new model.yaml" in text)
+    commands = "".join(
+        line for line in commands.splitlines(True) if not re.search(" (import|diff) ", line)
+    )  # of files of one's own
+    script = f'set -e\nmjcompose() {{ {sys.executable} -m composer "$@"; }}\n{commands}'
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run(["bash", "-c", script], cwd=tmp_path, env=environment, check=True, timeout=240)
+    assert (tmp_path / "build" / "model.zip").is_file()
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).nq == 1
+    assert mujoco.MjModel.from_binary_path(str(tmp_path / "model.mjb")).nq == 1
+
+
+def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
+    models = ROOT / "recipes" / "models"
+    arm = (models / "arm6" / "arm6.xml").read_text().replace("assets", str(models / "arm6" / "assets"))
+    tool = '<mujoco model="tool"><worldbody><body><geom size="0.01"/></body></worldbody></mujoco>'
+    (tmp_path / "arm.xml").write_text(arm)
+    (tmp_path / "gripper.xml").write_text(tool)
+    for text in blocks("README.md", "python"):
+        command = [sys.executable, "-c", text]
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        subprocess.run(command, cwd=tmp_path, env=environment, check=True, timeout=120)
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).nq == 6

@@ -1,0 +1,183 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from composer.diagnostics import Sink
+from composer.document import Mapping, Node, load, locate, to_python
+from composer.expand.expand import Concrete, expand
+
+
+def tree(text: str) -> Mapping:
+    node = load(text, "recipe.yaml", sink := Sink())
+    assert isinstance(node, Mapping), sink.diagnostics
+    return node
+
+
+def expanded(text: str, given: str = "{}") -> tuple[Concrete, list[str]]:
+    values: dict[str, Node] = {name: value for name, (_, value) in tree(given).entries.items()}
+    sink = Sink()
+    return expand(tree(text), values, sink), [f"{each.code}: {each.message}" for each in sink.errors]
+
+
+def concrete(text: str, given: str = "{}") -> Any:
+    found, faults = expanded(text, given)
+    assert not faults
+    return to_python(found.document)
+
+
+@pytest.mark.parametrize(
+    ("declared", "given", "value"),
+    [
+        ("1", "{}", 1),
+        ("1", "{x: 0.5}", 0.5),
+        ("true", "{x: false}", False),
+        ("left", "{x: right}", "right"),
+        ("[1, 2, 3]", "{x: [4, 5, 6]}", [4, 5, 6]),
+        ("{type: int, default: 2}", "{x: 3}", 3),
+        ("{default: a, choices: [a, b]}", "{x: b}", "b"),
+        ("90deg", "{}", "90.0deg"),
+        ("90deg", "{x: 1}", "1deg"),
+        ("{default: 0, unit: rad}", "{x: 180deg}", "3.141592653589793rad"),
+        ("{type: string, default: 90deg}", "{}", "90deg"),
+        ("{type: float}", "{x: 2}", 2),
+        ("{default: 1, min: 0, max: 2, unit: m, doc: how far}", "{x: 2}", 2),
+    ],
+)
+def test_a_parameter_keeps_its_type(declared: str, given: str, value: object) -> None:
+    found = concrete(f"params: {{x: {declared}}}\nvalue: '${{x}}'", given)["value"]
+    assert found == value and type(found) is type(value)
+
+
+def test_expressions_stand_in_lists_and_text_and_keep_their_place() -> None:
+    found, faults = expanded("params: {n: 2}\nadd: [{pos: [0, '${n / 4}', 1], name: 'cube_${n}'}]")
+    assert not faults
+    assert to_python(found.document) == {"add": [{"pos": [0, 0.5, 1], "name": "cube_2"}]}
+    assert str(locate(found.document, ("add", 0, "pos", 1))) == "recipe.yaml:2:17"
+    assert found.scope == {"n": 2}
+
+
+def test_edits_keep_their_expressions() -> None:
+    text = (
+        "params: {n: 2}\nedit: [{set: {mass: '${value * n}'}}]\nattach: {a: {edit: [{rename: '${name}_x'}]}}"
+    )
+    assert concrete(text) == {
+        "edit": [{"set": {"mass": "${value * n}"}}],
+        "attach": {"a": {"edit": [{"rename": "${name}_x"}]}},
+    }
+
+
+def test_ids_are_for_merging_alone() -> None:
+    assert concrete("add: [{id: a, to: world}]\nedit: [{id: b}]\nsensor: {id: {type: clock}}") == {
+        "add": [{"to": "world"}],
+        "edit": [{}],
+        "sensor": {"id": {"type": "clock"}},
+    }
+
+
+VARIANTS = """
+sensor: {s: {type: touch, site: a}}
+params: {load: 1}
+variants:
+  tool: {small: {sensor: {s: {site: b}}}, large: {params: {load: 2}}}
+  light: {on: {}, off: {visual: {x: 1}}}
+mass: "${load}"
+called: "${tool}"
+"""
+
+
+def test_the_first_of_an_axis_is_its_default() -> None:
+    assert concrete(VARIANTS) == {
+        "sensor": {"s": {"type": "touch", "site": "b"}},
+        "mass": 1,
+        "called": "small",
+    }
+
+
+def test_a_variant_is_merged_over_the_recipe() -> None:
+    assert concrete(VARIANTS, "{tool: large, light: 'off', load: 3}") == {
+        "sensor": {"s": {"type": "touch", "site": "a"}},
+        "visual": {"x": 1},
+        "mass": 3,
+        "called": "large",
+    }
+    assert concrete(VARIANTS, "{tool: large}")["mass"] == 2
+
+
+WHEN = """
+params: {load: 1, tool: a}
+variants: {light: {on: {}, off: {}}}
+attach: {x: {model: m, when: {light: on}}, y: {model: m, when: {load: [1, 2], tool: a}}}
+add: [{to: world, when: "${load > 1}"}, {to: hand, when: true}]
+sensor: {s: {type: clock, when: {light: [on, off]}}}
+asset: {mesh: {m: {file: f, when: {tool: b}}}}
+option: {when: {load: 2}, timestep: 1}
+"""
+
+
+def test_what_belongs_to_some_builds_only() -> None:
+    assert concrete(WHEN) == {
+        "attach": {"x": {"model": "m"}, "y": {"model": "m"}},
+        "add": [{"to": "hand"}],
+        "sensor": {"s": {"type": "clock"}},
+        "asset": {"mesh": {}},
+    }
+    found = concrete(WHEN, "{light: off, load: 2, tool: b}")
+    assert found["attach"] == {} and len(found["add"]) == 2
+    assert found["asset"] == {"mesh": {"m": {"file": "f"}}} and found["option"] == {"timestep": 1}
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "fault"),
+    [
+        ("params: {x: 1}", "{y: 2}", "unknown-name: the recipe has no parameter or variant `y`"),
+        ("params: {x: {max: 1, default: 0}}", "{x: 2}", "out-of-range: parameter `x` is at most 1, got 2"),
+        ("params: {x: {min: 1, default: 0}}", "{}", "out-of-range: parameter `x` is at least 1, got 0"),
+        ("params: {x: 1}", "{x: true}", "wrong-type: parameter `x` is a number, got a boolean `true`"),
+        ("params: {x: 1}", "{x: {a: 1}}", "wrong-type: parameter `x` is a value"),
+        ("params: {x: [1, 2]}", "{x: [1]}", "wrong-length: parameter `x` has 2 numbers, got 1"),
+        ("params: {x: {type: int, default: 1}}", "{x: 1.5}", "wrong-type: parameter `x` is a whole number, got a number `1.5`"),
+        ("params: {x: {default: a, choices: [a, b]}}", "{x: c}", "out-of-range: parameter `x` is one of `a`, `b`, got text `c`"),
+        ("params: {x: {}}", "{}", "missing-key: parameter `x` has neither `default` nor `type`"),
+        ("params: {x: {type: float}}\na: '${x}'", "{}", "missing-key: parameter `x` has no default and must be given"),
+        ("params: {x: {type: number}}", "{}", "wrong-keyword: `type` of `x` is none of the types"),
+        ("params: {x: {default: 1, mim: 2}}", "{}", "unknown-key: parameter `x` has no key `mim`"),
+        ("params: {x: {default: 1, min: 2, max: 1}}", "{}", "out-of-range: `max` of `x` is below its `min`"),
+        ("params: {x: '${1}'}", "{}", "wrong-type: the default of `x` cannot be an expression"),
+        ("params: {sin: 1}", "{}", "bad-name: `sin` has a meaning of its own in expressions and cannot name a parameter"),
+        ("params: {a-b: 1}", "{}", "bad-name: a parameter has letters, digits and `_` in its name, got `a-b`"),
+        ("params: [x]", "{}", "wrong-type: `params` is a mapping from names to parameters"),
+        ("a: '${y}'", "{}", "unknown-name: there is no parameter `y`"),
+        ("a: '${1 / 0}'", "{}", "expression: division by zero"),
+        ("variants: {v: {a: {}}}", "{v: b}", "unknown-name: variant `v` has no value `b`"),
+        ("variants: {v: {}}", "{}", "wrong-type: variant `v` is a mapping from its values to pieces of recipe"),
+        ("variants: {v: {a: 1}}", "{}", "wrong-type: `a` of variant `v` is a piece of recipe, a mapping"),
+        ("variants: {v: {a: {recipe: 1}}}", "{}", "unknown-key: `recipe` cannot stand in a variant"),
+        ("variants: {v: {a: {}}}\nparams: {v: 1}", "{}", "name-clash: `v` is a variant and a parameter"),
+        ("add: [{when: {y: 1}}]", "{}", "unknown-name: there is no variant or parameter `y`"),
+        ("variants: {v: {a: {}}}\nadd: [{when: {v: b}}]", "{}", "unknown-name: variant `v` has no value `b`"),
+        ("add: [{when: 3}]", "{}", "wrong-type: `when` is a mapping from variants and parameters to values, or one boolean expression"),
+        ("add: [{when: '${1 + 1}'}]", "{}", "wrong-type: `when` needs `true` or `false`"),
+    ],
+)  # fmt: skip
+def test_one_fault_is_told_once(text: str, given: str, fault: str) -> None:
+    assert expanded(text, given)[1] == [fault]
+
+
+def test_what_is_wrong_is_left_out_and_the_rest_stays() -> None:
+    found, faults = expanded("params: {x: 1}\na: '${y}'\nb: '${x}'\nc: [1, '${1 / 0}']")
+    assert len(faults) == 2
+    assert to_python(found.document) == {"b": 1}
+    assert {"a", "${y}"} <= found.lost
+
+
+def test_a_fault_stands_below_the_part_of_the_expression() -> None:
+    sink = Sink()
+    expand(tree("params: {n: 1}\na: [0, '${2 * (m + n)}']"), {}, sink)
+    (fault,) = sink.errors
+    assert fault.span is not None and (fault.span.line, fault.span.column, fault.span.end_column) == (
+        2,
+        16,
+        17,
+    )

@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+from link.workshop import Piece, Workshop, placed
+
+FLEX = '<flexcomp name="f" type="grid" count="2 2 1" spacing=".1 .1 .1" dim="2" radius=".01"/>'
+ARM = '<body name="arm"><joint name="j"/><geom size=".1"/></body>'
+
+
+def model(joint: str, inside: str) -> str:
+    return f"<mujoco><default><joint {joint}/></default><worldbody>{inside}</worldbody></mujoco>"
+
+
+def test_what_a_flex_in_the_world_takes_reaches_nothing_else(workshop: Workshop) -> None:
+    base = model('armature=".5"', FLEX + ARM)
+    found = workshop.link(base, Piece(model('stiffness="2"', ARM), "p/"), Piece(model("", ARM), "q/")).model()
+    armature = found.dof_armature
+    assert armature[found.jnt_dofadr[0]] == 0.5
+    assert armature[found.joint("j").dofadr[0]] == 0.5
+    assert [armature[found.joint(name).dofadr[0]] for name in ("p/j", "q/j")] == [0, 0]
+    assert found.joint("p/j").stiffness[0] == 2
+
+
+def test_without_joint_defaults_nothing_is_written(workshop: Workshop) -> None:
+    linked = workshop.link(model("", FLEX), Piece(model("", FLEX), "p/"))
+    assert "<joint " not in linked.xml
+
+
+def test_two_flexes_in_the_world_that_take_different_defaults_are_refused(workshop: Workshop) -> None:
+    linked = workshop.link(model('armature=".5"', FLEX), Piece(model('armature=".6"', FLEX), "p/"))
+    assert linked.fault.code == "not-supported"
+    assert 'armature="0.6"' in linked.fault.message or 'armature=".6"' in linked.fault.message
+
+
+def test_user_data_has_no_neutral_value(workshop: Workshop) -> None:
+    linked = workshop.link(model('user="1 2"', FLEX), Piece(model("", ARM), "p/"))
+    assert linked.fault.code == "not-supported"
+
+
+def test_a_flex_at_the_root_takes_the_defaults_of_its_mount(workshop: Workshop) -> None:
+    base = """<mujoco><default><default class="x"><joint armature=".5"/></default></default><worldbody>
+      <body name="plain"/><body name="classed" childclass="x"/></worldbody></mujoco>"""
+    part = Piece(model("", FLEX), "p/", placed("body", "plain"))
+    assert workshop.link(base, part).model().nflex == 1
+    part = Piece(model("", FLEX), "p/", placed("body", "classed"))
+    assert workshop.link(base, part).fault.code == "not-supported"

@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from composer.context import Context
+from composer.plan.describe import as_data, describe
+from composer.plan.make import make_plan
+from composer.plan.parts import called, parts_of
+
+ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoco>'
+
+
+def test_paths(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    (tmp_path / "arm.yaml").write_text(
+        "recipe: 1\nbase: ./robot.xml\nattach: {gripper: {model: ./robot.xml}}\n"
+    )
+    (tmp_path / "cell.yaml").write_text(
+        "recipe: 1\nattach:\n  left: {model: ./arm.yaml}\n  bare: {model: ./robot.xml, prefix: ''}\n"
+        "  r: {model: ./robot.xml, prefix: right}\n  cube: {model: ./robot.xml, replicate: [{count: 2}]}\n"
+    )
+    plan = make_plan(Path("cell.yaml"), Context(environment={}, folder=tmp_path))
+    assert plan is not None
+    assert [called(part, "/") for part in plan.parts] == ["left", "bare", "right", "cube0", "cube1"]
+    assert list(parts_of(plan)) == [
+        "left", "left/base", "left/gripper", "bare", "right", "cube0", "cube1",
+    ]  # fmt: skip
+
+
+def test_copies_are_described_once(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    (tmp_path / "r.yaml").write_text(
+        "recipe: 1\nattach: {peg: {model: ./robot.xml, replicate: [{count: 12}, {count: 2}]}}\n"
+        "keyframe: {home: {}}\n"
+    )
+    plan = make_plan(Path("r.yaml"), Context(environment={}, folder=tmp_path))
+    assert plan is not None and len(plan.parts) == 24
+    assert describe(plan).splitlines()[2:] == [
+        "  attach peg00_0/ … peg11_1/ (12 × 2): ./robot.xml, in the world",
+        "  write the keyframe home",
+    ]
+    assert len(as_data(plan)["parts"]) == 24

@@ -1,0 +1,36 @@
+"""The example recipes build, and what they build stands still."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from composer.bundle.write import write
+from composer.context import Context
+from composer.pipeline import build
+
+ROOT = Path(__file__).resolve().parents[2]
+RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
+NEEDS_MORE = {"menagerie_panda_allegro"}
+"""Recipes of robots that only the corpus has."""
+
+
+@pytest.mark.parametrize("path", RECIPES, ids=lambda path: path.stem)
+def test_builds_and_moves_without_a_warning(path: Path, tmp_path: Path, menagerie_root: Path) -> None:
+    if path.stem in NEEDS_MORE and not os.environ.get("MJCOMPOSE_CORPUS"):
+        pytest.skip("MJCOMPOSE_CORPUS names no corpus")
+    context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie_root)})
+    built = build(path, context)
+    assert built is not None
+    assert context.sink.diagnostics == []
+    write(built.bundle, f"{tmp_path}/out/", environment={})
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
+    data = mujoco.MjData(model)
+    while data.time < 0.2:
+        mujoco.mj_step(model, data)
+    assert not any(warning.number for warning in data.warning)
+    assert np.isfinite(data.qpos).all()

@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from composer.sources.download import Version, download
+from composer.sources.error import SourceError
+
+NOTHING = Version()
+CONTENT = bytes(range(256)) * 64
+
+
+@pytest.fixture
+def get(tmp_path: Path) -> Callable[..., Version | None]:
+    def get(url: str, known: Version = NOTHING, **environment: str) -> Version | None:
+        told = {"MJCOMPOSE_TIMEOUT": "1", **environment}
+        return download(url, tmp_path / "file.part", environment=told, progress=print, known=known)
+
+    return get
+
+
+def test_redirects_are_followed(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path
+) -> None:
+    web.pages["/a"] = lambda handler: answer(handler, b"", status=302, Location="/b")
+    web.pages["/b"] = CONTENT
+    get(f"{web.url}/a")
+    assert (tmp_path / "file.part").read_bytes() == CONTENT
+
+
+def test_redirects_in_a_circle_end(web: Any, get: Callable[..., Any], answer: Callable[..., None]) -> None:
+    web.pages["/a"] = lambda handler: answer(handler, b"", status=302, Location="/a")
+    with pytest.raises(SourceError) as caught:
+        get(f"{web.url}/a")
+    assert caught.value.code == "source-fetch"
+
+
+def test_a_busy_server_is_asked_again(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path
+) -> None:
+    def page(handler: Any) -> None:
+        answer(
+            handler,
+            *((b"",) if len(web.asked) < 3 else (CONTENT,)),
+            status=503 if len(web.asked) < 3 else 200,
+        )
+
+    web.pages["/a"] = page
+    get(f"{web.url}/a")
+    assert len(web.asked) == 3
+    assert (tmp_path / "file.part").read_bytes() == CONTENT
+
+
+def resuming(web: Any, answer: Callable[..., None], etag: Callable[[], str]) -> Callable[[Any], None]:
+    """Breaks off in the middle of the first answer."""
+
+    def page(handler: Any) -> None:
+        asked, version = handler.headers.get("Range"), etag()
+        if asked and handler.headers.get("If-Range") == version:
+            start = int(asked.removeprefix("bytes=").removesuffix("-"))
+            answer(handler, CONTENT[start:], status=206, ETag=version,
+                   Content_Range=f"bytes {start}-{len(CONTENT) - 1}/{len(CONTENT)}")  # fmt: skip
+        elif len(web.asked) == 1:
+            answer(handler, CONTENT[:5000], length=len(CONTENT), ETag=version)
+            handler.close_connection = True
+        else:
+            answer(handler, CONTENT, ETag=version)
+
+    return page
+
+
+def test_what_broke_off_goes_on(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path
+) -> None:
+    web.pages["/a"] = resuming(web, answer, lambda: '"one"')
+    assert get(f"{web.url}/a") == Version('"one"', "")
+    assert (tmp_path / "file.part").read_bytes() == CONTENT
+    assert web.asked[1][1]["Range"] == "bytes=5000-"
+
+
+def test_a_file_that_changed_meanwhile_is_fetched_anew(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path
+) -> None:
+    web.pages["/a"] = resuming(web, answer, lambda: f'"{len(web.asked)}"')
+    get(f"{web.url}/a")
+    assert (tmp_path / "file.part").read_bytes() == CONTENT
+
+
+def test_a_server_that_says_nothing(web: Any, get: Callable[..., Any]) -> None:
+    release = threading.Event()
+    web.pages["/a"] = lambda handler: release.wait(20)
+    with pytest.raises(SourceError) as caught:
+        get(f"{web.url}/a", MJCOMPOSE_TIMEOUT="0.1")
+    release.set()
+    assert caught.value.code == "source-fetch"
+    assert "after 5 tries" in caught.value.notes[0]
+
+
+def test_a_host_that_is_gone(get: Callable[..., Any]) -> None:
+    with pytest.raises(SourceError) as caught:
+        get("http://127.0.0.1:9/a.zip")
+    assert caught.value.code == "source-fetch"
+    assert "refused" in caught.value.notes[0]
+
+
+@pytest.mark.parametrize("status", [401, 403, 418])
+def test_what_is_not_given_is_not_asked_for_again(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None], status: int
+) -> None:
+    web.pages["/a"] = lambda handler: answer(handler, b"", status=status)
+    with pytest.raises(SourceError, match=str(status)):
+        get(f"{web.url}/a")
+    assert len(web.asked) == 1
+
+
+def test_a_proxy_is_used_unless_the_host_is_spared(web: Any, get: Callable[..., Any], tmp_path: Path) -> None:
+    web.pages["http://robots.invalid/a.zip"] = CONTENT  # a proxy is asked for the whole address
+    get("http://robots.invalid/a.zip", http_proxy=web.url)
+    assert (tmp_path / "file.part").read_bytes() == CONTENT
+    with pytest.raises(SourceError):
+        get("http://robots.invalid/a.zip", http_proxy=web.url, no_proxy="robots.invalid")
+
+
+def test_what_is_known_is_not_sent_again(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None]
+) -> None:
+    web.pages["/a"] = lambda handler: answer(handler, b"", status=304)
+    assert get(f"{web.url}/a", Version('"one"', "")) is None

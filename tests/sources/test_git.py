@@ -1,0 +1,155 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from composer.sources import SourceError, resolve
+from composer.sources.fetching import Fetching
+from composer.sources.lock import Lock, Locked
+
+
+@pytest.fixture
+def take(own_environment: dict[str, str]) -> Callable[..., Any]:
+    def take(reference: str, **rules: Any) -> Any:
+        return resolve(reference, relative_to=Path(), environment=own_environment, fetching=Fetching(**rules))
+
+    return take
+
+
+def refused(take: Callable[..., Any], reference: str, **rules: Any) -> SourceError:
+    with pytest.raises(SourceError) as caught:
+        take(reference, **rules)
+    return caught.value
+
+
+def lock_with(id: str, commit: str) -> Lock:
+    return Lock(mjcompose="0", mujoco=None, sources={id: Locked(kind="git", commit=commit, files={})})
+
+
+def test_a_tag_a_branch_a_commit_and_its_beginning_are_the_same_file(
+    robots: Any, take: Callable[..., Any]
+) -> None:
+    commit = robots.git("rev-parse", "HEAD")
+    found = {
+        take(robots.reference(each)).path for each in ("v1", "main", "refs/heads/main", commit, commit[:10])
+    }
+    assert len(found) == 1
+    assert found.pop().read_text() == (robots.folder / "arm" / "arm.xml").read_text()
+
+
+def test_a_source_tells_commit_tree_and_licence(robots: Any, take: Callable[..., Any]) -> None:
+    source = take(robots.reference("v1"))
+    assert source.version == source.origin.commit == robots.git("rev-parse", "v1^{commit}")
+    assert source.origin.tree == robots.git("rev-parse", "v1^{tree}")
+    assert [path.name for path in source.licences] == ["LICENSE"]
+    assert source.origin.id == f"git+file://{robots.folder}@v1"
+
+
+def test_an_annotated_tag_is_its_commit(robots: Any, take: Callable[..., Any]) -> None:
+    robots.git("tag", "-a", "-m", "two", "v2")
+    assert take(robots.reference("v2")).version == robots.git("rev-parse", "HEAD")
+
+
+def test_a_moved_branch_is_followed_unless_it_is_locked(robots: Any, take: Callable[..., Any]) -> None:
+    old = take(robots.reference("main")).version
+    new = robots.commit(**{"arm/arm.xml": "<mujoco/>"})
+    assert take(robots.reference("main")).version == new
+    lock = lock_with(f"git+file://{robots.folder}@main", old)
+    assert take(robots.reference("main"), lock=lock).version == old
+    assert take(robots.reference("main"), lock=lock, fresh=None).version == new
+
+
+def test_one_run_sees_one_commit_of_a_branch(robots: Any, own_environment: dict[str, str]) -> None:
+    run = Fetching()
+    first = resolve(robots.reference("main"), relative_to=Path(), environment=own_environment, fetching=run)
+    robots.commit(**{"arm/arm.xml": "<mujoco/>"})
+    again = resolve(robots.reference("main"), relative_to=Path(), environment=own_environment, fetching=run)
+    assert again.version == first.version
+
+
+def test_a_missing_tag_names_those_that_exist(robots: Any, take: Callable[..., Any]) -> None:
+    error = refused(take, robots.reference("v11"))
+    assert error.code == "source-revision"
+    assert "tags that exist: v1" in error.notes
+    assert error.help == f"write `{robots.reference('v1')}`"
+
+
+def test_a_repository_without_the_file_names_its_models(robots: Any, take: Callable[..., Any]) -> None:
+    error = refused(take, robots.reference("v1", "arm/amr.xml"))
+    assert error.code == "source-not-found"
+    assert error.help == f"write `{robots.reference('v1')}`"
+
+
+def test_a_repository_that_is_gone(tmp_path: Path, take: Callable[..., Any]) -> None:
+    error = refused(take, f"git+file://{tmp_path}/gone@v1#arm.xml")
+    assert error.code == "source-fetch"
+    assert any("git said" in note for note in error.notes)
+
+
+def test_a_commit_that_was_thrown_away(robots: Any, take: Callable[..., Any]) -> None:
+    lock = lock_with(f"git+file://{robots.folder}@main", "1" * 40)
+    error = refused(take, robots.reference("main"), lock=lock)
+    assert error.code == "source-revision"
+    assert "no longer has the commit" in error.message
+
+
+def test_offline_is_what_was_fetched_last(robots: Any, take: Callable[..., Any]) -> None:
+    assert refused(take, robots.reference("main"), offline=True).code == "source-offline"
+    first = take(robots.reference("main"))
+    robots.git("commit", "--allow-empty", "-q", "-m", "more")
+    assert take(robots.reference("main"), offline=True).path == first.path
+
+
+def test_locked_asks_nobody(robots: Any, take: Callable[..., Any]) -> None:
+    assert refused(take, robots.reference("main"), locked=True).code == "lock-stale"
+
+
+def test_the_bytes_are_those_of_the_commit(robots: Any, take: Callable[..., Any]) -> None:
+    robots.commit(
+        **{".gitattributes": "*.xml text eol=crlf ident\n", "arm/arm.xml": "<mujoco/>\n<!-- $Id$ -->\n"}
+    )
+    assert take(robots.reference("main")).path.read_bytes() == b"<mujoco/>\n<!-- $Id$ -->\n"
+
+
+def test_links_inside_become_files_and_others_are_left_out(robots: Any, take: Callable[..., Any]) -> None:
+    (robots.folder / "arm" / "same.xml").symlink_to("arm.xml")
+    (robots.folder / "arm" / "out.xml").symlink_to("/etc/hostname")
+    (robots.folder / "arm" / "above.xml").symlink_to("../../../etc/hostname")
+    robots.commit()
+    source = take(robots.reference("main", "arm/same.xml"))
+    assert not source.path.is_symlink()
+    assert source.path.read_text() == (robots.folder / "arm" / "arm.xml").read_text()
+    assert refused(take, robots.reference("main", "arm/out.xml")).code == "source-not-found"
+    assert refused(take, robots.reference("main", "arm/above.xml")).code == "source-not-found"
+
+
+def test_the_repository_that_the_user_stands_in_is_not_asked(
+    robots: Any, own_environment: dict[str, str], tmp_path: Path
+) -> None:
+    own_environment["GIT_DIR"] = str(tmp_path / "nowhere")
+    source = resolve(robots.reference("v1"), relative_to=Path(), environment=own_environment)
+    assert source.path.is_file()
+
+
+def test_without_git_the_message_says_so(
+    robots: Any, own_environment: dict[str, str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(SourceError, match="not installed"):
+        resolve(robots.reference("v1"), relative_to=Path(), environment=own_environment)
+
+
+def test_a_host_that_does_not_answer(own_environment: dict[str, str]) -> None:
+    told: list[str] = []
+    with pytest.raises(SourceError) as caught:
+        resolve(
+            "git+http://127.0.0.1:9/robots@v1#arm.xml",
+            relative_to=Path(),
+            environment=own_environment,
+            fetching=Fetching(progress=told.append),
+        )
+    assert caught.value.code == "source-fetch"
+    assert sum("trying again" in line for line in told) == 2

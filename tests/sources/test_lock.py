@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from composer.diagnostics import Sink
+from composer.sources.lock import Lock, Locked, from_text, to_text
+
+LOCK = Lock(
+    mjcompose="0.1.0",
+    mujoco="4.0.0",
+    sources={
+        "git+https://host/robots@v1": Locked(
+            kind="git",
+            commit="1" * 40,
+            tree="2" * 40,
+            files={"arm.xml": "3" * 64},
+            licences=["LICENSE"],
+            used_by=["base"],
+        ),
+        "./tool.xml": Locked(kind="path", files={"tool.xml": "4" * 64, "a.obj": "5" * 64}),
+    },
+)
+
+
+def fault(text: str) -> tuple[int | None, str]:
+    """The line of the one fault of a lock, and what is said of it."""
+    sink = Sink()
+    assert from_text(text, "cell.lock", sink) is None
+    (error,) = sink.errors
+    assert error.code == "lock-invalid"
+    return (error.span.line if error.span else None), error.message
+
+
+def test_a_lock_is_read_as_it_was_written() -> None:
+    sink = Sink()
+    assert from_text(to_text(LOCK), "cell.lock", sink) == LOCK
+    assert sink.diagnostics == []
+    assert to_text(LOCK).startswith('{\n  "lock": 1,\n')
+
+
+def test_the_text_does_not_depend_on_the_order() -> None:
+    turned = LOCK.model_copy(update={"sources": dict(reversed(LOCK.sources.items()))})
+    assert to_text(turned) == to_text(LOCK)
+
+
+def test_a_newer_lock_says_so() -> None:
+    line, message = fault(to_text(LOCK).replace('"lock": 1', '"lock": 2'))
+    assert line == 2
+    assert "newer mjcompose" in message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('"commit": "1111', '"commit": "xyz', "`commit` is no hash"),
+        ('"arm.xml": "33', '"arm.xml": "3', "`arm.xml` is no hash"),
+        ('"kind": "git"', '"kind": "hg"', "`kind` is not what it must be"),
+        ('"kind": "git",', '"kind": "git", "colour": 1,', "`colour` is no key of a lock"),
+        ('"mjcompose": "0.1.0",', "", "`mjcompose` is not there"),
+        ('"lock": 1,', '"lock": "one",', "`lock` is not what it must be"),
+        ("}\n", "\n", "is no lock"),
+        ("{", "[", "is no lock"),
+    ],
+)
+def test_a_lock_edited_by_hand_has_one_fault_with_its_place(old: str, new: str, said: str) -> None:
+    text = to_text(LOCK)
+    edited = new.join(text.rsplit(old, 1)) if old == "}\n" else text.replace(old, new, 1)
+    assert edited != text
+    line, message = fault(edited)
+    assert said in message
+    assert line is not None
+
+
+@pytest.mark.parametrize("text", ["", "null", "[]", json.dumps("text")])
+def test_what_is_no_lock_at_all(text: str) -> None:
+    assert "is no lock" in fault(text)[1]

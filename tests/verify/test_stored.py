@@ -1,0 +1,181 @@
+"""Bundles that were written before: unharmed, harmed, and away from their sources."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from composer.bundle.write import write
+from composer.context import Context
+from composer.engine import Session
+from composer.pipeline import build
+from composer.verify.stored import Stored, verify_stored
+
+PART = """
+<mujoco model="part">
+  <asset><mesh file="cube.obj"/></asset>
+  <worldbody><body name="b"><joint name="j"/><geom type="mesh" mesh="cube"/></body></worldbody>
+  <sensor><jointpos name="s" joint="j"/></sensor>
+  <keyframe><key name="home" qpos="0.5"/></keyframe>
+</mujoco>
+"""
+CUBE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+RECIPE = """
+recipe: 1
+attach:
+  one: {model: ./parts/part.xml}
+  two: {model: ./parts/part.xml, pos: [3, 0, 0]}
+default:
+  two/: {geom: {rgba: [1, 0, 0, 1]}}
+"""
+Check = Callable[..., tuple[Stored | None, list[str]]]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with `recipe.yaml` and its bundle in `out/` and `out.zip`."""
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "part.xml").write_text(PART)
+    (tmp_path / "parts" / "cube.obj").write_text(CUBE)
+    (tmp_path / "recipe.yaml").write_text(RECIPE)
+    context = Context(folder=tmp_path, environment={})
+    built = build(tmp_path / "recipe.yaml", context)
+    assert built is not None, context.sink.diagnostics
+    write(built.bundle, f"{tmp_path / 'out'}{os.sep}", environment={})
+    write(built.bundle, str(tmp_path / "out.zip"), environment={})
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def session() -> Any:
+    with Session() as session:
+        yield session
+
+
+@pytest.fixture
+def check(folder: Path, session: Session) -> Check:
+    """Verify a bundle of the folder: what came of it, and `SEVERITY CODE: MESSAGE` of every diagnostic."""
+
+    def check(
+        path: str = "out", here: str = ".", recipe: str | None = None
+    ) -> tuple[Stored | None, list[str]]:
+        context = Context(folder=folder / here, environment={})
+        stored = verify_stored(folder / path, context, session, None if recipe is None else folder / recipe)
+        return stored, [
+            f"{each.severity.value} {each.code}: {each.message}" for each in context.sink.diagnostics
+        ]
+
+    return check
+
+
+def _manifest(folder: Path, change: Callable[[dict[str, Any]], object]) -> None:
+    path = folder / "out" / "manifest.json"
+    data = json.loads(path.read_text())
+    change(data)
+    path.write_text(json.dumps(data))
+
+
+@pytest.mark.parametrize("path", ["out", "out.zip"])
+def test_what_nobody_touched_is_fine(check: Check, path: str) -> None:
+    stored, told = check(path)
+    assert told == []
+    assert stored is not None
+    assert [(part.member.prefix, part.ok) for part in stored.parts] == [("one/", True), ("two/", True)]
+
+
+def test_away_from_its_sources_a_part_is_not_compared(folder: Path, check: Check) -> None:
+    (folder / "elsewhere").mkdir()
+    stored, told = check(here="elsewhere")
+    assert stored is not None
+    assert not any(part.ok for part in stored.parts)
+    assert told == [
+        f"warning part-not-compared: `{prefix}` is not compared with its source: "
+        "its source `./parts/part.xml` is not found"
+        for prefix in ("one/", "two/")
+    ]
+    assert check(here="elsewhere", recipe="recipe.yaml")[1] == []
+
+
+def test_a_source_that_changed_since_is_not_compared(folder: Path, check: Check) -> None:
+    (folder / "parts" / "part.xml").write_text(PART.replace("0.5", "0.6"))
+    _, told = check(recipe="recipe.yaml")
+    assert [each.split(":")[0] for each in told] == ["error part-not-compared"] * 2
+    assert "is not the file that the bundle was built from" in told[0]
+    assert [each.split()[0] for each in check()[1]] == ["warning", "warning"]
+
+
+def test_a_recipe_that_is_not_there_is_told(check: Check) -> None:
+    assert any(each.startswith("error file-not-found") for each in check(recipe="nothing.yaml")[1])
+
+
+def test_a_harmed_file_is_told(folder: Path, check: Check) -> None:
+    model = folder / "out" / "model.xml"
+    model.write_text(model.read_text().replace('qpos="0.5', 'qpos="0.4'))
+    _, told = check()
+    assert told[0] == "error bundle-changed: `model.xml` in `out` is not the file that its manifest lists"
+    assert told[1].startswith(
+        "error part-changed: `one/` is not what `part.xml` is alone: 1 difference (`key_qpos`)"
+    )
+
+
+def test_files_too_few_and_too_many_are_told(folder: Path, check: Check) -> None:
+    (folder / "out" / "extra.txt").write_text("more")
+    next((folder / "out" / "assets").rglob("*.obj")).unlink()
+    _, told = check()
+    assert [each.split(":")[0] for each in told] == ["error bundle-changed"] * 2 + ["error mujoco-rejects"]
+    assert "cube.obj" in told[0]
+    assert "`extra.txt`" in told[1]
+
+
+def test_an_index_of_another_model_is_told(folder: Path, check: Check) -> None:
+    def change(data: dict[str, Any]) -> None:
+        data["index"]["keyframes"] = ["away"]
+        data["index"]["joints"].reverse()
+
+    _manifest(folder, change)
+    assert check()[1] == [
+        "error bundle-manifest: the joints of the compiled `out` are not those of its manifest",
+        "error bundle-manifest: the keyframes of the compiled `out` are not those of its manifest",
+    ]
+
+
+def test_without_a_manifest_it_is_compiled_all_the_same(folder: Path, check: Check) -> None:
+    (folder / "out" / "manifest.json").unlink()
+    stored, told = check()
+    assert [each.split(":")[0] for each in told] == ["error bundle-manifest"]
+    assert stored is not None
+    assert stored.compiled is not None
+
+
+@pytest.mark.parametrize("text", ["{", "{}", '{"manifest": 2}'])
+def test_a_broken_manifest_is_told(folder: Path, check: Check, text: str) -> None:
+    (folder / "out" / "manifest.json").write_text(text)
+    assert [each.split(":")[0] for each in check()[1]] == ["error bundle-manifest"]
+
+
+def test_an_older_manifest_says_nothing_of_parts(folder: Path, check: Check) -> None:
+    _manifest(folder, lambda data: data.pop("parts"))
+    (told,) = check()[1]
+    assert told.startswith("warning part-not-compared: the manifest of `out` does not say")
+
+
+def test_a_manifest_that_names_no_input_and_no_body_harms_nobody(folder: Path, check: Check) -> None:
+    def change(data: dict[str, Any]) -> None:
+        data["parts"][0]["input"] = 99
+        data["parts"][1]["body"] = "nobody"
+
+    _manifest(folder, change)
+    assert [each.split(":")[0] for each in check()[1]] == ["warning part-not-compared"] * 2
+
+
+def test_nothing_there(folder: Path, check: Check) -> None:
+    shutil.rmtree(folder / "out")
+    stored, told = check()
+    assert stored is None
+    assert told[0].startswith("error file-not-found")
