@@ -79,7 +79,9 @@ MODELS = {
 }
 """What the recipes of every page find beside them."""
 
+SERVO = '<actuator><position name="elbow" joint="elbow" kp="100" kv="10" forcerange="-50 50"/></actuator>'
 MODELS_OF = {
+    **{code: {"arm.xml": ARM.format("", SERVO)} for code in ("convert-loss", "still-referred-to")},
     "class-clash": {"arm.xml": ARM.format(CLASSES, ""), "tool.xml": ARM.format(CLASSES, "").replace('name="', 'name="t_')},
     "keyframe-conflict": {
         "arm.xml": ARM.format("", HOME.format(1)),

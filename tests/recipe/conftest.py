@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from textwrap import dedent
@@ -102,8 +103,13 @@ class YamlServer:
         self._open(path, before + after)
         place = {"line": before.count("\n"), "character": len(before) - before.rfind("\n") - 1}
         document = {"uri": path.as_uri()}
-        result = self._request("textDocument/completion", {"textDocument": document, "position": place})
-        offered: list[dict[str, Any]] = result["items"]
+        offered: list[dict[str, Any]] = []
+        for _ in range(10):  # until the server has read the schema it offers nothing
+            result = self._request("textDocument/completion", {"textDocument": document, "position": place})
+            offered = result["items"]
+            if offered:
+                break
+            time.sleep(0.2)
         return offered
 
     def hover(self, path: Path, text: str) -> str:

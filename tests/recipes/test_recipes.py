@@ -15,6 +15,8 @@ from composer.pipeline import build
 
 ROOT = Path(__file__).resolve().parents[2]
 RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
+# What is told of them on purpose.
+TOLD = {"soft_arm": ["convert-loss"]}
 NEEDS_MORE = {"menagerie_panda_allegro"}
 """Recipes of robots that only the corpus has."""
 
@@ -26,7 +28,7 @@ def test_builds_and_moves_without_a_warning(path: Path, tmp_path: Path, menageri
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie_root)})
     built = build(path, context)
     assert built is not None
-    assert context.sink.diagnostics == []
+    assert [each.code for each in context.sink.diagnostics] == TOLD.get(path.stem, [])
     write(built.bundle, f"{tmp_path}/out/", environment={})
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
     data = mujoco.MjData(model)
