@@ -15,7 +15,7 @@ UNSUPPORTED: dict[str, frozenset[str]] = {
 def is_unsupported(path: Path) -> bool:
     """Whether the key at the end of the path is one of the language that does not work yet.
 
-    >>> is_unsupported(("attach", "arm", "with")), is_unsupported(("attach", "with"))
+    >>> is_unsupported(("randomize",)), is_unsupported(("attach", "randomize"))
     (True, False)
     """
     return path[-1] in UNSUPPORTED.get(_kind(path), ())
