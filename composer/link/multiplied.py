@@ -53,9 +53,9 @@ class _Thing:
 def actuators_in_order(root: Node) -> list[Node | Copy]:
     """Every actuator of a model in the order of its controls; a multiplied one as its copies."""
     actuators = [each for section in root.iterchildren("actuator") for each in section.iterchildren("*")]
-    replicates = [each for world in root.iterchildren("worldbody") for each in _inner_first(world)]
-    if not actuators or not replicates:
+    if not actuators or next(root.iter("replicate"), None) is None:
         return list(actuators)
+    replicates = [each for world in root.iterchildren("worldbody") for each in _inner_first(world)]
     tendons = [each for section in root.iterchildren("tendon") for each in section.iterchildren("*")]
     hanging = [_thing(each, "tendon") for each in tendons]
     driving = [_thing(each, "actuator") for each in actuators]
