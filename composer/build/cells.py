@@ -9,7 +9,7 @@ from pathlib import Path
 from composer import engine
 from composer.context import Context
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Mapping, Node, Scalar, find
 from composer.expand.matrix import Cell, cells
 from composer.pipeline import Built, build
@@ -36,12 +36,11 @@ def picked(every: Sequence[Cell], names: Iterable[str], sink: Sink) -> list[Cell
         if name in by_name:
             found.append(by_name[name])
             continue
-        near = closest(name, by_name)
         sink.error(
             "unknown-name",
             f"the matrix has no cell `{name}`",
             notes=(exists_note("cell", by_name, name),),
-            help=f"did you mean `--pick {near[0]}`?" if near else None,
+            help=did_you_mean(name, by_name, "--pick {}"),
         )
     return found
 

@@ -89,7 +89,7 @@ def _plans_of_cells(recipe: Path, context: Context) -> Iterator[Plan]:
 
 def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> frozenset[str] | None:
     """The sources that names stand for; None for all."""
-    from composer.diagnostics.suggest import closest, exists_note
+    from composer.diagnostics.suggest import did_you_mean, exists_note
 
     if not names or lock is None:
         return None
@@ -100,12 +100,11 @@ def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> froz
     found: set[str] = set()
     for name in names:
         if name not in known:
-            near = closest(name, known)
             context.sink.error(
                 "unknown-name",
                 f"the lock has no source `{name}`",
                 notes=[exists_note("source", known, name)],
-                help=f"did you mean `{near[0]}`?" if near else "run `mjcompose lock` for a new part",
+                help=did_you_mean(name, known) or "run `mjcompose lock` for a new part",
             )
         found |= known.get(name, set())
     return frozenset(found)

@@ -31,6 +31,16 @@ def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
     return [candidate for _, _, candidate in sorted(ranked)[:n]]
 
 
+def did_you_mean(name: str, candidates: Iterable[str], written: str = "{}") -> str | None:
+    """The help for a name that does not exist: the candidate nearest to it, as it is `written`; None if none is near.
+
+    >>> did_you_mean("senser", ["sensor", "section"], "type: {}")
+    'did you mean `type: sensor`?'
+    """
+    near = closest(name, candidates)
+    return f"did you mean `{written.replace('{}', near[0])}`?" if near else None
+
+
 def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -> Note:
     """A note that lists what exists, cut when it is long; with `near`, the names nearest to it come first.
 

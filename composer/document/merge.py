@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 
 Path = tuple[str, ...]
@@ -84,13 +84,12 @@ class _Merge:
         return upper
 
     def _nothing_to_delete(self, key: Key, lower: Mapping) -> None:
-        near = closest(key.name, lower.entries)
         self.sink.error(
             "unknown-key",
             f"there is no `{key.name}` to take out",
             key.span,
             notes=(exists_note("key", list(lower.entries), key.name),),
-            help=f"did you mean `{near[0]}: null`?" if near else None,
+            help=did_you_mean(key.name, lower.entries, "{}: null"),
         )
 
 

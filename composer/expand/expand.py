@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.merge import without_ids
 from composer.document.node import Mapping, Node
 from composer.expand.parameter import Parameter
@@ -71,13 +71,12 @@ def _check_names(
     for name, node in given.items():
         if name not in tried:
             known = [*axes, *parameters]
-            near = closest(name, known)
             sink.error(
                 "unknown-name",
                 f"the recipe has no parameter or variant `{name}`",
                 node.span,
                 notes=(exists_note("name", known, name),),
-                help=f"did you mean `{near[0]}`?" if near else None,
+                help=did_you_mean(name, known),
             )
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.expand.expand import expand
 from composer.expand.plain import plain, same
@@ -61,8 +61,7 @@ class _Matrix:
             self._wrong("`matrix` is a mapping", node)
         for each, _ in self.node.entries.values():
             if each.name not in KEYS:
-                near = closest(each.name, KEYS)
-                help = f"did you mean `{near[0]}`?" if near else None
+                help = did_you_mean(each.name, KEYS)
                 notes = (exists_note("key", KEYS),)
                 sink.error(
                     "unknown-key", f"`matrix` has no key `{each.name}`", each.span, notes=notes, help=help
@@ -136,10 +135,9 @@ class _Matrix:
     def _are_axes(self, item: Mapping) -> bool:
         wrong = [key for key, _ in item.entries.values() if key.name not in self.axes]
         for key in wrong:
-            near = closest(key.name, self.axes)
             self.sink.error("unknown-name", f"the matrix has no axis `{key.name}`", key.span,
                             notes=(exists_note("axis", list(self.axes), key.name),),
-                            help=f"did you mean `{near[0]}`?" if near else None)  # fmt: skip
+                            help=did_you_mean(key.name, self.axes))  # fmt: skip
         return not wrong
 
     def name_of(self, name: str, given: dict[str, Node]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import did_you_mean
 from composer.expr.value import Value, kind, shown
 
 TYPES = ("bool", "int", "float", "string", "vector")
@@ -56,9 +56,8 @@ class Parameter:
                 "wrong-type", f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_told(value)}", help
             )
         if self.choices and value not in self.choices:
-            near = closest(shown(value), [shown(each) for each in self.choices])
             listed = ", ".join(f"`{shown(each)}`" for each in self.choices)
-            help = f"did you mean `{near[0]}`?" if near else None
+            help = did_you_mean(shown(value), [shown(each) for each in self.choices])
             return Refusal(
                 "out-of-range", f"parameter `{self.name}` is one of {listed}, got {_told(value)}", help
             )

@@ -7,7 +7,7 @@ from collections.abc import Mapping as Map
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar
 from composer.expand.name import is_usable
 from composer.expand.parameter import TYPES, Parameter, Refusal, inferred
@@ -40,9 +40,8 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
     written = node.entries if isinstance(node, Mapping) else {"default": (key, node)}
     for name, (each, _) in written.items():
         if name not in KEYS:
-            near = closest(name, KEYS)
             notes = (exists_note("key", KEYS, name),)
-            help = f"did you mean `{near[0]}`?" if near else None
+            help = did_you_mean(name, KEYS)
             sink.error(
                 "unknown-key",
                 f"parameter `{key.name}` has no key `{name}`",
@@ -69,8 +68,7 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
     sample = default if default is not None else choices[0] if isinstance(choices, tuple) else None
     guess, value, unit = inferred(sample) if sample is not None else (None, None, None)
     if at_type is not None and type not in TYPES:
-        near = closest(str(type), TYPES)
-        help = f"did you mean `{near[0]}`?" if near else "`choices: […]` lists the values of a choice"
+        help = did_you_mean(str(type), TYPES) or "`choices: […]` lists the values of a choice"
         sink.error("wrong-keyword", f"`type` of `{key.name}` is none of the types", at_type.span,
                    notes=(exists_note("type", TYPES),), help=help)  # fmt: skip
     if type is None and guess is None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.expand.plain import node_of
 from composer.expr.error import ExpressionError, UnknownName
@@ -75,8 +75,7 @@ def tell(error: ExpressionError, node: Scalar, known: list[str], broken: frozens
     if not isinstance(error, UnknownName):
         sink.error("expression", error.message, span, help=error.help)
         return
-    near = closest(error.name, known)
-    help = f"did you mean `{near[0]}`?" if near else f"declare it: `params: {{{error.name}: …}}`"
+    help = did_you_mean(error.name, known) or f"declare it: `params: {{{error.name}: …}}`"
     notes = (exists_note("parameter", known, error.name),)
     sink.error("unknown-name", f"there is no parameter `{error.name}`", span, notes=notes, help=help)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping as Map
 
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.merge import merge
 from composer.document.node import Mapping, Node, Scalar
 from composer.expand.name import is_usable
@@ -65,15 +65,19 @@ def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
         if value in values.entries:
             chosen[axis] = value
             continue
-        near = closest(value, values.entries)
-        sink.error(
-            "unknown-name",
-            f"variant `{axis}` has no value `{value}`",
-            node.span,
-            notes=(exists_note("value", list(values.entries), value),),
-            help=f"did you mean `{near[0]}`?" if near else None,
-        )
+        no_value(axis, value, values, node, sink)
     return chosen
+
+
+def no_value(axis: str, value: str, values: Mapping, node: Node, sink: Sink) -> None:
+    """Tell that an axis does not have a value."""
+    sink.error(
+        "unknown-name",
+        f"variant `{axis}` has no value `{value}`",
+        node.span,
+        notes=(exists_note("value", list(values.entries), value),),
+        help=did_you_mean(value, values.entries),
+    )
 
 
 def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> Mapping:

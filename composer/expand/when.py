@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from collections.abc import Mapping as Map
 
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.expand.plain import plain, same
 from composer.expand.substitute import tell
-from composer.expand.variants import Axes
+from composer.expand.variants import Axes, no_value
 from composer.expr.error import ExpressionError
 from composer.expr.opening import is_template
 from composer.expr.value import Value
@@ -95,13 +95,12 @@ class Condition:
         if key.name in self.broken:
             return True
         if key.name not in self.scope:
-            near = closest(key.name, self.scope)
             self.sink.error(
                 "unknown-name",
                 f"there is no variant or parameter `{key.name}`",
                 key.span,
                 notes=(exists_note("name", list(self.scope), key.name),),
-                help=f"did you mean `{near[0]}`?" if near else None,
+                help=did_you_mean(key.name, self.scope),
             )
             return True
         axis = self.axes.get(key.name)
@@ -111,22 +110,12 @@ class Condition:
             if axis is not None:
                 text = each.text if isinstance(each, Scalar) else ""
                 if text not in axis.entries:
-                    self._no_value(key.name, text, axis, each)
+                    no_value(key.name, text, axis, each, self.sink)
                 holds |= text == have
             else:
                 value = plain(each)
                 holds |= value is not None and same(value, have)
         return holds
-
-    def _no_value(self, axis: str, text: str, values: Mapping, node: Node) -> None:
-        near = closest(text, values.entries)
-        self.sink.error(
-            "unknown-name",
-            f"variant `{axis}` has no value `{text}`",
-            node.span,
-            notes=(exists_note("value", list(values.entries), text),),
-            help=f"did you mean `{near[0]}`?" if near else None,
-        )
 
 
 def _present(entries: Map[str, tuple[Key, Node | None]]) -> Iterator[tuple[str, tuple[Key, Node]]]:

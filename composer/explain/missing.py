@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.explain.query import Asked, find, labels, name_of, ordered
 from composer.tree.kinds import kind_of
 
@@ -38,8 +38,7 @@ def _no_such_name(
     fitting = find(Asked("", asked.kinds), root, "/")
     names = [found for node in fitting if (found := name_of(node)) is not None]
     other = next((node for node in ordered(root) if name_of(node) == name), None)
-    near = closest(name, names)
-    help = f"did you mean `{f'{word} ' if asked.kinds else ''}{near[0]}`?" if near else None
+    help = did_you_mean(name, names, f"{f'{word} ' if asked.kinds else ''}{{}}")
     if other is not None:
         help = f"did you mean `{labels(root)[other]}`?"
     unnamed = len(fitting) - len(names) if asked.kinds else 0
@@ -55,10 +54,9 @@ def _no_such_name(
 def no_attribute(node: Node, name: str, sink: Sink) -> None:
     """Tell that such elements do not have that attribute."""
     known = sorted(kind_of(node).attributes)
-    near = closest(name, known)
     sink.error(
         "unknown-attribute",
         f"`<{node.tag}>` has no attribute `{name}`",
         notes=(exists_note("attribute", known, name),),
-        help=f"did you mean `{near[0]}`?" if near else None,
+        help=did_you_mean(name, known),
     )

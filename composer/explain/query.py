@@ -10,7 +10,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import did_you_mean
 from composer.grammar import GRAMMAR, ElementType
 from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of, naming_attribute, query, tags_of
@@ -205,6 +205,5 @@ def _is_attribute(word: str) -> bool:
 
 def unknown_kind(word: str, sink: Sink) -> None:
     """Tell that MJCF has no element of that name."""
-    near = closest(word, tags_of())
-    help = f"did you mean `{near[0]}`?" if near else None
+    help = did_you_mean(word, tags_of())
     sink.error("unknown-element", f"MJCF has no element `{word}`", help=help)

@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.link.concern import Concern, Side
 from composer.link.inertia import MEASURED, write_inertias
 from composer.link.key_layouts import VECTORS, keys_of, layout_of
@@ -103,13 +103,12 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
     body = next((each for each in bodies if each.get("name") == name), None)
     if body is None:
         names = [str(each.get("name")) for each in bodies if each.get("name")]
-        near = closest(name, names)
         sink.error(
             "unknown-name",
             f"`{unit.label}` has no body `{name}` to take",
             span,
             notes=(exists_note("body", names, name),),
-            help=f"did you mean `subtree: {near[0]}`?" if near else None,
+            help=did_you_mean(name, names, "subtree: {}"),
         )
         return None
     copies = next(body.iterancestors("replicate"), None)

@@ -7,7 +7,7 @@ from functools import cache
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.grammar import GRAMMAR, ElementType
 from composer.tree.unit import Unit
 
@@ -86,13 +86,12 @@ def _kind(section: str, tag: str) -> ElementType:
 
 def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) -> None:
     tag = str(node.tag)
-    near = closest(tag, parent.children)
     sink.error(
         "unknown-element",
         f"`<{parent.tag}>` cannot have a `<{tag}>`",
         unit.origins.span(node, unit.file),
         notes=(exists_note("element", sorted(parent.children), tag),),
-        help=f"did you mean `<{near[0]}>`?" if near else None,
+        help=did_you_mean(tag, parent.children, "<{}>"),
     )
 
 
@@ -100,11 +99,10 @@ def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> 
     for name in map(str, node.keys()):
         if name in kind.attributes:
             continue
-        near = closest(name, kind.attributes)
         sink.error(
             "unknown-attribute",
             f"`<{kind.tag}>` has no attribute `{name}`",
             unit.origins.span(node, unit.file, name),
             notes=(exists_note("attribute", sorted(kind.attributes), name),),
-            help=f"did you mean `{near[0]}`?" if near else None,
+            help=did_you_mean(name, kind.attributes),
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.grammar import ElementType
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
@@ -29,7 +29,6 @@ def unknown_attribute(kind: ElementType, name: str, *, children: bool = False) -
     """That elements of a kind have no such attribute, with what they do have; children too where they count."""
     known = sorted(map(spoken, kind.attributes))
     tags = sorted(kind.children) if children else []
-    near = closest(name, [*known, *tags])
     return failure(
         "unknown-attribute",
         f"`<{kind.tag}>` has no attribute `{name}`",
@@ -38,6 +37,6 @@ def unknown_attribute(kind: ElementType, name: str, *, children: bool = False) -
             exists_note("attribute", known, name),
             *([exists_note("element", tags, name)] if tags else ()),
         ),
-        help=f"did you mean `{near[0]}`?" if near else None,
+        help=did_you_mean(name, [*known, *tags]),
         kind=MjcfAttributeError,
     )

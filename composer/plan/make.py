@@ -12,7 +12,7 @@ from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.document.node import Mapping, Node, find, locate
 from composer.expand.expand import Concrete, expand
 from composer.plan.copies import copies
@@ -333,13 +333,12 @@ def _check_sources(plan: Plan, sink: Sink) -> None:
                     help="give the one without a prefix another key",
                 )
             elif part not in parts:
-                near = closest(part, parts)
                 sink.error(
                     "unknown-name",
                     f"there is no part `{part}` to take a key from",
                     locate(plan.document, (*step.key.at, FROM, part), key=True),
                     notes=(exists_note("part", parts, part),),
-                    help=f"did you mean `{near[0]}`?" if near else None,
+                    help=did_you_mean(part, parts),
                 )
 
 

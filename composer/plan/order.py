@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Mapping as Located
 from composer.document.node import locate
 from composer.recipe.attach import RESERVED, Attachment
@@ -53,8 +53,7 @@ def _asked(
             yield word, other
         elif other is not None:
             known = [each for each in parts if each != key]
-            near = closest(other, known)
-            help = f"did you mean `{word}: {near[0]}`?" if near else None
+            help = did_you_mean(other, known, f"{word}: {{}}")
             if other == RESERVED:
                 help = f"the {RESERVED} always comes first: leave `{word}` out"
             sink.error(

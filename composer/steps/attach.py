@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import locate
 from composer.link import numbers
 from composer.link.bodies import effective_pose
@@ -157,11 +157,10 @@ def _no_mate(step: AttachPart, unit: Unit, making: Making) -> None:
         ]
         for tag in _MATES
     }
-    near = closest(name, [each for names in known.values() for each in names])
     making.sink.error(
         "attach-place",
         f"`{step.prefix}` has no site, body or frame `{name}` to mate with",
         locate(making.document, (*step.at, "mate")),
         notes=[exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"],
-        help=f"did you mean `mate: {near[0]}`?" if near else None,
+        help=did_you_mean(name, [each for names in known.values() for each in names], "mate: {}"),
     )

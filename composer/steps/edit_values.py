@@ -9,7 +9,7 @@ from typing import Any
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Scalar, find, locate
 from composer.expr.error import ExpressionError, UnknownName
 from composer.expr.opening import is_template
@@ -88,13 +88,12 @@ class Values:
             message = f"there is no `value`: {editing.called(self.node)} has no {what} yet"
             editing.sink.error("expression", message, span, notes=notes)
             return
-        near = closest(error.name, list(scope))
         editing.sink.error(
             "unknown-name",
             f"there is no `{error.name}` in this expression",
             span if not isinstance(node, Scalar) else node.span,
             notes=(exists_note("name", list(scope), error.name),),
-            help=f"did you mean `{near[0]}`?" if near else None,
+            help=did_you_mean(error.name, list(scope)),
         )
 
     # -- what is there now -------------------------------------------------------------------------------------

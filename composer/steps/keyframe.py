@@ -11,7 +11,7 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.document.node import find, locate
 from composer.link import numbers
 from composer.link.key_layouts import final_layout
@@ -130,13 +130,12 @@ class _Writing:
             if part not in self.parts:
                 continue  # the plan tells it
             names = there.names if there is not None else []
-            near = closest(name, names)
             self.making.sink.error(
                 "unknown-name",
                 f"`{part}` has no key `{name}`",
                 self._at(FROM, part),
                 notes=(exists_note("key", names, name),),
-                help=f"did you mean `{part}: {near[0]}`?" if near else None,
+                help=did_you_mean(name, names, f"{part}: {{}}"),
             )
         return [key for _, key in sorted(found, key=lambda each: each[0])]
 

@@ -15,7 +15,7 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.engine import PACKAGE
 from composer.grammar import GRAMMAR
 from composer.link.linking import FileUse
@@ -133,13 +133,12 @@ class _Reading:
             known = list(GRAMMAR.section(tag).attributes)
             for name in map(str, section.keys()):
                 if name not in known:
-                    near = closest(name, known)
                     self.context.sink.warning(
                         "unknown-attribute",
                         f"`{name}` is no attribute of `<{tag}>`",
                         self._span(section, name, key=True),
                         notes=(exists_note("attribute", known, name),),
-                        help=f"did you mean `{near[0]}`?" if near else f"take `{name}` out",
+                        help=did_you_mean(name, known) or f"take `{name}` out",
                     )
 
     def _refused(self, converted: Converted) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.tree.files import stem
 from composer.tree.line import line_of
 from composer.verify.compiles import Fault
@@ -127,13 +127,12 @@ def _no_link(said: str, element: Node, robot: Node) -> UrdfFault | None:
     for end in element.iterchildren("parent", "child"):
         name = str(end.get("link"))
         if name not in links:
-            near = closest(name, links)
             return UrdfFault(
                 f"there is no link `{name}`",
                 end,
                 "link",
                 (exists_note("link", links, name),),
-                f"did you mean `{near[0]}`?" if near else "write the link, or take the joint out",
+                did_you_mean(name, links) or "write the link, or take the joint out",
             )
     return None
 
@@ -142,13 +141,12 @@ def _joint_type(said: str, element: Node, robot: Node) -> UrdfFault | None:
     if not said.startswith("invalid joint type"):
         return None
     word = str(element.get("type"))
-    near = closest(word, JOINT_TYPES)
     return UrdfFault(
         f"URDF has no joint of type `{word}`",
         element,
         "type",
         (exists_note("type", JOINT_TYPES, word),),
-        f"did you mean `{near[0]}`?" if near else "write one of these types",
+        did_you_mean(word, JOINT_TYPES) or "write one of these types",
     )
 
 

@@ -15,7 +15,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.grammar import GRAMMAR
 from composer.tree import xml_fault
 from composer.tree.files import join
@@ -100,13 +100,12 @@ def _sections() -> frozenset[str]:
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
     """MuJoCo refuses it too, but for bodies and frames, which it drops without a word."""
     tag, known = str(section.tag), list(GRAMMAR.root.children)
-    near = closest(tag, known)
     sink.error(
         "unknown-element",
         f"`<{tag}>` cannot stand in `<mujoco>`",
         unit.origins.span(section, unit.file),
         notes=(exists_note("section", known, tag),),
-        help=f"did you mean `<{near[0]}>`?" if near else None,
+        help=did_you_mean(tag, known, "<{}>"),
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 
@@ -77,13 +77,12 @@ def unknown_attribute(element: Node, name: str) -> Told:
     """An attribute that MJCF does not have in that place."""
     kind = kind_of(element)
     known = list(kind.attributes) if kind is not None else []
-    near = closest(name, known)
     return Told(
         "unknown-attribute",
         f"`{name}` is no attribute of `<{element.tag}>`",
         name,
         (exists_note("attribute", known, name),) if known else (),
-        f"did you mean `{near[0]}`?" if near else f"take `{name}` out",
+        did_you_mean(name, known) or f"take `{name}` out",
         key=True,
     )
 
@@ -92,13 +91,12 @@ def _unknown_element(element: Node) -> Told:
     parent = element.getparent()
     kind = kind_of(parent) if parent is not None else None
     known = list(kind.children) if kind is not None else []
-    near = closest(str(element.tag), known)
     return Told(
         "unknown-element",
         f"`<{element.tag}>` cannot stand in " + (f"`<{parent.tag}>`" if parent is not None else "a model"),
         None,
         (exists_note("element", known, str(element.tag)),) if known else (),
-        f"did you mean `<{near[0]}>`?" if near else None,
+        did_you_mean(str(element.tag), known, "<{}>"),
     )
 
 

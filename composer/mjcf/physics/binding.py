@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import did_you_mean
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, failure
 from composer.mjcf.physics.fields import Field, fields
@@ -146,13 +146,12 @@ class Binding:
 
     def _unknown(self, name: str) -> Exception:
         known = sorted(fields(self._kind))
-        near = closest(name, known)
         return failure(
             "unknown-attribute",
             f"a compiled {self._kind} has no field `{name}`",
             call_site(),
             notes=(Note("fields that exist: " + ", ".join(_shortest(self._kind))),),
-            help=f"did you mean `{near[0]}`?" if near else None,
+            help=did_you_mean(name, known),
             kind=MjcfAttributeError,
         )
 

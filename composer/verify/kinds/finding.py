@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +35,10 @@ def failed(message: str, expected: str, actual: str, *at: str | int, more: Itera
 def unknown(kind: str, name: str, known: Iterable[str], *at: str | int) -> Finding:
     """A name that nothing has. `known` are the names as the recipe would write them."""
     known = [each for each in known if each]
-    near = closest(name, known)
     return Finding(
         f"there is no {kind} `{name}`",
         at,
         (exists_note(kind, known, name).message,),
         "unknown-name",
-        f"did you mean `{near[0]}`?" if near else None,
+        did_you_mean(name, known),
     )
