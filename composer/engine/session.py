@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -131,10 +132,13 @@ class Session:
         """Send one line and wait for one; None when the child ended, or was ended for taking too long."""
         process = self._process
         assert process is not None and process.stdin is not None
+        latest = time.monotonic() + seconds
         try:
             process.stdin.write(line + "\n")
             process.stdin.flush()
             received = self._lines.get(timeout=min(seconds, threading.TIMEOUT_MAX))
+            if received is not None and time.monotonic() > latest:
+                raise queue.Empty  # an answer too late is too late, however this process was scheduled
         except OSError:
             received = None
         except queue.Empty:

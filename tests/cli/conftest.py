@@ -17,7 +17,7 @@ from cli.shell import ARM, COVER, RECIPE, REJECTED, TOOL, WRONG  # noqa: E402
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The current folder, with `cell.yaml`, `wrong.yaml`, `rejected.yaml` and the models that they name."""
-    folder = tmp_path / "work"
+    folder = tmp_path / "cell"
     (folder / "models" / "meshes").mkdir(parents=True)
     (folder / "models" / "arm.xml").write_text(ARM)
     (folder / "models" / "tool.xml").write_text(TOOL)

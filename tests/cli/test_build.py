@@ -107,14 +107,14 @@ def test_recipe_and_output_anywhere(folder: Path, tmp_path: Path, monkeypatch: p
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     monkeypatch.chdir(elsewhere)
-    assert run("build", "../work/cell.yaml", "--no-verify", "-o", str(tmp_path / "a.zip")).exit_code == 0
+    assert run("build", "../cell/cell.yaml", "--no-verify", "-o", str(tmp_path / "a.zip")).exit_code == 0
     assert run("build", str(folder / "cell.yaml"), "--no-verify", "-o", "../b.zip").exit_code == 0
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
     assert list(elsewhere.iterdir()) == []
 
 
 @pytest.mark.parametrize(
-    "out", ["models/arm.xml", "models/", "models", ".", "..", "/", "../work/models/tool.xml", "linked.xml"]
+    "out", ["models/arm.xml", "models/", "models", ".", "..", "/", "../cell/models/tool.xml", "linked.xml"]
 )
 def test_an_output_is_never_one_of_the_sources(folder: Path, out: str) -> None:
     (folder / "linked.xml").symlink_to("models/tool.xml")

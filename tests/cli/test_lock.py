@@ -40,7 +40,7 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "tool.xml": TOOL,
     }
     commit(robots, **files, **{"arm/cell.yaml": nested})
-    work = tmp_path / "work"
+    work = tmp_path / "cell"
     work.mkdir()
     (work / "tool.xml").write_text(TOOL)
     (work / "cell.yaml").write_text(

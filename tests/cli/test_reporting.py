@@ -48,7 +48,7 @@ def test_github(folder: Path) -> None:
 
 def test_paths_are_those_of_the_users_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder.parent)
-    assert run("check", "work/wrong.yaml").stderr.startswith("work/wrong.yaml:5:42: error")
+    assert run("check", "cell/wrong.yaml").stderr.startswith("cell/wrong.yaml:5:42: error")
     monkeypatch.chdir(folder / "models")
     told = run("check", "../wrong.yaml").stderr
     assert told.startswith(f"{folder / 'wrong.yaml'}:5:42: error") and "site: flang}" in told
