@@ -17,7 +17,7 @@ from composer.link.linking import Policy
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfError, failure
-from composer.mjcf.physics.binding import Binding, EmptyBinding, binding_of
+from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, binding_of
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
 from composer.mjcf.physics.order import compiled_kind
 from composer.mjcf.physics.rendering import Rendering
@@ -215,7 +215,7 @@ class Physics:
         kind = next(iter(kinds))
         ids = [self._found(each, kind) for each in elements]
         labels = [each._described() for each in elements]
-        binding = binding_of(kind)(kind, ids, labels, one, self._model, self._data)
+        binding = binding_of(kind, as_slice(ids) is not None)(kind, ids, labels, one, self._model, self._data)
         self._bindings[key] = binding
         return binding
 
