@@ -149,7 +149,8 @@ class Physics:
 
     def copy(self) -> Physics:
         """Physics of its own in the same state: neither the state nor the model is shared."""
-        twin = Physics(copy.deepcopy(self._model), copy.copy(self._data))
+        data = copy.deepcopy(self._data)
+        twin = Physics(data.model, data)
         twin._of_tree, twin._snapshots = self._of_tree, list(self._snapshots)
         return twin
 
@@ -159,6 +160,10 @@ class Physics:
     def __deepcopy__(self, memo: dict[int, Any]) -> Physics:
         memo[id(self)] = twin = self.copy()
         return twin
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled with its state, and without the tree: elements of any tree are then bound by name."""
+        return _restored, (self._data,)
 
     def render(
         self, height: int = 240, width: int = 320, camera: int | str | Element = -1
@@ -296,3 +301,7 @@ class Physics:
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name}={getattr(self._model, name)}" for name in ("nq", "nv", "nu", "nbody"))
         return f"<Physics {sizes}, time={self.time:.6g}>"
+
+
+def _restored(data: Any) -> Physics:
+    return Physics(data.model, data)
