@@ -130,10 +130,8 @@ class Edits(RuleBasedStateMachine):
     @rule(data=st.data(), tag=st.sampled_from(sorted(_ADDED)), name=_NAMES)
     def add(self, data: st.DataObject, tag: str, name: str) -> None:
         place, attributes = _ADDED[tag]
-        if place == "body":
-            parent = self._any(data, "body")
-        else:
-            parent = getattr(data.draw(st.sampled_from(self.models)), place)
+        root = data.draw(st.sampled_from(self.models))
+        parent = self._any(data, "body") if place == "body" else getattr(root, place)
         if parent is not None:
             naming = "dclass" if tag == "default" else "name"
             position = data.draw(st.sampled_from([None, 0, -1, 7]))

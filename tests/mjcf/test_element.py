@@ -122,7 +122,9 @@ def test_insert_puts_a_child_before_another(body: mjcf.Element) -> None:
     zeroth = body.insert("geom", position=-3)
     assert body.all_children() == [zeroth, first, middle, last]
     assert body.insert("geom", -1, name="2") is body.all_children()[3]
-    assert first.add("plugin") is not None and body.insert("body", 0).insert("geom", -1).parent is body.body[0]
+    assert (
+        first.add("plugin") is not None and body.insert("body", 0).insert("geom", -1).parent is body.body[0]
+    )
     with pytest.raises(mjcf.MjcfError):
         body.insert("geom", "first")  # type: ignore[arg-type]
 
