@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
 from composer.tree.files import join, stem, written_path
@@ -50,8 +51,13 @@ class Asset:
         try:
             return self.path.read_bytes()
         except OSError as error:
+            archive = next((above for above in self.path.parents if above.is_file()), None)
+            if archive is not None:
+                inner = self.path.relative_to(archive).as_posix()
+                raise failure("asset-missing", f"`{archive}` has no file `{inner}`", call_site()) from None
             reason = error.strerror or str(error)
-            raise failure("asset-missing", f"the file `{self.path}` cannot be read: {reason}") from None
+            message = f"the file `{self.path}` cannot be read: {reason}"
+            raise failure("asset-missing", message, call_site()) from None
 
     @property
     def source(self) -> bytes | Path:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 from lxml.etree import _Element as Node
 
@@ -29,9 +29,9 @@ def commit_defaults(root_or_element: Element) -> None:
     """Write onto an element and all below it, attached models included, what their default classes give.
 
     The classes stay, and so does the compiled model. A list that is written shorter than its class has it
-    is completed, as MuJoCo does; an orientation is left as it is where there is one. The gains of an actuator whose class
-    speaks of actuators of another tag are left to the class: what MuJoCo makes of both together cannot be
-    written.
+    is completed, as MuJoCo does; an orientation is left as it is where there is one. The gains of an actuator
+    whose class speaks of those of another tag are left to the class: what MuJoCo makes of both together cannot
+    be written.
 
     >>> from composer import mjcf
     >>> model = mjcf.from_xml_string('<mujoco><default><geom rgba="1 0 0 1" friction="1 0.1"/></default>'
@@ -92,10 +92,8 @@ def _elements(top: Node) -> Iterator[Node]:
 def _commit(model: Model, node: Node, found: DefaultClass) -> None:
     tag = default_tag(node)
     attributes = kind_of(node).attributes
-    if tag in _ACTUATORS:
-        given = _given_to_actuator(found, tag, attributes)
-    else:
-        given = _given(found, (tag,), attributes)
+    actuator = tag in _ACTUATORS
+    given = (_given_to_actuator if actuator else _given)(found, tag, attributes)
     turned = any(node.get(name) for name in ORIENTATIONS)
     orientation = None if turned else found.orientation(tag)
     changes: dict[str, str] = {}
@@ -113,10 +111,12 @@ def _commit(model: Model, node: Node, found: DefaultClass) -> None:
         model.note(node)
 
 
-def _given(found: DefaultClass, tags: Collection[str], attributes: Mapping[str, Attribute]) -> dict[str, str]:
-    """Every attribute that a class and those above it give to elements of these tags; the nearest counts."""
-    inherited = {} if found.parent is None else _given(found.parent, tags, attributes)
-    for element in _written(found, tags):
+def _given(
+    found: DefaultClass, tag: str, attributes: Mapping[str, Attribute], *others: str
+) -> dict[str, str]:
+    """Every attribute that a class and those above it give by elements of these tags; the nearest counts."""
+    inherited = {} if found.parent is None else _given(found.parent, tag, attributes, *others)
+    for element in _written(found, (tag, *others)):
         for key, value in element.items():
             name = str(key)
             if name in attributes and name != "class" and str(value).strip():
@@ -127,9 +127,9 @@ def _given(found: DefaultClass, tags: Collection[str], attributes: Mapping[str, 
 def _given_to_actuator(found: DefaultClass, tag: str, attributes: Mapping[str, Attribute]) -> dict[str, str]:
     """The same for an actuator: what a class says of its gains counts where nothing is said of another tag's."""
     of_all = {name: each for name, each in attributes.items() if name in _OF_ALL_ACTUATORS}
-    given = _given(found, _ACTUATORS, of_all)
+    given = _given(found, tag, of_all, *sorted(_ACTUATORS - {tag}))
     if not any(_shapes(found, other) for other in _ACTUATORS - {tag}):
-        given = {**_given(found, (tag,), attributes), **given}
+        given = {**_given(found, tag, attributes), **given}
     return given
 
 
@@ -144,7 +144,7 @@ def _shapes(found: DefaultClass, tag: str) -> bool:
     return False
 
 
-def _written(found: DefaultClass, tags: Collection[str]) -> list[Node]:
+def _written(found: DefaultClass, tags: tuple[str, ...]) -> list[Node]:
     """The elements of one class that are of these tags, as they stand."""
     elements = [element for tag in tags for element in found.elements.get(tag, ())]
     if len(tags) > 1 and len(elements) > 1:

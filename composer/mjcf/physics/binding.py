@@ -199,7 +199,7 @@ class _FieldView:
 def _scattered_field(name: str, field: Field) -> property:
     """A field as a property, which Python reads faster than other descriptors."""
 
-    def read(binding: Binding) -> Array:
+    def read(binding: Binding) -> Any:
         try:
             return binding._homes[name].read()
         except KeyError:
