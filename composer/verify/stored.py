@@ -137,7 +137,7 @@ def _index(manifest: Manifest, compiled: Compiled, shown: str, context: Context)
         return
     actual = index_of(compiled.index)
     for kind in Index.model_fields:
-        expected, found = (_plain(getattr(index, kind)) for index in (manifest.index, actual))
+        expected, found = (_plain(kind, getattr(index, kind)) for index in (manifest.index, actual))
         if expected == found:
             continue
         context.sink.error(
@@ -151,10 +151,10 @@ def _index(manifest: Manifest, compiled: Compiled, shown: str, context: Context)
         )
 
 
-def _plain(entries: Sequence[object]) -> list[str]:
-    """Entries as text, without where they are written."""
+def _plain(kind: str, entries: Sequence[BaseModel]) -> list[str]:
+    """Entries as text, without how and where they are written."""
     return [
-        f"`{each}`" if isinstance(each, str) else each.model_dump_json(exclude={"origin"})  # type: ignore[attr-defined]
+        each.model_dump_json(exclude={"origin"} if kind != "actuators" else {"origin", "type"})
         for each in entries
     ]
 
