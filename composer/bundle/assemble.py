@@ -105,6 +105,7 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
         recipe=Recipe(path=as_text(plan.path.name), sha256=sha256_of(plan.path)),
+        separator=plan.separator,
         cell=making.cell,
         variants=dict(plan.variants),
         params={name: value for name, value in plan.scope.items() if name not in plan.variants},
@@ -199,7 +200,9 @@ def _path_of(source: Source, portable: Portable) -> str:
     """Relative to what it was fetched or installed with."""
     if source.origin is None:
         return portable.name(source.path)
-    return Path(os.path.relpath(os.path.realpath(source.path), os.path.realpath(source.origin.root))).as_posix()
+    return Path(
+        os.path.relpath(os.path.realpath(source.path), os.path.realpath(source.origin.root))
+    ).as_posix()
 
 
 def _part(member: Member, number: int, renamed: Renamed) -> Part:

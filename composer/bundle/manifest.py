@@ -103,7 +103,9 @@ class File(_Part):
     size: int = Field(ge=0, description="In bytes.")
 
 
-_ORIGIN = Field(default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies.")
+_ORIGIN = Field(
+    default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies."
+)
 _Range = tuple[float, float]
 
 
@@ -135,7 +137,9 @@ class Actuator(_Part):
     """An actuator and its entries in ctrl and act."""
 
     name: str
-    type: str | None = Field(default=None, description="The tag MJCF has for it; null for what MuJoCo multiplies.")
+    type: str | None = Field(
+        default=None, description="The tag MJCF has for it; null for what MuJoCo multiplies."
+    )
     ctrl: int = Field(ge=0, description="Where its entries in ctrl begin.")
     ctrl_size: int = Field(ge=0)
     act: int | None = Field(default=None, description="Where its entries in act begin; null without any.")
@@ -148,7 +152,9 @@ class Actuator(_Part):
     ranges: tuple[_Range | None, ...] = Field(
         default=(), description="Of each control, in its unit; null for one that is not limited."
     )
-    act_range: _Range | None = Field(default=None, description="Of its activation; null when that is not limited.")
+    act_range: _Range | None = Field(
+        default=None, description="Of its activation; null when that is not limited."
+    )
     force_range: _Range | None = Field(
         default=None, description="Of the force or torque it gives; null when that is not limited."
     )
@@ -229,6 +235,7 @@ class Manifest(_Part):
     mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
     grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
     recipe: Recipe | None = Field(default=None, description="null for a model that Python composed.")
+    separator: str = Field(default="/", description="What stands between a prefix and a name.")
     cell: str | None = Field(default=None, description="The cell of the recipe's matrix; null for none.")
     variants: dict[str, str] = Field(default={}, description="The chosen value of every variant.")
     params: dict[str, Any] = Field(default={}, description="The value of every parameter.")
@@ -262,7 +269,12 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 Written = Mapping[tuple[str, int], tuple[str, str]]
 """By kind (`joint`, `actuator`, `sensor`, `camera`, `key`) and number: the tag of an element, and FILE:LINE."""
 
-_UNITS = {"hinge": ("rad", "rad/s"), "slide": ("m", "m/s"), "ball": ("quaternion", "rad/s"), "free": (None, None)}
+_UNITS = {
+    "hinge": ("rad", "rad/s"),
+    "slide": ("m", "m/s"),
+    "ball": ("quaternion", "rad/s"),
+    "free": (None, None),
+}
 
 
 def index_of(index: engine.Index, written: Written | None = None) -> Index:

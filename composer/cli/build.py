@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 @click.option(
     "-o", "--output", "out", metavar="OUT",
     help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output) or FILE.mjb, in which {name} is"
-    " the name of the model; default: build/{name}.zip.",
+    " the name of the model; default: build/{name}.zip. The name of an MJB gets the version of MuJoCo, at {mujoco}"
+    " or before the suffix.",
 )  # fmt: skip
 @choice_options
 @click.option("--all", "every", is_flag=True, help="Build every cell of the recipe's matrix.")
@@ -129,9 +130,13 @@ def _build_one(
 
 def put(built: Built, wanted: Wanted, context: Context, session: Session) -> str | None:
     """Write a model where it is wanted; gives the place, or None where that cannot be, which is told."""
+    from composer.bundle.mjb import with_version
     from composer.bundle.output_error import OutputError
+    from composer.bundle.write import Form
 
     target = wanted.out.replace("{name}", _file_name(built.plan.name))
+    if wanted.kind is Form.MJB:
+        target = with_version(target, built.compiled.mujoco_version if built.compiled else None)
     try:
         _write(built, target, wanted.kind, context, session)
     except OutputError as error:

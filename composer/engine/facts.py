@@ -125,7 +125,9 @@ def _actuators(model: Any, mujoco: Any) -> list[dict[str, Any]]:
                 "ctrl_ranges": [
                     _bounds(bounds[each]) if limited[each] else None for each in range(start, start + count)
                 ],
-                "act_range": _bounds(model.actuator_actrange[row]) if model.actuator_actlimited[row] else None,
+                "act_range": _bounds(model.actuator_actrange[row])
+                if model.actuator_actlimited[row]
+                else None,
                 "force_range": _bounds(model.actuator_forcerange[row])
                 if model.actuator_forcelimited[row]
                 else None,
@@ -152,7 +154,9 @@ def _sensors(model: Any, mujoco: Any) -> list[dict[str, Any]]:
                 "name": name,
                 "type": tag,
                 "data": [int(model.sensor_adr[row]), size],
-                "unit": units.of_sensor(tag, size, _coordinate(model, mujoco, tag, int(model.sensor_objid[row]))),
+                "unit": units.of_sensor(
+                    tag, size, _coordinate(model, mujoco, tag, int(model.sensor_objid[row]))
+                ),
                 "cutoff": cutoff if cutoff > 0 else None,
             }
         )

@@ -104,9 +104,11 @@ class Index:
             ),
             actuators=tuple(
                 Actuator(
-                    entry["name"],
-                    *entry["ctrl"],
-                    *entry["act"],
+                    name=entry["name"],
+                    ctrl_address=entry["ctrl"][0],
+                    ctrl_size=entry["ctrl"][1],
+                    act_address=entry["act"][0],
+                    act_size=entry["act"][1],
                     unit=entry["unit"],
                     ctrl_ranges=tuple(map(_range, entry["ctrl_ranges"])),
                     act_range=_range(entry["act_range"]),
@@ -115,7 +117,14 @@ class Index:
                 for entry in data["actuators"]
             ),
             sensors=tuple(
-                Sensor(entry["name"], entry["type"], *entry["data"], entry["unit"], entry["cutoff"])
+                Sensor(
+                    name=entry["name"],
+                    type=entry["type"],
+                    address=entry["data"][0],
+                    size=entry["data"][1],
+                    unit=entry["unit"],
+                    cutoff=entry["cutoff"],
+                )
                 for entry in data["sensors"]
             ),
             keyframes=tuple(Keyframe(entry["name"], entry["time"]) for entry in data["keyframes"]),

@@ -1,7 +1,7 @@
 """The units of what a compiled model measures and is told. Runs in the child process; imports no MuJoCo.
 
-Angles are radians, lengths metres, as MuJoCo holds them. A quaternion has no unit and is called one; `1` is a plain number;
-None where the unit depends on what the model means by it.
+Angles are radians, lengths metres, as MuJoCo holds them. A quaternion has no unit and is called one; `1` is a plain
+number; None where the unit depends on what the model means by it.
 """
 
 from __future__ import annotations

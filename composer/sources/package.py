@@ -96,9 +96,7 @@ def _found(reference: Reference, path: Path, root: Path) -> Source:
 def _licence_of(owner: Distribution) -> str | None:
     told = owner.metadata
     written = {name: (told.get_all(name) or [None])[0] for name in ("License-Expression", "License")}
-    return of_package(
-        written["License-Expression"], written["License"], told.get_all("Classifier") or ()
-    )
+    return of_package(written["License-Expression"], written["License"], told.get_all("Classifier") or ())
 
 
 def _licences_of(owner: Distribution) -> Iterator[Path]:

@@ -12,7 +12,9 @@ UNKNOWN = "unknown"
 """What a licence is called that is not known; no SPDX identifier is."""
 
 _LARGEST = 1 << 20
-_DECLARED = re.compile(r"SPDX-License-Identifier:\s*([A-Za-z0-9.+() -]+?)\s*(?:-->|\*/|[\"'<]|$)", re.MULTILINE)
+_DECLARED = re.compile(
+    r"SPDX-License-Identifier:\s*([A-Za-z0-9.+() -]+?)\s*(?:-->|\*/|[\"'<]|$)", re.MULTILINE
+)
 _HEAD = 4096
 
 _CREATIVE = r"(?:creative commons )?attribution"
@@ -36,9 +38,8 @@ _PHRASES: tuple[tuple[str, str], ...] = (
     ("CC0-1.0", r"cc0 1\.0 universal"),
     ("Zlib", r"altered source versions must be plainly marked as such"),
     ("Unlicense", r"free and unencumbered software released into the public domain"),
-    ("ISC", r"permission to use, copy, modify, and/?(?:or)? distribute this software for any purpose with or without fee"),
-    ("MIT", r"permission is hereby granted, free of charge, to any person obtaining a copy .{0,400}"
-            r"without restriction"),
+    ("ISC", r"permission to use, copy, modify, and/?(?:or)? distribute this software for any purpose with or"),
+    ("MIT", r"permission is hereby granted, free of charge, to any person obtaining a copy .{0,400}restriction"),
 )  # fmt: skip
 """What a licence says and no other does; of several the one whose words come first in the text."""
 
@@ -48,11 +49,11 @@ _BSD_4 = r"all advertising materials mentioning features"
 
 
 def identify(text: str) -> str | None:
-    """The SPDX identifier of a licence's text, None where it is not one of the common ones. No I/O.
+    r"""The SPDX identifier of a licence's text, None where it is not one of the common ones. No I/O.
 
     A line `SPDX-License-Identifier: …` counts before the text itself.
 
-    >>> identify("The MIT License\\n\\nPermission is hereby granted, free of charge, to any person\\n"
+    >>> identify("The MIT License\n\nPermission is hereby granted, free of charge, to any person\n"
     ...          "obtaining a copy of this software, to deal in it without restriction")
     'MIT'
     """
@@ -78,7 +79,9 @@ def licence_of(source: Source) -> str | None:
     """
     if (declared := _DECLARED.search(_text(source.path, _HEAD))) is not None:
         return declared[1]
-    named = sorted({name for path in source.licences if (name := identify(_text(path, _LARGEST))) is not None})
+    named = sorted(
+        {name for path in source.licences if (name := identify(_text(path, _LARGEST))) is not None}
+    )
     if named:
         return " AND ".join(f"({each})" if " OR " in each and len(named) > 1 else each for each in named)
     return source.licence if not source.licences else None

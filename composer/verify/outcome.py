@@ -12,7 +12,9 @@ from composer.diagnostics.span import Span
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A check that ran: what the outermost recipe calls it (`left/reach`), its kind and place, what it told and found."""
+    """A check that ran: what the outermost recipe calls it (`left/reach`), its kind and place, what it told,
+    and what it found.
+    """
 
     name: str
     kind: str

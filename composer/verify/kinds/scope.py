@@ -14,7 +14,6 @@ from composer.verify.links import links
 from composer.verify.matching import ON_BODIES
 from composer.verify.roster import Model, Roster
 
-
 SOLVED = 4
 """The digits of what is simulated or solved for."""
 
