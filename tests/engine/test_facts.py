@@ -5,7 +5,6 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-import mujoco
 import pytest
 
 from composer.engine import facts

@@ -106,7 +106,7 @@ def test_the_index_tells_every_address(tmp_path: Path, session: engine.Session) 
     assert index.sensors == (
         engine.Sensor("where", "framepos", 0, 3, "m"),
         engine.Sensor("effort", "jointactuatorfrc", 3, 1, "N m"),
-        engine.Sensor("gap", "distance", 4, 1, "m"),
+        engine.Sensor("gap", "distance", 4, 1, "m", 1),
     )
     assert [each.name for each in index.keyframes] == ["home", ""]
     assert [(each.name, each.unit) for each in index.cameras] == [("eye", "deg")]

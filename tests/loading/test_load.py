@@ -20,6 +20,7 @@ from composer.pipeline import build
 
 MODEL = """<mujoco model="{name}">
   <worldbody>
+    <geom size="0.1"/>
     <body name="base">
       <joint name="turn" axis="0 0 1" range="-90 90"/>
       <geom size="0.1"/>
@@ -93,7 +94,7 @@ def test_positions_are_where_mujoco_has_them(written: Path) -> None:
 
 def test_origins_units_and_limits_come_along(written: Path) -> None:
     index = composer.load(written / "cell.zip").index
-    assert index.qpos.origin("left/turn") == "arm.xml:4"
+    assert index.qpos.origin("left/turn") == "arm.xml:5"
     assert index.qpos.units("right/") == ("m", "m", "m", *["quaternion"] * 4)
     assert index.qpos.limits("left/turn").tolist() == [[-np.pi / 2, np.pi / 2]]
     assert index.ctrl.units() == ("rad", "rad")
