@@ -49,7 +49,7 @@ attach:
 edit:
   - {select: {joint: right/bend}, rename: hook}
 sensor:
-  angle: {type: jointpos, joint: hook}
+  angle: {type: jointpos, joint: right/bend}
 check:
   sizes: {size: {nu: 2}}
   there: {exists: [{joint: "**"}]}
@@ -108,7 +108,7 @@ def test_every_file_that_was_read_is_listed(folder: Path, session: engine.Sessio
 def test_elements_are_told_where_they_are_written(folder: Path, session: engine.Session) -> None:
     index = manifest(folder, session).index
     assert index is not None
-    assert [(each.name, each.origin) for each in index.joints][0] == ("left/elbow", "models/arm.xml:6")
+    assert (index.joints[0].name, index.joints[0].origin) == ("left/elbow", "models/arm.xml:5")
     assert [(each.type, each.origin) for each in index.actuators] == [("motor", "models/motors.xml:3")] * 2
     assert [(each.name, each.origin) for each in index.sensors] == [("angle", "cell.yaml:11")]
 
