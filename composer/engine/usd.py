@@ -50,7 +50,7 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     told: dict[str, Any] = {"missing": None, "textures": [], "warnings": []}
     try:
         converter = import_module("mujoco_usd_converter")
-        pxr = import_module("pxr.Usd"), import_module("pxr.UsdUtils")
+        usd, packing = import_module("pxr.Usd"), import_module("pxr.UsdUtils")
     except ImportError as error:
         return told | {"missing": str(error)}
     out = Path(argument["out"])
@@ -59,10 +59,11 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
         textures = sorted(path.name for path in Path(folder).glob("*/*"))
         suffix = out.suffix.lower()
         if suffix == ".usdz":
-            if not pxr[1].CreateNewUsdzPackage(layer, str(out)):
+            if not packing.CreateNewUsdzPackage(layer, str(out)):
                 raise OSError(f"USD could not pack {out.name}")
         elif not textures:
-            pxr[0].Stage.Open(layer).GetRootLayer().Export(str(out))
+            stage = usd.Stage.Open(layer)  # kept, for its layer dies with it
+            stage.GetRootLayer().Export(str(out))
         warnings = [text for text in _WARNING.findall(log()) if not _OWN_AFFAIRS.search(text)]
     return told | {
         "textures": textures if suffix != ".usdz" else [],
