@@ -27,6 +27,7 @@ class Portable:
         self.origins = [(Path(os.path.realpath(each.root)), each) for each in found.values()]
         self.context = context
         self.texts = model.origins.texts
+        self.named: dict[str, str] = {}
 
     def name(self, path: Path) -> str:
         """The name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
@@ -50,7 +51,9 @@ class Portable:
 
     def place(self, span: Span) -> str:
         """A place in a source or a recipe, as FILE:LINE."""
-        return f"{self.name(self.path(span.file))}:{span.line}"
+        if span.file not in self.named:
+            self.named[span.file] = self.name(self.path(span.file))
+        return f"{self.named[span.file]}:{span.line}"
 
     def text(self, message: str) -> str:
         """A message with the files that it names called so."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 from pathlib import Path
 
 from composer.sources.source import Source
@@ -17,7 +18,6 @@ _DECLARED = re.compile(
 )
 _HEAD = 4096
 
-_CREATIVE = r"(?:creative commons )?attribution"
 _PHRASES: tuple[tuple[str, str], ...] = (
     ("Apache-2.0", r"apache license,? version 2\.0"),
     ("MPL-2.0", r"mozilla public license,? version 2\.0"),
@@ -28,13 +28,13 @@ _PHRASES: tuple[tuple[str, str], ...] = (
     ("GPL-2.0-only", r"gnu general public license version 2"),
     ("EPL-2.0", r"eclipse public license - v ?2\.0"),
     ("BSL-1.0", r"boost software license - version 1\.0"),
-    ("CC-BY-NC-ND-4.0", rf"{_CREATIVE}-noncommercial-noderivatives 4\.0"),
-    ("CC-BY-NC-SA-4.0", rf"{_CREATIVE}-noncommercial-sharealike 4\.0"),
-    ("CC-BY-NC-4.0", rf"{_CREATIVE}-noncommercial 4\.0"),
-    ("CC-BY-ND-4.0", rf"{_CREATIVE}-noderivatives 4\.0"),
-    ("CC-BY-SA-4.0", rf"{_CREATIVE}-sharealike 4\.0"),
-    ("CC-BY-4.0", rf"{_CREATIVE} 4\.0"),
-    ("CC-BY-3.0", rf"{_CREATIVE} 3\.0"),
+    ("CC-BY-NC-ND-4.0", r"attribution-noncommercial-noderivatives 4\.0"),
+    ("CC-BY-NC-SA-4.0", r"attribution-noncommercial-sharealike 4\.0"),
+    ("CC-BY-NC-4.0", r"attribution-noncommercial 4\.0"),
+    ("CC-BY-ND-4.0", r"attribution-noderivatives 4\.0"),
+    ("CC-BY-SA-4.0", r"attribution-sharealike 4\.0"),
+    ("CC-BY-4.0", r"attribution 4\.0"),
+    ("CC-BY-3.0", r"attribution 3\.0"),
     ("CC0-1.0", r"cc0 1\.0 universal"),
     ("Zlib", r"altered source versions must be plainly marked as such"),
     ("Unlicense", r"free and unencumbered software released into the public domain"),
@@ -48,6 +48,7 @@ _BSD_3 = r"neither the name of .{1,200} may be used to endorse or promote"
 _BSD_4 = r"all advertising materials mentioning features"
 
 
+@lru_cache(maxsize=64)
 def identify(text: str) -> str | None:
     r"""The SPDX identifier of a licence's text, None where it is not one of the common ones. No I/O.
 
