@@ -11,19 +11,17 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf import edit
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import Element, _targets, view
+from composer.mjcf.element import HOSTS, Element, _targets, checked, view
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.reference import describe
 from composer.mjcf.removal import release
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
-from composer.tree.kinds import WORLD_SECTION, kind_of
+from composer.tree.kinds import kind_of
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
 
-# Paths of the elements that a model can hang on.
-HOSTS = ("site", "body", "frame", WORLD_SECTION)
 _OF_FRAMES = frozenset({"pos", *ORIENTATIONS, "mocap"})
 _JOINTS = ("joint", "freejoint")
 
@@ -217,7 +215,7 @@ def get_attachment_frame(element: Element) -> AttachmentFrame | None:
 
     Takes an attached `RootElement` or any element in it.
     """
-    model = element._alive()._model
+    model = checked(element)._model
     if model.hung is None:
         return None
     return cast(AttachmentFrame, view(model.hung.parent, model.hung.frame))
@@ -236,7 +234,7 @@ def get_frame_freejoint(frame: Element) -> Element | None:
 
 def get_freejoint(body: Element) -> Element | None:
     """The free joint of a body, however it is written, or None; frames in the body are looked through."""
-    model, node = body._alive()._model, body._node
+    model, node = checked(body)._model, body._node
     joints = [child for child in through_frames(node) if child.tag in _JOINTS]
     classes = Classes(model.unit.root) if any(joint.tag == "joint" for joint in joints) else None
     for joint in joints:

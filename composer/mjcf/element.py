@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import html
+import copy
 from collections.abc import Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
 from lxml import etree
@@ -16,22 +17,27 @@ from composer.grammar.attribute import Attribute
 from composer.mjcf import edit, finding
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
+from composer.mjcf.element_list import ElementList
 from composer.mjcf.errors import failure
+from composer.mjcf.members import always_there, class_name, members
 from composer.mjcf.misspelled import unknown_attribute, unknown_tag
 from composer.mjcf.model import Model, Target
 from composer.mjcf.reference import describe, refers, resolved
 from composer.mjcf.value import BadValue, decode
 from composer.tree.kinds import (
-    HOLDS_ONE_OF_EACH,
+    WORLD_SECTION,
     attribute_of,
     kind_of,
     naming_attribute,
     spoken,
 )
-from composer.tree.name_index import own_name
+from composer.tree.name_index import SEPARATOR, own_name
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
+
+# Paths of the elements that a model can hang on.
+HOSTS = ("site", "body", "frame", WORLD_SECTION)
 
 
 class Element:
@@ -40,7 +46,8 @@ class Element:
     Its MJCF attributes are Python attributes: numbers and arrays come as numpy, references as Elements,
     files as `Asset`, keywords and names as text; what is not set is None, and setting None removes. `class`
     is spelled `dclass`; a last underscore is dropped (`global_`). Children are reached by tag: one that can
-    occur once as an Element (`model.visual.headlight`), others as a list (`body.geom`).
+    occur once as an Element (`model.visual.headlight`), others as a list (`body.geom`) that also takes names.
+    `dir(element)` has all of them, `help(element)` what they mean; `print(element)` shows it as MJCF.
 
     There is one Element for each element of a model: `a.find('joint', 'j') is a.find('joint', 'j')`.
     """
@@ -197,13 +204,26 @@ class Element:
         found = finding.first(Target(self._alive()._model, self._node), tag, name)
         return None if found is None else view(*found)
 
-    def find_all(self, tag: str, immediate_children_only: bool = False) -> list[Element]:
+    def find_all(
+        self, tag: str, immediate_children_only: bool = False, exclude_attachments: bool = False
+    ) -> list[Element]:
         """All matches below this element in document order, attached models where they hang.
 
-        The list is made once: the model may be edited while going through it.
+        With `exclude_attachments` those of its own model only, attachment frames included. The list is made
+        once: the model may be edited while going through it.
         """
         here = Target(self._alive()._model, self._node)
-        return [view(*found) for found in finding.every(here, tag, immediate_children_only)]
+        every = finding.every(here, tag, immediate_children_only)
+        return [view(*found) for found in every if not exclude_attachments or found.model is here.model]
+
+    def enter_scope(self, prefix: str) -> RootElement | None:
+        """The model that is attached under a prefix, `gripper` or `arm/gripper/`; None where there is none.
+
+        In it everything is found by its own name: `root.enter_scope('gripper').find('joint', 'left')`.
+        """
+        model = self._alive()._model
+        found = finding.attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
+        return None if found is None else cast("RootElement", view(found, found.unit.root))
 
     def all_children(self) -> list[Element]:
         """The children in their order, those of its own model only."""
@@ -258,36 +278,40 @@ class Element:
         if attribute is not None:
             return self._read(attribute)
         tag = name.rstrip("_")
-        child = self._kind.children.get(tag)
-        if child is None:
+        if tag not in self._kind.children:
             raise unknown_attribute(self._kind, name, children=True)
+        return self._children(tag)
+
+    def _children(self, tag: str) -> Any:
+        child = self._kind.children[tag]
         self._alive()
-        own = self._kind.tag
-        if own == "mujoco":
-            return view(self._model, self._model.section(tag))
+        if always_there(self._kind, child):
+            at_top = self._kind.tag == "mujoco"
+            node = self._model.section(tag) if at_top else self._model.only_child(self._node, tag)
+            return view(self._model, node)
         if child.max_count != 1:
-            return [view(self._model, node) for node in self._node.iterchildren(tag)]
-        if own in HOLDS_ONE_OF_EACH:
-            return view(self._model, self._model.only_child(self._node, tag))
-        node = next(self._node.iterchildren(tag), None)
-        return None if node is None else view(self._model, node)
+            return ElementList(tag, (view(self._model, node) for node in self._node.iterchildren(tag)))
+        found = next(self._node.iterchildren(tag), None)
+        return None if found is None else view(self._model, found)
 
     def __setattr__(self, name: str, value: object) -> None:
-        found = getattr(type(self), name, None)
-        if isinstance(found, property):
+        if isinstance(getattr(type(self), name, None), property):
             object.__setattr__(self, name, value)
-        elif self._kind.children.get(name.rstrip("_")) is not None and attribute_of(self._kind, name) is None:
-            raise failure(
-                "wrong-type",
-                f"`{name}` of {self._described()} is an element and cannot be set",
-                call_site(),
-                help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
-            )
+        elif name.rstrip("_") in self._kind.children and attribute_of(self._kind, name) is None:
+            self._refuse_child(name)
         else:
             self._write({name: value})
 
+    def _refuse_child(self, name: str) -> None:
+        raise failure(
+            "wrong-type",
+            f"`{name}` of {self._described()} is an element and cannot be set",
+            call_site(),
+            help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
+        )
+
     def __delattr__(self, name: str) -> None:
-        self._write({name: None})
+        setattr(self, name, None)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Element:
         raise failure(
@@ -307,16 +331,31 @@ class Element:
         return reduced(self)
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *map(spoken, self._kind.attributes), *self._kind.children})
+        kind = self._kind
+        attributes, children = map(spoken, kind.attributes), map(spoken, kind.children)
+        found = {*super().__dir__(), *attributes, *children}
+        return sorted(found if kind.path in HOSTS else found - {"attach"})
 
     def __repr__(self) -> str:
         attributes = "".join(f' {name!s}="{value!s}"' for name, value in self._node.items())
         return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
 
+    def __str__(self) -> str:
+        """The element and all below it in its own model, as MJCF text."""
+        node = copy.deepcopy(self._node)
+        node.tail = None
+        for each in node.iter():
+            if isinstance(each.tag, str) and not (each.text or "").strip():
+                each.text = None
+            if not (each.tail or "").strip():
+                each.tail = None
+        return etree.tostring(node, encoding="unicode", pretty_print=True).rstrip()
+
     def _repr_html_(self) -> str:
-        """The element and what is below it in its own model, for notebooks."""
-        text = etree.tostring(self._node, encoding="unicode", pretty_print=True, with_tail=False)
-        return f"<pre>{html.escape(text)}</pre>"
+        """The element as a tree that opens and closes, for notebooks."""
+        from composer.mjcf.html import page
+
+        return page(self)
 
     # -- for this package ------------------------------------------------------------------------------------
 
@@ -355,7 +394,26 @@ class Element:
 def view(model: Model, node: Node) -> Element:
     """The one Element of a node."""
     found = model.views.get(node)
-    return model.views.setdefault(node, Element(model, node)) if found is None else found
+    return model.views.setdefault(node, class_of(kind_of(node))(model, node)) if found is None else found
+
+
+@cache
+def class_of(kind: ElementType) -> type[Element]:
+    """The class of the elements of a kind: `Element` with a property for each attribute and child, documented."""
+    inside = {
+        **members(kind, taken=dir(Element)),
+        "__slots__": (),
+        "__module__": Element.__module__,
+        "_kind": kind,
+    }
+    return type(class_name(kind), (Element,), inside)
+
+
+def checked(element: object) -> Element:
+    """An argument that has to be an element of a model."""
+    if not isinstance(element, Element):
+        raise failure("wrong-type", f"expects an element, got `{type(element).__name__}`", call_site())
+    return element._alive()
 
 
 def _targets(attributes: Mapping[str, object]) -> dict[str, object]:

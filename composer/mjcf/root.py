@@ -82,6 +82,11 @@ class RootElement(Element):
         set_model_name(self._model, name)
 
     @property
+    def full_identifier(self) -> str:
+        """The prefix of all its names in the output of the whole composition; empty at the top."""
+        return self._model.full_prefix
+
+    @property
     def parent_model(self) -> RootElement | None:
         """The root of the model that this one is attached to, or None."""
         hung = self._model.hung
@@ -175,6 +180,12 @@ class RootElement(Element):
         from composer.mjcf.flat import assets
 
         return assets(self._model)
+
+    def _repr_html_(self) -> str:
+        """The model as a tree that opens and closes, with its picture where there is OpenGL, for notebooks."""
+        from composer.mjcf.html import page_with_picture
+
+        return page_with_picture(self)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> RootElement:
         """A copy with copies of everything attached, itself attached to nothing."""
