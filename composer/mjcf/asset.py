@@ -19,6 +19,10 @@ class Asset:
 
     `path` is where it came from, None for bytes in memory; `prefix` the stem of its file name; `extension`
     its suffix with the dot, as written. `Asset(data, '.stl')` may be given to any `file` attribute.
+
+    >>> asset = Asset(b'...', '.png', 'wood')
+    >>> asset.path, asset.prefix, asset.extension, asset.contents, asset.bundle_path
+    (None, 'wood', '.png', b'...', None)
     """
 
     __slots__ = ("_data", "_model", "extension", "path", "prefix")
@@ -60,6 +64,12 @@ class Asset:
 
         Of the whole composition, which is put together to know it. None for an `Asset` that was not read
         from an element, and for one whose element is not written. Raises `MjcfError` as exporting does.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement('table')
+        >>> wood = model.asset.add('texture', name='wood', type='2d', file=Asset(b'...', '.png', 'wood'))
+        >>> wood.file.bundle_path
+        'assets/table/wood.png'
         """
         from composer.mjcf.export import bundle_paths
 

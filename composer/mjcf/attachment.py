@@ -47,6 +47,9 @@ class AttachmentFrame(Element):
     def __repr__(self) -> str:
         return super().__repr__().replace("<body", f'<body name="{self.name}"', 1)
 
+    def __str__(self) -> str:
+        return super().__str__().replace("<body", f'<body name="{self.name}"', 1)
+
     def _own_name(self) -> str | None:
         return None if self._removed else self._attachment.child.prefix
 
@@ -214,6 +217,12 @@ def get_attachment_frame(element: Element) -> AttachmentFrame | None:
     """The frame through which an element's model hangs on its parent; None where it is not attached.
 
     Takes an attached `RootElement` or any element in it.
+
+    >>> from composer import mjcf
+    >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+    >>> frame = arm.attach(gripper)
+    >>> mjcf.get_attachment_frame(gripper) is mjcf.get_attachment_frame(gripper.worldbody) is frame
+    True
     """
     model = checked(element)._model
     if model.hung is None:
@@ -222,18 +231,41 @@ def get_attachment_frame(element: Element) -> AttachmentFrame | None:
 
 
 def get_frame_joints(frame: Element) -> list[Element]:
-    """The joints of an attachment frame; takes the frame or anything in the attached model."""
+    """The joints of an attachment frame; takes the frame or anything in the attached model.
+
+    >>> from composer import mjcf
+    >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+    >>> turn = arm.attach(gripper).add('joint', name='turn')
+    >>> mjcf.get_frame_joints(gripper) == [turn]
+    True
+    """
     found = frame if isinstance(frame, AttachmentFrame) else get_attachment_frame(frame)
     return [] if found is None else found.all_children()
 
 
 def get_frame_freejoint(frame: Element) -> Element | None:
-    """The free joint of an attachment frame, or None; takes the frame or anything in the attached model."""
+    """The free joint of an attachment frame, or None; takes the frame or anything in the attached model.
+
+    >>> from composer import mjcf
+    >>> scene, mug = mjcf.RootElement('scene'), mjcf.RootElement('mug')
+    >>> free = scene.attach(mug).add('freejoint')
+    >>> mjcf.get_frame_freejoint(mug) is free
+    True
+    """
     return next((joint for joint in get_frame_joints(frame) if _is_free(joint._node)), None)
 
 
 def get_freejoint(body: Element) -> Element | None:
-    """The free joint of a body, however it is written, or None; frames in the body are looked through."""
+    """The free joint of a body, however it is written, or None; frames in the body are looked through.
+
+    >>> from composer import mjcf
+    >>> mug = mjcf.RootElement().worldbody.add('body', name='mug')
+    >>> mjcf.get_freejoint(mug) is None
+    True
+    >>> free = mug.add('joint', type='free')
+    >>> mjcf.get_freejoint(mug) is free
+    True
+    """
     model, node = checked(body)._model, body._node
     joints = [child for child in through_frames(node) if child.tag in _JOINTS]
     classes = Classes(model.unit.root) if any(joint.tag == "joint" for joint in joints) else None

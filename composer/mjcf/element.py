@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
-from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
@@ -74,13 +72,25 @@ class Element:
 
     @property
     def parent(self) -> Element | None:
-        """The element it stands in; None for a root, whose model may hang on another: see `parent_model`."""
+        """The element it stands in; None for a root, whose model may hang on another: see `parent_model`.
+
+        >>> from composer import mjcf
+        >>> arm = mjcf.RootElement().worldbody.add('body', name='arm')
+        >>> arm.add('geom', size=[1]).parent is arm
+        True
+        """
         parent = self._alive()._node.getparent()
         return None if parent is None else view(self._model, parent)
 
     @property
     def root(self) -> RootElement:
-        """The root of its own model, attached or not."""
+        """The root of its own model, attached or not.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement('arm')
+        >>> model.worldbody.add('geom', size=[1]).root is model
+        True
+        """
         return cast("RootElement", view(self._alive()._model, self._model.unit.root))
 
     @property
@@ -90,6 +100,14 @@ class Element:
         A new name must be free in the whole composition, and whatever refers to the element follows. The
         name of a default class is its class, that of an asset without one the stem of its file, as MuJoCo
         has it.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> arm = model.worldbody.add('body', name='arm')
+        >>> sensor = model.sensor.add('framepos', objtype='body', objname=arm)
+        >>> arm.name = 'left'
+        >>> sensor
+        <framepos objtype="body" objname="left"/>
         """
         return self._own_name()
 
@@ -100,19 +118,38 @@ class Element:
 
     @property
     def full_identifier(self) -> str | None:
-        """The name in the output of the whole composition, prefixes included; None where it has none."""
+        """The name in the output of the whole composition, prefixes included; None where it has none.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> finger = gripper.worldbody.add('body', name='finger')
+        >>> frame = arm.attach(gripper)
+        >>> finger.name, finger.full_identifier
+        ('finger', 'gripper/finger')
+        """
         model = self._alive()._model
         return model.seen_from(model.top, self._node)
 
     @property
     def origin(self) -> Span:
-        """The place it came from: in a file, or the line of the program that added it."""
+        """The place it came from: in a file, or the line of the program that added it.
+
+        >>> from composer import mjcf
+        >>> lines = ['<mujoco>', '<worldbody><geom name="ball" size="1"/></worldbody>', '</mujoco>']
+        >>> mjcf.from_xml_string(chr(10).join(lines)).find('geom', 'ball').origin.line
+        2
+        """
         return self._model.span(self._node)
 
     def origin_of(self, attribute: str) -> Span:
         """The same of one attribute: where its value is written, or the line of the program that set it.
 
         Raises `MjcfError` for one that such elements do not have, and where it is not set.
+
+        >>> from composer import mjcf
+        >>> ball = mjcf.from_xml_string('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>').find('geom')
+        >>> ball.origin_of('size').column
+        32
         """
         known = attribute_of(self._kind, attribute)
         if known is None:
@@ -141,7 +178,15 @@ class Element:
         return self._add(tag, None, attributes)
 
     def insert(self, tag: str, /, position: int, **attributes: object) -> Element:
-        """The same, before the child that stands at `position` now; as with lists, a large one appends."""
+        """The same, before the child that stands at `position` now; as with lists, a large one appends.
+
+        >>> from composer import mjcf
+        >>> world = mjcf.RootElement().worldbody
+        >>> last = world.add('geom', name='last', size=[1])
+        >>> first = world.insert('geom', 0, name='first', size=[1])
+        >>> [geom.name for geom in world.geom]
+        ['first', 'last']
+        """
         return self._add(tag, position, attributes)
 
     def _add(self, tag: str, position: int | None, attributes: Mapping[str, object]) -> Element:
@@ -174,6 +219,14 @@ class Element:
         `cascade` it goes too: references to classes and materials are dropped from the elements that have
         them, any other referrer is removed, in a section as a whole (a tendon goes with a site of its
         path). A section is emptied.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> hinge = model.worldbody.add('body', name='arm').add('joint', name='hinge')
+        >>> motor = model.actuator.add('motor', joint=hinge)
+        >>> hinge.remove(cascade=True)
+        >>> model.find_all('actuator')
+        []
         """
         from composer.mjcf.removal import remove
 
@@ -187,6 +240,13 @@ class Element:
         (`gripper/left_pad`). The frame has an offset (`frame.pos`, `frame.quat`, …) and takes joints;
         without one the child is fixed and no body is added. Raises `MjcfError` where the child is attached
         already, contains this model, or has the prefix of another child.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> flange = arm.worldbody.add('site', name='flange', pos=[0, 0, 1])
+        >>> frame = flange.attach(gripper)
+        >>> frame.add('joint', name='turn', axis=[0, 0, 1]).full_identifier
+        'gripper/turn'
         """
         from composer.mjcf.attachment import attach
 
@@ -200,6 +260,14 @@ class Element:
         `tag` may be a family: `joint` also finds `freejoint`; `actuator`, `sensor`, `equality`, `tendon`
         and `key` find all of theirs. `name` is the name in this element's model; of attached models with
         the prefix (`gripper/left_pad`). Raises `MjcfError` for a tag that MJCF does not have.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> hinge = model.worldbody.add('body', name='arm').add('joint', name='hinge')
+        >>> model.find('joint', 'hinge') is model.find('body', 'arm').find('joint') is hinge
+        True
+        >>> model.find('joint', 'slide') is None
+        True
         """
         found = finding.first(Target(self._alive()._model, self._node), tag, name)
         return None if found is None else view(*found)
@@ -211,6 +279,15 @@ class Element:
 
         With `exclude_attachments` those of its own model only, attachment frames included. The list is made
         once: the model may be edited while going through it.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> arm = model.worldbody.add('body', name='arm')
+        >>> hand = arm.add('body', name='hand')
+        >>> model.find_all('body') == [arm, hand]
+        True
+        >>> model.worldbody.find_all('body', immediate_children_only=True) == [arm]
+        True
         """
         here = Target(self._alive()._model, self._node)
         every = finding.every(here, tag, immediate_children_only)
@@ -220,30 +297,61 @@ class Element:
         """The model that is attached under a prefix, `gripper` or `arm/gripper/`; None where there is none.
 
         In it everything is found by its own name: `root.enter_scope('gripper').find('joint', 'left')`.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> arm.enter_scope('gripper') is gripper
+        True
         """
         model = self._alive()._model
         found = finding.attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
         return None if found is None else cast("RootElement", view(found, found.unit.root))
 
     def all_children(self) -> list[Element]:
-        """The children in their order, those of its own model only."""
+        """The children in their order, those of its own model only.
+
+        >>> from composer import mjcf
+        >>> arm = mjcf.RootElement().worldbody.add('body', name='arm')
+        >>> children = [arm.add('joint'), arm.add('geom', size=[1])]
+        >>> arm.all_children() == children
+        True
+        """
         return [view(self._model, node) for node in self._alive()._node.iterchildren("*")]
 
     # -- attributes ------------------------------------------------------------------------------------------
 
     def get(self, attribute: str, default: Any = None) -> Any:
-        """The value of an attribute; `default` where it is not set or such elements do not have it."""
+        """The value of an attribute; `default` where it is not set or such elements do not have it.
+
+        >>> from composer import mjcf
+        >>> arm = mjcf.RootElement().worldbody.add('body', name='arm', pos=[0, 0, 1])
+        >>> arm.get('pos'), arm.get('quat'), arm.get('mass', 'bodies have none')
+        (array([0., 0., 1.]), None, 'bodies have none')
+        """
         known = attribute_of(self._kind, attribute)
         value = None if known is None else self._read(known)
         return default if value is None else value
 
     def get_attributes(self) -> dict[str, Any]:
-        """All attributes that are set, by their Python names."""
+        """All attributes that are set, by their Python names.
+
+        >>> from composer import mjcf
+        >>> mjcf.RootElement().worldbody.add('geom', name='ball', size=[1]).get_attributes()
+        {'name': 'ball', 'size': array([1.])}
+        """
         known = self._kind.attributes
         return {spoken(str(name)): self._read(known[str(name)]) for name in self._node.keys()}  # noqa: SIM118
 
     def set_attributes(self, **attributes: object) -> None:
-        """Set several attributes, all or none: a fault in one raises `MjcfError` and changes nothing."""
+        """Set several attributes, all or none: a fault in one raises `MjcfError` and changes nothing.
+
+        >>> from composer import mjcf
+        >>> ball = mjcf.RootElement().worldbody.add('geom', size=[1])
+        >>> ball.set_attributes(name='ball', size=[2], rgba=[1, 0, 0, 1])
+        >>> ball
+        <geom size="2" name="ball" rgba="1 0 0 1"/>
+        """
         self._write(attributes)
 
     def _read(self, attribute: Attribute) -> Any:
@@ -341,15 +449,10 @@ class Element:
         return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
 
     def __str__(self) -> str:
-        """The element and all below it in its own model, as MJCF text."""
-        node = copy.deepcopy(self._node)
-        node.tail = None
-        for each in node.iter():
-            if isinstance(each.tag, str) and not (each.text or "").strip():
-                each.text = None
-            if not (each.tail or "").strip():
-                each.tail = None
-        return etree.tostring(node, encoding="unicode", pretty_print=True).rstrip()
+        """The element and all below it in its own model, as MJCF text; comments say where models are attached."""
+        from composer.mjcf.text import text
+
+        return text(self._model, self._node)
 
     def _repr_html_(self) -> str:
         """The element as a tree that opens and closes, for notebooks."""

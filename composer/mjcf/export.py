@@ -32,6 +32,14 @@ def export_with_assets(
     moved there when it is complete, the model last.
     `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError`, also for files that are missing
     or cannot be written.
+
+    >>> import tempfile
+    >>> from composer import mjcf
+    >>> out = Path(tempfile.mkdtemp())
+    >>> mjcf.export_with_assets(mjcf.RootElement('arm'), out)
+    >>> print((out / 'model.xml').read_text())
+    <mujoco model="arm"/>
+    <BLANKLINE>
     """
     out = as_path("out_dir", out_dir)
     files = _files(model, model_filename, conflict)
@@ -72,6 +80,13 @@ def export_with_assets_as_zip(
     The bytes do not depend on clock, place or system. MuJoCo looks for `model.xml`, or the stem of the zip
     and `.xml`: `model_filename` is one of these. An older zip is replaced in one step or stays. Raises
     `MjcfError`.
+
+    >>> import tempfile
+    >>> from composer import mjcf
+    >>> file = Path(tempfile.mkdtemp()) / 'arm.zip'
+    >>> mjcf.export_with_assets_as_zip(mjcf.RootElement('arm'), file)
+    >>> mjcf.from_zip(file).model
+    'arm'
     """
     from composer.bundle.archive import write_archive
     from composer.bundle.bundle import Bundle

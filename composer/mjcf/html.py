@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from lxml.etree import _Element as Node
 
 from composer.mjcf.errors import MjcfError, MjcfWarning
+from composer.mjcf.model import Model
 from composer.mjcf.png import png
 from composer.tree.kinds import ROOT, WORLD_SECTION
 
@@ -25,9 +26,9 @@ _INSIDE = "margin-left: 1.5em"
 
 
 def page(element: Element) -> str:
-    """The element and all below it in its own model; the first two levels are open."""
+    """The element and all below it, attached models where they hang; the first two levels are open."""
     lines: list[str] = []
-    left = _tree(element._node, lines, SHOWN, 0)
+    left = _tree(element._model, element._node, lines, SHOWN, 0)
     if left < 0:
         lines.append(f"<div>… and {-left} more elements</div>")
     return f'<div style="{_STYLE}">{"".join(lines)}</div>'
@@ -57,20 +58,28 @@ def picture(root: RootElement) -> bytes | None:
             return None
 
 
-def _tree(node: Node, lines: list[str], left: int, depth: int) -> int:
+def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:
     """Write a node with all below it while there is room; gives how much room is left."""
     left -= 1
     shown = left >= 0
     children = list(node.iterchildren("*"))
-    tag = _start_tag(node, not children)
-    if shown and not children:
-        lines.append(f"<div>{tag}</div>")
-    elif shown:
+    attached = [each for each in model.attachments.values() if each.host is node]
+    tag = _start_tag(node, not children and not attached)
+    if not children and not attached:
+        lines.append(f"<div>{tag}</div>" if shown else "")
+        return left
+    if shown:
         is_open = " open" if depth < 2 or (node.tag == WORLD_SECTION and depth < 3) else ""
         lines.append(f'<details{is_open}><summary>{tag}</summary><div style="{_INSIDE}">')
     for child in children:
-        left = _tree(child, lines, left, depth + 1)
-    if shown and children:
+        left = _tree(model, child, lines, left, depth + 1)
+    for attachment in attached:
+        if left > 0:
+            lines.append(f"<div>{escape(attachment.child.prefix)} is attached here:</div>")
+        for joint in attachment.frame:
+            left = _tree(model, joint, lines, left, depth + 1)
+        left = _tree(attachment.child, attachment.child.unit.root, lines, left, max(depth, 2))
+    if shown:
         lines.append("</div></details>")
     return left
 

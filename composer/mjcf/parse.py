@@ -32,6 +32,12 @@ def from_path(path: str | os.PathLike[str], *, escape_separators: bool = False) 
     a `/` in a name means an attached model and nothing else.
     Raises `MjcfError` for a file that cannot be read, is not well-formed, is no MJCF, or has elements or
     attributes that MJCF does not have, all of them with file and line. Meshes and textures are not read.
+
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / 'ball.xml'
+    >>> _ = file.write_text('<mujoco><worldbody><geom name="ball" size="1"/></worldbody></mujoco>')
+    >>> from_path(file).find('geom', 'ball')
+    <geom name="ball" size="1"/>
     """
     file = as_path("path", path)
     return _model(lambda sink: parse_file(file, sink), escape_separators)
@@ -50,6 +56,10 @@ def from_xml_string(
     or by bare file name; included files may be among them. What is not there is read from `base_dir`, by
     default the working directory. `escape_separators` is that of `from_path`. Raises `MjcfError` as
     `from_path` does.
+
+    >>> model = from_xml_string('<mujoco><asset><mesh file="cube.stl"/></asset></mujoco>', assets={'cube.stl': b'...'})
+    >>> model.find('mesh', 'cube').file.contents
+    b'...'
     """
     if not isinstance(xml_string, str | bytes):
         raise failure(
@@ -69,6 +79,10 @@ def from_file(file_object: IO[str] | IO[bytes], *, escape_separators: bool = Fal
     """The model of an open file, text or binary; its folder is that of `file_object.name` where there is one.
 
     `escape_separators` is that of `from_path`. Raises `MjcfError` as `from_path` does.
+
+    >>> import io
+    >>> from_file(io.StringIO('<mujoco model="arm"/>')).model
+    'arm'
     """
     if not callable(getattr(file_object, "read", None)):
         raise failure(
@@ -97,6 +111,13 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
     Nothing is unpacked to disk. Files come from the zip alone. Raises `MjcfError` as `from_path` does, and
     for a zip that leads out of itself or is larger than can be meant. `escape_separators` is that of
     `from_path`.
+
+    >>> import tempfile
+    >>> from composer import mjcf
+    >>> file = Path(tempfile.mkdtemp()) / 'arm.zip'
+    >>> mjcf.export_with_assets_as_zip(mjcf.RootElement('arm'), file)
+    >>> from_zip(file).model
+    'arm'
     """
     from composer.bundle.read import ReadError, read
 
