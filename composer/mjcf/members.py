@@ -83,7 +83,7 @@ def _takes(attribute: Attribute) -> str:
     if attribute.refers is not None:
         what = {"default": "default class"}.get(attribute.refers, attribute.refers.removeprefix("attached:"))
         several = attribute.type == "references"
-        return f"{what}s, or their names" if several else f"a {what}, or its name"
+        return f"elements of the kind {what}, or their names" if several else f"a {what}, or its name"
     if attribute.type == "file":
         return "a file name, or an `Asset`"
     if attribute.type in ("keyword", "keywords"):

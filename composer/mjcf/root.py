@@ -90,7 +90,13 @@ class RootElement(Element):
 
     @property
     def full_identifier(self) -> str:
-        """The prefix of all its names in the output of the whole composition; empty at the top."""
+        """The prefix of all its names in the output of the whole composition; empty at the top.
+
+        >>> arm, gripper = RootElement('arm'), RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> gripper.full_identifier, arm.full_identifier
+        ('gripper/', '')
+        """
         return self._model.full_prefix
 
     @property

@@ -272,6 +272,20 @@ def test_the_origin_of_an_attribute(arm: mjcf.RootElement) -> None:
         joint.origin_of("dampin")
 
 
+def test_scopes_lead_to_attached_models(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
+    cell = mjcf.RootElement("cell")
+    cell.attach(arm)
+    frame = arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    assert cell.enter_scope("arm/gripper") is cell.enter_scope("arm/gripper/") is gripper
+    assert cell.worldbody.enter_scope("arm").enter_scope("gripper") is gripper  # type: ignore[union-attr]
+    assert cell.enter_scope("gripper") is arm.enter_scope("arm") is None
+    assert (gripper.full_identifier, cell.full_identifier) == ("arm/gripper/", "")
+    turn = frame.add("joint", name="turn")
+    own = arm.find_all("joint", exclude_attachments=True)
+    assert turn in own and len(own) == 3 and len(cell.find_all("joint")) == 5
+    assert cell.find_all("joint", exclude_attachments=True) == []
+
+
 def test_a_removed_element_is_of_no_use(body: mjcf.Element) -> None:
     geom = body.add("geom", name="g", size=[1])
     body.remove()
@@ -305,13 +319,3 @@ def test_a_value_in_a_file_that_mujoco_refuses_is_told_where_it_stands() -> None
 def test_attributes_and_children_are_completed(body: mjcf.Element) -> None:
     assert {"pos", "childclass", "geom", "add"} <= set(dir(body))
     assert "dclass" in dir(body.add("geom"))
-
-
-def test_a_notebook_shows_it_as_text() -> None:
-    model = mjcf.RootElement()
-    model.worldbody.add("body", name="b").add("geom", size=[1])
-    shown = model.find("body", "b")._repr_html_()
-    assert (
-        shown.startswith("<pre>&lt;body name=&quot;b&quot;&gt;\n")
-        and "&lt;geom size=&quot;1&quot;/&gt;" in shown
-    )
