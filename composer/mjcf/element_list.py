@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, SupportsIndex, overload
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfKeyError, failure
@@ -52,15 +53,19 @@ class ElementList(Sequence["Element"]):
         for element in self._elements:
             if element.name == index:
                 return element
-        names = [element.name for element in self._elements if element.name]
+        names = self._ipython_key_completions_()
+        unnamed = Note(f"none of the {len(self)} elements here has a name: take them by number")
         raise failure(
             "unknown-name",
             f"there is no {self.tag} `{index}` here",
             call_site(),
-            notes=(exists_note(self.tag, names, index),),
+            notes=(exists_note(self.tag, names, index) if names or not self else unnamed,),
             help=did_you_mean(index, names),
             kind=MjcfKeyError,
         )
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [element.name for element in self._elements if element.name]
 
     def __delitem__(self, index: SupportsIndex | str | slice) -> None:
         """Take an element out of the model, or several. See `Element.remove`."""

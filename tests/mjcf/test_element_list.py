@@ -25,6 +25,10 @@ def test_a_name_that_is_not_there_is_told_with_those_that_are(world: mjcf.Elemen
     with pytest.raises(mjcf.MjcfError, match="no geom `d` here\n.*geoms that exist: a, b, c") as caught:
         world.geom["d"]
     assert isinstance(caught.value, KeyError) and caught.value.diagnostics[0].span.file == __file__  # type: ignore[union-attr]
+    unnamed = world.add("body").add("site").parent
+    with pytest.raises(mjcf.MjcfError, match="none of the 1 elements here has a name"):
+        unnamed.site["d"]  # type: ignore[union-attr]
+    assert world.geom._ipython_key_completions_() == ["a", "b", "c"]
     with pytest.raises(IndexError):
         world.geom[3]
 
