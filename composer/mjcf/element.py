@@ -380,14 +380,14 @@ class Element:
         edit.write(self._model, self._node, checked)
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
+        if name.startswith("_"):
             raise AttributeError(name)
         attribute = attribute_of(self._kind, name)
         if attribute is not None:
             return self._read(attribute)
         tag = name.rstrip("_")
         if tag not in self._kind.children:
-            raise unknown_attribute(self._kind, name, children=True)
+            raise unknown_attribute(self._kind, name, [each for each in dir(type(self)) if each[0] != "_"])
         return self._children(tag)
 
     def _children(self, tag: str) -> Any:
