@@ -16,7 +16,7 @@ from composer.mjcf import edit, finding
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element_list import ElementList
-from composer.mjcf.errors import failure
+from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from composer.mjcf.members import always_there, class_name, members
 from composer.mjcf.misspelled import unknown_attribute, unknown_tag
 from composer.mjcf.model import Model, Target
@@ -403,12 +403,27 @@ class Element:
         return None if found is None else view(self._model, found)
 
     def __setattr__(self, name: str, value: object) -> None:
-        if isinstance(getattr(type(self), name, None), property):
+        member = getattr(type(self), name, None)
+        if isinstance(member, property):
+            if member.fset is None:
+                raise self._cannot_set(name)
             object.__setattr__(self, name, value)
         elif name.rstrip("_") in self._kind.children and attribute_of(self._kind, name) is None:
             self._refuse_child(name)
         else:
             self._write({name: value})
+
+    def _cannot_set(self, name: str) -> MjcfError:
+        hidden = attribute_of(self._kind, name) is not None
+        return failure(
+            "wrong-type",
+            f"`{name}` of {self._described()} cannot be set",
+            call_site(),
+            help=f"`set_attributes({name}=…)` sets the attribute of that name, `get('{name}')` reads it"
+            if hidden
+            else None,
+            kind=MjcfAttributeError,
+        )
 
     def _refuse_child(self, name: str) -> None:
         raise failure(

@@ -21,7 +21,9 @@ LIST = ROOT / "tests" / "mjcf" / "dm_control_names.txt"
 PAGE = (ROOT / "docs" / "dm_control.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\| (`.+) \| (.+) \|$", re.MULTILINE)
 CODE = re.compile(r"`([^`]+)`")
-SAYS = {name: says for names, says in ROW.findall(PAGE) for name in CODE.findall(names)}
+CHANGES = re.compile(r"## The lines that change\n(.*?)\n## ", re.DOTALL)
+SAYS = {name: says for names, says in ROW.findall(CHANGES.sub("", PAGE)) for name in CODE.findall(names)}
+NOW = [line for _, now in ROW.findall(CHANGES.findall(PAGE)[0]) for line in CODE.findall(now)]
 OTHERS = {"mujoco": mujoco}
 
 
@@ -87,3 +89,18 @@ def test_the_examples_of_the_page_are_files() -> None:
     assert {path.name for path in (ROOT / "docs" / "examples").glob("*.py")} == set(
         re.findall(r"\(examples/(\w+\.py)\)", PAGE)
     )
+
+
+@pytest.mark.parametrize("line", NOW)
+def test_the_lines_that_change_run(line: str, tmp_path: Path) -> None:
+    root, gripper = mjcf.RootElement("arm"), mjcf.RootElement("gripper")
+    arm = root.worldbody.add("body", name="arm")
+    arm.add("geom", size=[0.1])
+    names = {
+        "mjcf": mjcf, "root": root, "arm": arm, "gripper": gripper, "out": tmp_path,
+        "joint": arm.add("joint", name="turn"), "site": arm.add("site", name="flange", pos=[0, 0, 1]),
+        "finger": gripper.worldbody.add("body", name="finger"),
+    }  # fmt: skip
+    root.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    names["physics"] = root.compile_model()
+    exec(line, names)

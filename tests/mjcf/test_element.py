@@ -247,6 +247,17 @@ def test_children_cannot_be_assigned(body: mjcf.Element) -> None:
             setattr(element, name, 3)
 
 
+def test_what_is_not_an_attribute_cannot_be_set(body: mjcf.Element) -> None:
+    for name in ("tag", "parent", "root", "full_identifier"):
+        with pytest.raises(mjcf.MjcfError, match=f"`{name}` of `<body>` `b` cannot be set"):
+            setattr(body, name, None)
+    flex = body.add("flexcomp", name="f", type="grid", origin=[1, 0, 0])
+    with pytest.raises(mjcf.MjcfError, match=r"`set_attributes\(origin=…\)` sets the attribute"):
+        flex.origin = [2, 0, 0]
+    flex.set_attributes(origin=[2, 0, 0])
+    assert flex.get("origin").tolist() == [2, 0, 0] and flex.origin.file == __file__
+
+
 def test_the_origin_is_a_place_in_a_file_or_a_line_of_the_program(arm: mjcf.RootElement) -> None:
     joint = arm.find("joint", "shoulder")
     assert joint is not None and (joint.origin.file.endswith("arm.xml"), joint.origin.line) == (True, 14)
