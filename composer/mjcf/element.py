@@ -50,17 +50,15 @@ class Element:
     There is one Element for each element of a model: `a.find('joint', 'j') is a.find('joint', 'j')`.
     """
 
-    __slots__ = ("_known_kind", "_model", "_node", "_removed")
+    __slots__ = ("_model", "_node", "_removed")
     _model: Model
     _node: Node
-    _known_kind: ElementType | None
     _removed: bool
 
     def __init__(self, model: Model, node: Node) -> None:
         """For use by this package: Elements come from `add`, `find` and the like."""
         object.__setattr__(self, "_model", model)
         object.__setattr__(self, "_node", node)
-        object.__setattr__(self, "_known_kind", None)
         object.__setattr__(self, "_removed", False)
 
     # -- what it is ------------------------------------------------------------------------------------------
@@ -483,15 +481,10 @@ class Element:
 
     @property
     def _kind(self) -> ElementType:
-        kind = self._known_kind
-        if kind is None:
-            kind = kind_of(self._node)
-            object.__setattr__(self, "_known_kind", kind)
-        return kind
+        return kind_of(self._node)
 
     def _take_out(self) -> None:
-        """Note that the node leaves the model; to be called while it is still there."""
-        object.__setattr__(self, "_known_kind", self._kind)
+        """Note that the node leaves the model."""
         object.__setattr__(self, "_removed", True)
 
     def _child_kind(self, tag: str) -> ElementType:
