@@ -22,7 +22,6 @@ _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelo
 _EXTRAS = {
     "mujoco-menagerie": ("menagerie", "`menagerie:` references"),
     "robot_descriptions": (None, "`descriptions:` references"),
-    "pillow": ("pictures", "`diff --renders`"),
     "mujoco-usd-converter": ("usd", "USD as an output"),
 }
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
@@ -81,12 +80,8 @@ def _mujoco() -> Iterator[Finding]:
             return
         yield Finding("mujoco", str(compiled.mujoco_version))
         answer = engine.call(session, pictures, ["model", "model"], made)
-    missing = answer.value.get("missing") if answer.ok else answer.error or answer.crash
-    if missing == "Pillow":
-        yield Finding("OpenGL", "not tried without Pillow", None)
-    else:
-        said = f"none: {answer.value.get('said') if answer.ok else missing}"
-        yield Finding("OpenGL", said if missing else "renders", None if missing else True)
+    said = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
+    yield Finding("OpenGL", f"none: {said}" if said else "renders", None if said else True)
 
 
 def _git() -> Finding:

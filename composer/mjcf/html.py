@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
+from composer.engine.png import png
 from composer.mjcf.errors import MjcfError, MjcfWarning
 from composer.mjcf.model import Model
-from composer.mjcf.png import png
 from composer.tree.kinds import ROOT, WORLD_SECTION
 
 if TYPE_CHECKING:

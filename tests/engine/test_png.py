@@ -5,7 +5,7 @@ import zlib
 
 import numpy as np
 
-from composer.mjcf.png import png
+from composer.engine.png import png
 
 
 def test_the_pixels_are_there() -> None:
