@@ -110,7 +110,7 @@ def _extras() -> Iterator[Finding]:
         package = name if extra is None else f'"mjcompose[{extra}]"'
         yield Finding(
             name,
-            version or f"is not installed: {use} need it: pip install {package}",
+            version or f"is not installed; it is for {use}: pip install {package}",
             True if version else None,
         )
 
