@@ -8,8 +8,9 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import get_args
+from typing import cast, get_args
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.context import Context
@@ -17,7 +18,7 @@ from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.text import render
 from composer.link.defaults import choose_classes
-from composer.link.link import finish, link
+from composer.link.link import finish, link, link_alone
 from composer.link.linking import FileUse, Linking, Measure, Policy
 from composer.mjcf.asset import Asset
 from composer.mjcf.call_site import call_site
@@ -28,6 +29,12 @@ from composer.mjcf.mounting import Mounting
 from composer.tree.kinds import HOLDS_ONE_OF_EACH
 from composer.tree.unit import Unit
 from composer.tree.write import write
+
+# What is made when it is first asked for: sections, and the children of these.
+_EMPTY = etree.XPath(
+    "*[not(@* | * | comment())] | "
+    f"*[{' or '.join(f'self::{tag}' for tag in sorted(HOLDS_ONE_OF_EACH))}]/descendant::*[not(@* | * | comment())]"
+)
 
 # The linker speaks to the writers of recipes; this is what a Python user can do.
 _RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
@@ -78,15 +85,18 @@ def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copi
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         _prune(unit.root)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
-    choose_classes(linking)
-    mounting.add_joints(linking)
-    link(linking)
-    if not sink.has_errors:
-        finish(linking)
+    if not mounting.parts and not model.names.repeated:
+        link_alone(linking)
+    else:
+        choose_classes(linking)
+        mounting.add_joints(linking)
+        link(linking)
+        if not sink.has_errors:
+            finish(linking)
+        mounting.clear_up()
+        _prune(linking.base.root)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
-    mounting.clear_up()
-    _prune(linking.base.root)
     return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)))
 
 
@@ -108,7 +118,8 @@ def text(model: Model, conflict: Policy) -> str:
 def name_files(flat: Flat) -> None:
     """Write the names that `contents` has into the model."""
     for use, name in _told_apart(flat.files):
-        use.element.set(use.attribute, name)
+        if name != use.path:
+            use.element.set(use.attribute, name)
 
 
 def assets(model: Model) -> dict[str, bytes]:
@@ -135,18 +146,11 @@ class _NamesChecked(Sink):
 
 def _prune(root: Node) -> None:
     """Leave out what is empty because somebody only looked at it, and means nothing."""
-    for section in list(root.iterchildren("*")):
-        if section.tag in HOLDS_ONE_OF_EACH:
-            for child in reversed(list(section.iter("*"))):
-                parent = child.getparent()
-                if child is not section and parent is not None and _is_empty(child):
-                    parent.remove(child)
-        if _is_empty(section):
-            root.remove(section)
-
-
-def _is_empty(node: Node) -> bool:
-    return not len(node) and not node.attrib
+    while empty := cast(list[Node], _EMPTY(root)):
+        for node in empty:
+            parent = node.getparent()
+            assert parent is not None
+            parent.remove(node)
 
 
 def _measure(sink: Sink) -> Measure:
@@ -164,10 +168,13 @@ def _told_apart(files: Iterable[FileUse]) -> Iterator[tuple[FileUse, str]]:
     """A path for each file such that no two have one file name; sub-models keep theirs."""
     taken: dict[str, str] = {}
     for use in files:
-        folder, base = posixpath.split(use.path)
+        folder, _, base = use.path.rpartition("/")
+        if not use.shared or taken.setdefault(base.lower(), use.path) == use.path:
+            yield use, use.path
+            continue
         stem, suffix = posixpath.splitext(base)
         number, name = 1, base
-        while use.shared and taken.setdefault(name.lower(), use.path) != use.path:
+        while taken.setdefault(name.lower(), use.path) != use.path:
             number += 1
             name = f"{stem}-{number}{suffix}"
         yield use, f"{folder}/{name}"
