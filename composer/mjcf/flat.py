@@ -8,9 +8,8 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast, get_args
+from typing import get_args
 
-from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.context import Context
@@ -28,13 +27,7 @@ from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.mounting import Mounting
 from composer.tree.kinds import HOLDS_ONE_OF_EACH
 from composer.tree.unit import Unit
-from composer.tree.write import write
-
-# What is made when it is first asked for: sections, and the children of these.
-_EMPTY = etree.XPath(
-    "*[not(@* | * | comment())] | "
-    f"*[{' or '.join(f'self::{tag}' for tag in sorted(HOLDS_ONE_OF_EACH))}]/descendant::*[not(@* | * | comment())]"
-)
+from composer.tree.write import to_text
 
 # The linker speaks to the writers of recipes; this is what a Python user can do.
 _RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
@@ -102,8 +95,8 @@ def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copi
 
 def tell(flat: Flat) -> None:
     """Issue what was settled as Python warnings, at the line that asked for the output."""
-    place = call_site()
     for each in flat.warnings:
+        place = call_site()
         warnings.warn_explicit(render(each), MjcfWarning, place.file, place.line)
 
 
@@ -112,7 +105,7 @@ def text(model: Model, conflict: Policy) -> str:
     flat = flatten(model, conflict)
     name_files(flat)
     tell(flat)
-    return write(flat.unit.root).decode()
+    return to_text(flat.unit.root)
 
 
 def name_files(flat: Flat) -> None:
@@ -146,11 +139,19 @@ class _NamesChecked(Sink):
 
 def _prune(root: Node) -> None:
     """Leave out what is empty because somebody only looked at it, and means nothing."""
-    while empty := cast(list[Node], _EMPTY(root)):
-        for node in empty:
-            parent = node.getparent()
-            assert parent is not None
-            parent.remove(node)
+    for section in list(root.iterchildren("*")):
+        if section.tag in HOLDS_ONE_OF_EACH:
+            for child in reversed(list(section.iterdescendants("*"))):
+                if _is_empty(child):
+                    parent = child.getparent()
+                    assert parent is not None
+                    parent.remove(child)
+        if _is_empty(section):
+            root.remove(section)
+
+
+def _is_empty(node: Node) -> bool:
+    return not len(node) and not node.keys()
 
 
 def _measure(sink: Sink) -> Measure:
