@@ -145,7 +145,8 @@ def rename(unit: Unit, prefix: str, top_class: str) -> Found:
             slots = table.get(element.tag)
             if slots is None:
                 continue
-            for key, value in element.items():
+            items: list[tuple[str, str]] = element.items()  # type: ignore[assignment]  # of a parsed tree
+            for key, value in items:
                 if key in slots:
                     slot = slots[key]
                     if not slot or not value:

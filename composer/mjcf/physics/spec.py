@@ -13,7 +13,7 @@ from composer.mjcf.model import Model
 from composer.mjcf.parse import from_xml_string
 from composer.mjcf.physics.compile import engine, refused
 from composer.mjcf.root import RootElement
-from composer.tree.write import to_text
+from composer.tree.write import to_text, write
 
 
 def from_spec(spec: Any) -> RootElement:
