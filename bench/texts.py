@@ -41,7 +41,9 @@ def _of(file: Path) -> list[Row]:
 
 def _files() -> list[Path]:
     """Three robots of the Menagerie and the CMU humanoid, as far as they are at hand; else the project's own arm."""
-    menagerie = os.environ.get("MENAGERIE_ROOT") or os.path.join(os.environ.get("MJCOMPOSE_CORPUS", ""), "models")
+    menagerie = os.environ.get("MENAGERIE_ROOT") or os.path.join(
+        os.environ.get("MJCOMPOSE_CORPUS", ""), "models"
+    )
     found = [Path(menagerie, entry) for entry in _ENTRIES]
     dm_control = importlib.util.find_spec("dm_control")
     if dm_control is not None and dm_control.submodule_search_locations:

@@ -17,6 +17,7 @@ from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.text import render
 from composer.link.defaults import choose_classes
+from composer.link.key_layouts import layouts
 from composer.link.link import finish, link, link_alone
 from composer.link.linking import FileUse, Linking, Measure, Policy
 from composer.mjcf.asset import Asset
@@ -61,10 +62,13 @@ def copied(model: Model) -> Unit:
     return unit
 
 
-def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied) -> Flat:
+def flatten(
+    model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied, *, check_keys: bool = True
+) -> Flat:
     """The composition below a model, linked. Raises `MjcfError` with what is wrong with it.
 
-    `copy` makes the units that are linked, of every model one.
+    `copy` makes the units that are linked, of every model one. With `check_keys` the keys of a model that nothing
+    hangs on are laid out, too, only to tell those that do not fit.
     """
     if conflict not in get_args(Policy):
         words = ", ".join(f"`{word}`" for word in get_args(Policy))
@@ -79,7 +83,11 @@ def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copi
         _prune(unit.root)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
     if not mounting.parts and not model.names.repeated:
+        if check_keys:
+            layouts(linking)
         link_alone(linking)
+        if check_keys:
+            finish(linking)
     else:
         choose_classes(linking)
         mounting.add_joints(linking)
@@ -102,14 +110,17 @@ def tell(flat: Flat) -> None:
 
 def text(model: Model, conflict: Policy) -> str:
     """See `RootElement.to_xml_string`."""
-    flat = flatten(model, conflict)
+    flat = flatten(model, conflict, check_keys=False)
     name_files(flat)
     tell(flat)
     return to_text(flat.unit.root)
 
 
 def name_files(flat: Flat) -> None:
-    """Write the names that `contents` has into the model."""
+    """Write the names that `contents` has into the model; the linker's paths will do where no file name repeats."""
+    bases = {use.path.rpartition("/")[2].lower() for use in flat.files}
+    if len(bases) == len(flat.files):
+        return
     for use, name in _told_apart(flat.files):
         if name != use.path:
             use.element.set(use.attribute, name)
