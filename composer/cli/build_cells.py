@@ -51,7 +51,7 @@ def build_cells(
         if built is None or target is None or own.sink.has_errors:
             failed.append(cell.name)
         else:
-            say(built, target, wanted.form)
+            say(built, target, wanted, own)
     report(context, wanted.form)
     if failed and wanted.form == "text":
         click.echo(f"{len(failed)} of {len(chosen)} cells failed: {', '.join(failed)}", err=True)

@@ -20,6 +20,12 @@ def from_spec(spec: Any) -> RootElement:
     """The model of a `mujoco.MjSpec`, as MuJoCo writes it out; files in its `assets` come along.
 
     MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
+
+    >>> import mujoco
+    >>> spec = mujoco.MjSpec()
+    >>> _ = spec.worldbody.add_body(name='arm')
+    >>> from_spec(spec).find('body', 'arm')
+    <body name="arm"/>
     """
     mujoco = engine()
     if not isinstance(spec, mujoco.MjSpec):
