@@ -187,7 +187,8 @@ class RootElement(Element):
         Files are named as in `assets`, so that `mujoco.MjModel.from_xml_string(root.to_xml_string(),
         root.assets)` compiles it; no file is read. Each attached model means what it means alone: its
         units, default classes and inertia rules are its own. Raises `MjcfError` with all faults: references
-        to nothing with everyone who refers, names that clash, what MuJoCo cannot have.
+        to nothing with everyone who refers, names that clash, what MuJoCo cannot have. Only the keys of a
+        model that nothing is attached to are not counted before it is compiled or exported.
 
         Of `option`, `visual` and `statistic` a model has one. Where an attached model writes a value that
         this one does not have, `conflict` says what happens: `error`; `warning`, this model's value stands;
