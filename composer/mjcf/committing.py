@@ -8,7 +8,7 @@ from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
-from composer.mjcf.element import Element
+from composer.mjcf.element import Element, checked
 from composer.mjcf.model import Model
 from composer.mjcf.mounting import childclass_at
 from composer.tree.classes import ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
@@ -40,7 +40,7 @@ def commit_defaults(root_or_element: Element) -> None:
     >>> model.find('geom', 'g')
     <geom name="g" size="1" friction="0.5 0.1" rgba="1 0 0 1"/>
     """
-    element = root_or_element._alive()
+    element = checked(root_or_element)
     model, node = element._model, element._node
     above = model.frame_above(node)
     if above is None:

@@ -8,7 +8,7 @@ from composer.mjcf import traversal
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.misspelled import unknown_tag
-from composer.mjcf.model import Target
+from composer.mjcf.model import Model, Target
 from composer.tree.kinds import Query, kind_of, query, section_of, tags_of
 from composer.tree.names import WORLD
 
@@ -35,6 +35,15 @@ def every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Tar
     """See `Element.find_all`."""
     wanted = _query(here, tag, _is_root(here))
     return traversal.children(*here, wanted) if immediate_children_only else _matches(here, wanted)
+
+
+def attached(model: Model, prefix: str) -> Model | None:
+    """See `Element.enter_scope`; `prefix` ends in the separator."""
+    for attachment, rest in model.split(prefix):
+        found = attached(attachment.child, rest) if rest else attachment.child
+        if found is not None:
+            return found
+    return None
 
 
 def _matches(here: Target, wanted: Query) -> Iterator[Target]:

@@ -244,5 +244,5 @@ def test_physics_of_mujocos_objects(root: RootElement) -> None:
 
 
 def test_only_a_model_is_compiled(root: RootElement) -> None:
-    with pytest.raises(MjcfError, match="what is compiled is a `RootElement`, got `Element`"):
+    with pytest.raises(MjcfError, match="what is compiled is a `RootElement`, got `Worldbody`"):
         Physics.from_mjcf_model(root.worldbody)  # type: ignore[arg-type]
