@@ -44,12 +44,14 @@ def build(
     session: Session | None = None,
     given: Given | None = None,
     name: str | None = None,
+    sample: int = 0,
     library: Library | None = None,
     hear: Hear | None = None,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
-    `given` are values of parameters and variants, `name` that of a cell of the matrix; `library` has source files that
+    `given` are values of parameters and variants, `name` that of a cell of the matrix or of a sample, whose draws it
+    has; `library` has source files that
     were read before; `hear` is told what came of each check. All that MuJoCo does is done in one process: that of
     `session`, or one with `limits` that ends with the build.
     """
@@ -57,9 +59,9 @@ def build(
         with engine.Session(limits) as own:
             return build(
                 recipe, context, verified=verified, deduplicated=deduplicated, session=own,
-                given=given, name=name, library=library, hear=hear,
+                given=given, name=name, sample=sample, library=library, hear=hear,
             )  # fmt: skip
-    if (plan := plan_what_remains(recipe, context, given, name)) is None:
+    if (plan := plan_what_remains(recipe, context, given, name, sample)) is None:
         return None
     check_lock(plan, context)
     composer = Composer(context, measure_with(context, session=session), session, library=library)
@@ -76,7 +78,7 @@ def build(
     compiled = _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
     if context.sink.has_errors:
         return None
-    bundle = described(bundle, plan, composed.members, compiled, context, merged)
+    bundle = described(bundle, plan, composed.members, compiled, context, merged, composed.drawn)
     return Built(plan, composed, bundle, compiled, merged)
 
 

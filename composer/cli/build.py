@@ -30,8 +30,17 @@ if TYPE_CHECKING:
     " the name of the model; default: build/{name}.zip.",
 )  # fmt: skip
 @choice_options
-@click.option("--all", "every", is_flag=True, help="Build every cell of the recipe's matrix.")
-@click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
+@click.option(
+    "--all", "every", is_flag=True, help="Build every cell of the recipe's matrix, and every sample."
+)
+@click.option(
+    "--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix, or this sample."
+)
+@click.option(
+    "--samples",
+    metavar="FILE",
+    help="The table of what was drawn, *.csv or *.parquet; with --all: samples.csv beside the models.",
+)
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
@@ -47,6 +56,7 @@ def command(
     variants: tuple[str, ...],
     every: bool,
     picks: tuple[str, ...],
+    samples: str | None,
     no_verify: bool,
     dedup: bool,
     timeout: float,
@@ -73,7 +83,7 @@ def command(
         if every or picks:
             from composer.cli.build_cells import build_cells
 
-            sys.exit(build_cells(recipe, wanted, given, picks, context, session))
+            sys.exit(build_cells(recipe, wanted, given, picks, context, session, samples))
         progress(f"building {recipe}")
         sys.exit(_build_one(recipe, wanted, given, context, session))
 

@@ -9,7 +9,7 @@ _DIGITS = Context(prec=40, Emin=-999_999, Emax=999_999)
 
 
 def exp(x: float) -> float:
-    """e to the power of x; infinity where that is too large.
+    """E to the power of x; infinity where that is too large.
 
     >>> exp(1.0)
     2.718281828459045

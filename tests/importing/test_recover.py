@@ -9,7 +9,6 @@ from composer.context import Context
 from composer.importing.match import find, separator_of
 from composer.importing.propose import propose
 from composer.importing.recover import Recovered, recover
-from composer.recipe.unsupported import is_unsupported
 from composer.tree.parse import parse_file
 
 ARM = """\
@@ -119,9 +118,7 @@ def test_a_model_of_four_parts(tmp_path: Path) -> None:
 def test_a_changed_value_is_an_edit(tmp_path: Path) -> None:
     found = recovered(tmp_path, damping="5")
     assert "{select: {joint: right/shoulder}, set: {damping: [5]}}" in found.text
-    fields = [(each.name, each.array) for each in found.differences or []]
-    # Without `edit` the value differs, and is told.
-    assert (fields == [("right/shoulder", "dof_damping")]) == is_unsupported(("edit",))
+    assert found.differences == []
 
 
 def test_what_cannot_be_said_is_a_comment(tmp_path: Path) -> None:
@@ -221,10 +218,7 @@ def test_panda_with_hand(menagerie: Path, tmp_path: Path) -> None:
     assert "body: link7, pos: [0, 0, 0.107]" in found.text
     differences = found.differences
     assert differences is not None
-    if is_unsupported(("edit",)) or is_unsupported(("keyframe",)):
-        assert {each.kind for each in differences} <= {"key", "model"}
-    else:
-        assert differences == []
+    assert differences == []
 
 
 @pytest.mark.slow

@@ -1,0 +1,38 @@
+"""One value that was drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from composer.expr.value import Value
+from composer.recipe.distribution import Operation
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A draw of a field: of an element's attribute, or (`element` None) of a parameter called `attribute`.
+
+    `element` is what the draw goes by: a name, or for an element without one its place. `shared` says that the same
+    draw is that of every element. Angles are in radians, those of parameters in the parameter's unit; the first number
+    is component `start` of the attribute.
+    """
+
+    field: str
+    element: str | None
+    attribute: str
+    operation: Operation
+    value: Value
+    shared: bool = False
+    tag: str = ""
+    start: int = 0
+
+    def columns(self) -> list[tuple[str, Value]]:
+        """The numbers, each with the name of its column in a table of samples.
+
+        >>> Drawn("camera", "top", "pos", "offset", (0.1, 0.2)).columns()
+        [('camera[top][0]', 0.1), ('camera[top][1]', 0.2)]
+        """
+        name = self.field if self.shared or self.element is None else f"{self.field}[{self.element}]"
+        if isinstance(self.value, tuple):
+            return [(f"{name}[{index}]", each) for index, each in enumerate(self.value)]
+        return [(name, self.value)]
