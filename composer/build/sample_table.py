@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from composer.bundle.output_error import OutputError
+from composer.bundle.rows import write_rows
 from composer.bundle.staging import staged_file
 from composer.expr.value import Value
 from composer.plan.drawn import Drawn
@@ -46,7 +46,8 @@ class SampleTable:
             if path.suffix.lower() == ".parquet":
                 self._write_parquet(stage, columns)
             else:
-                write_csv(stage, columns, self._read())
+                with stage.open("w", encoding="utf-8", newline="") as file:
+                    write_rows(file, columns, self._read())
 
     def close(self) -> None:
         """Let go of the rows."""
@@ -77,20 +78,6 @@ class SampleTable:
                     for kind, column in zip(kinds, zip(*rows, strict=True), strict=True)
                 ]
                 writer.write_table(pyarrow.table(filled, schema=schema))
-
-
-def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """A header and the rows; numbers as the shortest text that reads back the same, nothing for None."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        for row in rows:
-            writer.writerow(
-                [
-                    "" if each is None else str(each).lower() if isinstance(each, bool) else each
-                    for each in row
-                ]
-            )
 
 
 def _kind(value: Value) -> type:

@@ -156,10 +156,14 @@ def _file_name(name: str) -> str:
 
 
 def _write(built: Built, out: str, kind: Form, context: Context, session: Session) -> None:
+    from composer.bundle.output_error import OutputError
     from composer.bundle.overwriting import check_is_no_source
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
 
+    if built.composed.tabled and kind in (Form.TEXT, Form.MJB):
+        help = "write a folder or an archive, such as `-o build/{name}.zip`"
+        raise OutputError("output-kind", f"`{out}` has no room for the table of draws", help)
     if out != "-":
         check_is_no_source(context.folder / out, built.plan, built.composed.model, built.composed.files)
     if kind is Form.TEXT:

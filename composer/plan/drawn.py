@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from composer.expr.value import Value
 from composer.recipe.distribution import Operation
+from composer.recipe.draw_field import DrawField
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +24,6 @@ class Drawn:
     operation: Operation
     value: Value
     shared: bool = False
-    tag: str = ""
     start: int = 0
 
     def columns(self) -> list[tuple[str, Value]]:
@@ -36,3 +36,22 @@ class Drawn:
         if isinstance(self.value, tuple):
             return [(f"{name}[{index}]", each) for index, each in enumerate(self.value)]
         return [(name, self.value)]
+
+
+@dataclass(frozen=True, slots=True)
+class Tabled:
+    """The draws of one element for all samples from 1, for a table; `first` is that of sample 1.
+
+    `name` is the element's, if it has one; `place` the body that it stands in, which one of those of its tag it is
+    there and how many there are. `angles` says which of the numbers are angles, `unit` what bare ones are in.
+    """
+
+    first: Drawn
+    field: DrawField
+    name: str | None
+    place: tuple[str, int, int] | None
+    tag: str
+    family: str
+    values: tuple[Value, ...]
+    angles: tuple[bool, ...] = ()
+    unit: str | None = None

@@ -38,6 +38,7 @@ from composer.plan.read import folder_of, read_recipe
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.checks.unchanged import Unchanged
+from composer.recipe.draw_field import DrawField
 from composer.recipe.element import Element
 from composer.recipe.keyframe import FROM
 from composer.recipe.randomize import Randomize
@@ -102,7 +103,10 @@ class _Planner:
         recipe, document, concrete = read
         randomize = recipe.randomize if not outer else None
         drawn: tuple[Drawn, ...] = ()
-        if randomize is not None and randomize.of_parameters and concrete is not None:
+        if randomize is not None and randomize.emit == "table":
+            for field in randomize.of_parameters:
+                self._no_table(field, document)
+        elif randomize is not None and randomize.of_parameters and concrete is not None:
             values, drawn = drawn_parameters(randomize, sample, concrete, document, self.sink)
             if values:
                 read = self._read(path, {**given, **values})
@@ -139,6 +143,14 @@ class _Planner:
         self._checks(plan)
         _check_sources(plan, self.sink)
         return plan
+
+    def _no_table(self, field: DrawField, document: Mapping) -> None:
+        self.sink.error(
+            "draw-at-run-time",
+            f"field `{field.name}` draws a parameter, which a model that is compiled does not have any more",
+            locate(document, (*field.at, "param")),
+            help="write `emit: models`, which builds every sample",
+        )
 
     def _checks(self, plan: Plan) -> None:
         """What a check is about must be a part."""
@@ -337,7 +349,9 @@ def _steps(recipe: Recipe, document: Mapping, randomize: Randomize | None, sampl
     for field in randomize.fields if randomize is not None else ():
         if randomize is not None and field.select is not None:
             span = locate(document, field.drawn_at)
-            yield DrawValues(field, randomize.seed, sample, randomize.samples, span)
+            yield DrawValues(
+                field, randomize.seed, sample, randomize.samples, span, randomize.emit == "table"
+            )
     for key in recipe.keyframe:
         yield WriteKeyframe(key, locate(document, key.at, key=True))
 

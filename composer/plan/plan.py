@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -115,6 +115,7 @@ class DrawValues:
     sample: int
     samples: int
     span: Span
+    tabled: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,6 +183,13 @@ class Plan:
     def draws(self) -> tuple[DrawValues, ...]:
         """The steps that draw attributes of the whole model."""
         return tuple(step for step in self.steps if isinstance(step, DrawValues))
+
+    def of_sample(self, sample: int) -> Plan:
+        """The same with the draws of another sample; parameters are not drawn anew."""
+        steps = tuple(
+            replace(step, sample=sample) if isinstance(step, DrawValues) else step for step in self.steps
+        )
+        return replace(self, steps=steps, sample=sample)
 
     @property
     def takes_subtrees(self) -> bool:

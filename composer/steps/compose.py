@@ -21,7 +21,7 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
-from composer.plan.drawn import Drawn
+from composer.plan.drawn import Drawn, Tabled
 from composer.plan.member import Member
 from composer.plan.parts import BASE, called
 from composer.plan.plan import (
@@ -67,6 +67,7 @@ class Composed:
     files: tuple[FileUse, ...]
     members: tuple[Member, ...] = ()
     drawn: tuple[Drawn, ...] = ()
+    tabled: tuple[Tabled, ...] = ()
 
 
 class Composer:
@@ -175,10 +176,10 @@ class Composer:
         if not link(linking):
             return None
         _carry_out(plan, linking, making)
-        drawn: list[Drawn] = []
+        drawn: tuple[list[Drawn], list[Tabled]] = ([], [])
         if not self.context.sink.has_errors:  # without what is at fault a selector means other things
             _edit(plan.edits, False, Editing(linking, making, plan.scope, self.parts))
-            drawn = _draw(plan.draws, False, Editing(linking, making, plan.scope, self.parts))
+            _draw(plan.draws, False, Editing(linking, making, plan.scope, self.parts), *drawn)
         write_keyframes(plan, linking, making)
         if self.context.sink.error_count > before:
             return None
@@ -187,14 +188,16 @@ class Composer:
         _edit(plan.edits, True, Editing(linking, making, plan.scope, self.parts))
         if own_keys:
             base.section("keyframe").extend(own_keys)
-        drawn += _draw(plan.draws, True, Editing(linking, making, plan.scope, self.parts))
+        _draw(plan.draws, True, Editing(linking, making, plan.scope, self.parts), *drawn)
         roots = [base.root, *(unit.root for unit in units)]
         self.hung[base.root] = hung(
             plan, wanted(plan, stands), parts, [self.hung.get(root, []) for root in roots]
         )
         if self.context.sink.error_count > before:
             return None
-        return Composed(linking.flat(), tuple(linking.files), drawn=(*plan.drawn, *drawn))
+        return Composed(
+            linking.flat(), tuple(linking.files), drawn=(*plan.drawn, *drawn[0]), tabled=tuple(drawn[1])
+        )
 
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
         """From which part each element comes, before they are one model; a nested recipe has noted its own."""
@@ -266,14 +269,16 @@ def _edit(steps: Iterable[EditElements], of_keys: bool, editing: Editing) -> Non
             editing.linking.watch(editing.linking.units, step)
 
 
-def _draw(steps: Iterable[DrawValues], of_keys: bool, editing: Editing) -> list[Drawn]:
+def _draw(
+    steps: Iterable[DrawValues], of_keys: bool, editing: Editing, drawn: list[Drawn], tabled: list[Tabled]
+) -> None:
     """The draws of a sample, on what is there after all edits; those of keys when these are laid out."""
-    found: list[Drawn] = []
     for step in steps:
         if is_of_keys(step) == of_keys:
-            found += draw_values(step, editing)
+            values, rows = draw_values(step, editing)
+            drawn += values
+            tabled += rows
             editing.linking.watch(editing.linking.units, step)
-    return found
 
 
 def _taken_out(linking: Linking) -> list[Node]:

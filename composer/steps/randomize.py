@@ -13,7 +13,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.draws.stream import bits
 from composer.expr.angle import Angle
 from composer.expr.value import Value
-from composer.plan.drawn import Drawn
+from composer.plan.drawn import Drawn, Tabled
 from composer.plan.plan import DrawValues
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import must_not_be_negative
@@ -29,11 +29,11 @@ from composer.tree.select import name_of, parent_of
 from composer.tree.selector import XPATH
 
 
-def draw_values(step: DrawValues, editing: Editing) -> list[Drawn]:
+def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[Tabled]]:
     """Give every selected element what is drawn for it. What cannot be is told, once a field.
 
     For sample 0 nothing is written: the draws of all others are looked at, so that a fault is known before they are
-    built.
+    built, and given where a table is made of them.
     """
     entry = step.field
     assert entry.select is not None
@@ -41,15 +41,18 @@ def draw_values(step: DrawValues, editing: Editing) -> list[Drawn]:
     found = counted(editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at)
     drawing = _Draws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
+    tabled: list[Tabled] = []
     try:
         for index, node in enumerate(found):
             if step.sample:
                 drawn.append(drawing.write(node, index))
-            else:
-                drawing.check(node, range(1, step.samples + 1))
+                continue
+            drawing.check(node, range(1, step.samples + 1))
+            if step.tabled:
+                tabled.append(drawing.tabled(node))
     except Unusable:
-        return []
-    return drawn
+        return [], []
+    return drawn, tabled
 
 
 @dataclass(slots=True)
@@ -70,10 +73,25 @@ class _Draws:
         written: Any = drawn if unit is None else _each(drawn, lambda each: f"{each!r}{unit}")
         at = (*entry.at, "attr")
         Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
+        return self._told(node, drawn)
+
+    def tabled(self, node: Node) -> Tabled:
+        """The draws of all samples for an element."""
+        step = self.step
+        draws = [self._told(node, self._drawn(node, sample)) for sample in range(1, step.samples + 1)]
+        angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
+        kind = kind_of(node)
+        return Tabled(
+            draws[0], step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
+            tuple(each.value for each in draws), angles, self.editing.making.angle,
+        )  # fmt: skip
+
+    def _told(self, node: Node, drawn: Any) -> Drawn:
+        entry = self.step.field
         name, subscript = attribute_and_index(entry.attr)
         return Drawn(
             entry.name, self.identity(node), name, entry.operation, self._in_radians(node, drawn),
-            entry.per == "sample", str(node.tag), subscript or 0,
+            entry.per == "sample", subscript or 0,
         )  # fmt: skip
 
     def identity(self, node: Node) -> str:
@@ -241,3 +259,16 @@ class _Draws:
 
 def _each(drawn: Any, change: Any) -> Any:
     return [change(each) for each in drawn] if isinstance(drawn, list) else change(drawn)
+
+
+def _place(node: Node) -> tuple[str, int, int] | None:
+    """Of an element in a body: the body, which one of its elements of that tag it is, and how many there are."""
+    body = parent_of(node)
+    if body is None or body.tag not in ("body", "worldbody"):
+        return None
+    name = "world" if body.tag == "worldbody" else name_of(body)
+    if name is None:
+        return None
+    tags = ("joint", "freejoint") if node.tag in ("joint", "freejoint") else (str(node.tag),)
+    alike = [each for each in body.iterdescendants(*tags) if parent_of(each) is body]
+    return name, alike.index(node), len(alike)
