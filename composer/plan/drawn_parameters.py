@@ -117,9 +117,17 @@ class _Source:
             f"{read.message} in sample {sample}",
             locate(self.document, self.field.drawn_at),
             notes=(Note("the parameter is declared here", self.parameter.span),),
-            help=read.help or "draw from what it may be: `truncnormal` has bounds",
+            help=self._help(read),
         )
         return None
+
+    def _help(self, refused: Refusal) -> str | None:
+        assert self.parameter is not None
+        if self.parameter.type == "int" and refused.code == "wrong-type":
+            return "draw `integers: [FIRST, LAST]`"
+        if refused.code == "out-of-range" and not self.parameter.choices:
+            return "draw from what it may be: `truncnormal` has bounds"
+        return refused.help
 
     def _applied(self, nominal: Value | None, drawn: Value) -> Value:
         """One component with what is drawn for it, in the parameter's unit."""

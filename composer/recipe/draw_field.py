@@ -70,8 +70,9 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
         faults.append(Fault("wrong-type", message, (name,), help=f"write for instance `{example}`"))
         return None
     faults += _unknown(name, value)
-    faults += _subject(name, value)
-    operation, kind, inner, at = _written(name, value, faults)
+    meant = {near for key in value if key not in KEYS for near in closest(key, KEYS)}
+    faults += _subject(name, value, meant)
+    operation, kind, inner, at = _written(name, value, meant, faults)
     drawing = None if kind is None else Reading(owner, operation, faults).read(kind, inner[kind], (*at, kind))
     selector = None
     if "select" in value:
@@ -109,8 +110,8 @@ def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
                         remarks=(remark,), help=f"write `{near[0]}`" if near else None)  # fmt: skip
 
 
-def _subject(name: str, value: dict[str, Any]) -> Iterator[Fault]:
-    """What is drawn: an attribute of what is selected, or a parameter."""
+def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Fault]:
+    """What is drawn: an attribute of what is selected, or a parameter. `meant` are keys that are misspelt."""
     if "param" in value:
         for key in _SELECTING:
             if key in value:
@@ -120,18 +121,18 @@ def _subject(name: str, value: dict[str, Any]) -> Iterator[Fault]:
                             help=f"leave `param` or `{key}` out")  # fmt: skip
         return
     for key, example in (("select", '{geom: "**"}'), ("attr", "friction")):
-        if key not in value:
+        if key not in value and key not in meant:
             other = "; a parameter is drawn by `param: NAME`" if "select" not in value else ""
             yield Fault("missing-key", f"field `{name}` of `randomize` lacks `{key}`", (name,), key=True,
                         help=f"write for instance `{key}: {example}`{other}")  # fmt: skip
 
 
 def _written(
-    name: str, value: dict[str, Any], faults: list[Fault]
+    name: str, value: dict[str, Any], meant: set[str], faults: list[Fault]
 ) -> tuple[Operation, str | None, dict[str, Any], Path]:
     """The operation, the kind of the distribution, and the mapping that has it with its path."""
     given = [key for key in (*KINDS, *OPERATIONS) if key in value]
-    if not given:
+    if not given and meant.isdisjoint((*KINDS, *OPERATIONS)):
         help = f"write for instance `uniform: {EXAMPLES['uniform']}`, or `scale: {{uniform: …}}` for a factor"
         message = f"field `{name}` of `randomize` has no distribution"
         faults.append(Fault("missing-key", message, (name,), key=True, help=help,

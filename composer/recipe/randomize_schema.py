@@ -34,7 +34,9 @@ def fields() -> Schema:
 
 def field() -> Schema:
     """One field."""
-    distributions = {kind: _distribution(kind) for kind in KINDS}
+    distributions = {
+        kind: {**reference(f"distribution:{kind}"), "description": _ABOUT[kind]} for kind in KINDS
+    }
     one: Schema = {
         "type": "object",
         "properties": distributions,
@@ -66,15 +68,14 @@ def field() -> Schema:
     }
 
 
-def _distribution(kind: str) -> Schema:
-    about: Schema = {"description": _ABOUT[kind]}
+def distribution(kind: str) -> Schema:
+    """What stands behind the name of a distribution."""
     if kind == CHOICE:
-        return {**about, "type": "array", "minItems": 1}
+        return {"type": "array", "minItems": 1}
     if kind in INTERVALS:
-        return {**about, "type": "array", "items": _BOUND, "minItems": 2, "maxItems": 2}
+        return {"type": "array", "items": _BOUND, "minItems": 2, "maxItems": 2}
     keys = BELLS[kind][1]
     return {
-        **about,
         "type": "object",
         "properties": {key: {**_BOUND, "description": _KEYS[key]} for key in keys},
         "required": [key for key in keys if key != "mean"],

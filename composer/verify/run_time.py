@@ -36,7 +36,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
     gains = _GAINS.get((tag, attribute))
     known = family in TAGS and (gains or attribute in attributes(family))
     if not known:
-        return {"error": f"`{attribute}` of a {tag} is no array of mjModel"}
+        return {"error": f"`{attribute}` of `{tag}` is no array of mjModel"}
     number = _id(mujoco, model, asked)
     if isinstance(number, str):
         return {"error": number}
@@ -54,7 +54,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
     width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
     last = asked["start"] + asked["count"]
     if found is None or last > width:
-        return {"error": f"`{attribute}` of a {tag} has not as many numbers in mjModel"}
+        return {"error": f"`{attribute}` of `{tag}` has not as many numbers in mjModel"}
     found_at: list[list[dict[str, Any]]] = [
         [{"array": array, "index": [row] if found.ndim == 1 else [row, n]} for row in rows]
         for n in range(asked["start"], last)
@@ -70,12 +70,12 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
         number = int(mujoco.mj_name2id(model, kind, name))
         return number if number >= 0 else f"the compiled model has no {family} `{name}`"
     if place is None:
-        return f"a {asked['tag']} without a name cannot be found in the compiled model"
+        return f"`{asked['tag']}` without a name cannot be found in the compiled model"
     body, position, count = place
     number = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body))
     owners = getattr(model, f"{_IDS.get(family, family)}_bodyid", None)
     if number < 0 or owners is None:
-        return f"a {asked['tag']} without a name cannot be found in the compiled model"
+        return f"`{asked['tag']}` without a name cannot be found in the compiled model"
     there = np.flatnonzero(owners == number)
     if len(there) != count:
         return f"of the {family}s in body `{body}` that have no name it is not known which is which"
