@@ -14,16 +14,12 @@ from composer.plan.parts import BASE, called
 from composer.plan.plan import DrawValues, Plan, SetDefault, SetSingleton
 from composer.pose import Pose
 from composer.recipe.checks.unchanged import Unchanged
-from composer.recipe.subscript import attribute_and_index
 from composer.steps.subtree import Wanted
 from composer.tree.classes import MAIN
-from composer.tree.selector import XPATH
 from composer.tree.settings import read_settings
-from composer.verify.excuses import arrays_of
+from composer.verify.excuses import arrays_of, arrays_of_draw
 
 _MASSES = frozenset({"boundmass", "boundinertia", "settotalmass"})
-# Actuators with `inheritrange` take over the range of their joint.
-_FOLLOWING = {"range": ("actuator_ctrlrange",)}
 _RESHAPING = frozenset({"fusestatic", "discardvisual"})
 
 
@@ -112,11 +108,8 @@ def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
             rows = [(row.tag, name) for row in step.element.children for name in row.attributes]
             arrays = [array for tag, name in rows for array in arrays_of(name, tag)]
             found = [_with(each, arrays) if each.member.prefix == owner else each for each in found]
-        elif isinstance(step, DrawValues) and step.sample and step.field.select is not None:
-            name, _ = attribute_and_index(step.field.attr)
-            tag = step.field.select.tag
-            drawn = {*arrays_of(name, None if tag == XPATH else tag), *_FOLLOWING.get(name, ())}
-            found = [_with(each, drawn) for each in found]
+        elif isinstance(step, DrawValues) and step.sample:
+            found = [_with(each, arrays_of_draw(step)) for each in found]
         elif isinstance(step, SetSingleton) and step.section == "compiler":
             written = step.element.attributes
             if not _MASSES.isdisjoint(written):

@@ -69,21 +69,15 @@ class DrawTable:
         if not answer.ok:
             self._crashed(answer)
             return
-        self.left = sorted(answer.value)
-        for field in self.plan.draws:
-            meant = {
-                target["array"]
-                for column in self.columns.values()
-                for target in column["targets"]
-                if column["field"] == field.field.name
-            }
-            if wrong := sorted(meant.intersection(self.left)):
-                name = field.field.name
-                message = (
-                    f"field `{name}` cannot be drawn at run time: `{wrong[0]}` is not what a build makes"
-                )
-                self._fault(field.field, message)
-                return
+        self.left = sorted(answer.value["arrays"])
+        for field in answer.value["fields"]:
+            step = next(each for each in self.plan.draws if each.field.name == field)
+            message = (
+                f"field `{field}` cannot be drawn at run time, with the others: a build makes another number"
+            )
+            self._fault(step.field, message)
+        if answer.value["fields"]:
+            return
         if self.left:
             listed = ", ".join(f"`{name}`" for name in self.left)
             self.context.sink.warning(

@@ -94,18 +94,28 @@ def _rows(model: Model, family: str, array: str, number: int) -> range:
     return range(number, number + 1)
 
 
-def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
-    """For `composer.engine.call`: the arrays in which a sample that was built differs from the nominal model with the
-    same draws put into it (`columns`, `row`) and its constants computed anew.
+def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> dict[str, Any]:
+    """For `composer.engine.call`: in what a sample that was built differs from the nominal model with its draws in it.
+
+    ``asked`` has the draws as `row` and `columns`. The answer has the `arrays` that differ when constants are computed
+    anew, and the `fields` of which some number does that was put there.
     """
     apply(nominal, asked["columns"], asked["row"])
     mujoco.mj_setConst(nominal, mujoco.MjData(nominal))
-    found = []
+    arrays = []
     for name in dir(nominal):
         mine, other = getattr(nominal, name), getattr(sample, name)
         if not name.startswith("_") and isinstance(mine, np.ndarray) and not _are_close(mine, other):
-            found.append(name)
-    return found
+            arrays.append(name)
+    fields = [column["field"] for column in asked["columns"] for target in column["targets"]
+              if target["array"] in arrays and _differs(nominal, sample, target)]  # fmt: skip
+    return {"arrays": arrays, "fields": list(dict.fromkeys(fields))}
+
+
+def _differs(nominal: Model, sample: Model, target: dict[str, Any]) -> bool:
+    index = tuple(target["index"])
+    mine, other = getattr(nominal, target["array"]), getattr(sample, target["array"])
+    return mine.shape != other.shape or not _are_close(mine[index], other[index])
 
 
 def apply(model: Model, columns: list[dict[str, Any]], row: list[float | None]) -> None:
@@ -128,6 +138,7 @@ def apply(model: Model, columns: list[dict[str, Any]], row: list[float | None]) 
 
 
 def _are_close(a: Any, b: Any) -> bool:
+    a, b = np.asarray(a), np.asarray(b)
     if a.shape != b.shape:
         return False
     if a.dtype.kind not in "fc":

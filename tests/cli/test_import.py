@@ -4,7 +4,6 @@ from pathlib import Path
 
 from cli.shell import run
 
-
 MERGED = """\
 <mujoco model="cell">
   <worldbody><body name="tool/palm" pos="0 0 1">
