@@ -130,6 +130,10 @@ class _Proposer:
                 tag = self.there[namespace, name].kind.tag
                 select = _selector(namespace, tag, new)
                 self.entries.append(Entry("edit", f"{{select: {select}, rename: {word(name)}}}"))
+        renamed = {  # the others have their names again at the end
+            namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
+            for namespace, pairs in renamed.items()
+        }
         return Proposal(head, self.entries, self.found, renamed, self.alike)
 
     def values(self, node: Node, unit: Unit) -> dict[str, str]:
