@@ -11,7 +11,7 @@ from composer.build.cells import build_cells as built_cells
 from composer.build.cells import cells_of, picked
 from composer.build.sample_table import FILE, SampleTable
 from composer.bundle.output_error import OutputError
-from composer.cli.build import Wanted, put, say
+from composer.cli.build import Wanted, build_one, put, say
 from composer.cli.counting import counting
 from composer.cli.reporting import FINDINGS, USAGE, report
 
@@ -36,8 +36,10 @@ def build_cells(
     """
     every = cells_of(recipe, context, given)
     if not every and not context.sink.has_errors:
+        if not picks:
+            return build_one(recipe, wanted, given, context, session)
         context.sink.error("missing-key", f"`{recipe}` has neither `matrix` nor `randomize`: it is one model",
-                           help="build it without `--all` and `--pick`")  # fmt: skip
+                           help="build it without `--pick`")  # fmt: skip
     chosen = picked(every, picks, context.sink) if picks else every
     for name in dict.fromkeys(name for cell in chosen for name in cell.given if name in given):
         context.sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
@@ -57,7 +59,7 @@ def build_cells(
             if built is None or target is None or own.sink.has_errors:
                 failed.append(cell.name)
             else:
-                say(built, target, wanted.form)
+                say(built, target, wanted, own)
                 if built.plan.randomize is not None and built.plan.randomize.emit == "models":
                     samples.add(cell.name, cell.sample, built.composed.drawn)
     finally:  # of an interrupted run too

@@ -164,6 +164,8 @@ class Plan:
     """Which sample it is; 0 is the nominal model."""
     drawn: tuple[Drawn, ...] = ()
     """The parameters that were drawn for it."""
+    variants: Mapping[str, str] = field(default_factory=dict)
+    """The chosen variants alone."""
 
     @property
     def keyframes(self) -> tuple[WriteKeyframe, ...]:

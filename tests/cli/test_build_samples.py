@@ -118,7 +118,9 @@ def test_a_cell_that_a_draw_would_replace(folder: Path) -> None:
 
 def test_a_recipe_that_is_one_model(folder: Path) -> None:
     (folder / "r.yaml").write_text(HEAD)
-    result = run("build", "r.yaml", "--all")
+    assert run("build", "r.yaml", "--all", "-o", "{name}/").exit_code == 0
+    assert not (folder / "samples.csv").exists()
+    result = run("build", "r.yaml", "--pick", "ball-s0001")
     assert result.exit_code != 0 and "has neither `matrix` nor `randomize`" in result.stderr
 
 
