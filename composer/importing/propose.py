@@ -57,13 +57,13 @@ class Proposal:
 
 
 def propose(
-    merged: Unit, parts: list[Unit], references: list[str], relative: Callable[[Path], str], can_edit: bool
+    merged: Unit, parts: list[Unit], references: list[str], relative: Callable[[Path], str]
 ) -> Proposal:
     """What makes `merged` of `parts`, called by `references`; `relative` writes the path of a file. No I/O."""
     found = find(merged, parts)
     separator = separator_of(found)
     name_in_recipe(found, [part.label for part in parts], separator)
-    return _Proposer(merged, parts, references, found, separator, relative, can_edit).proposal()
+    return _Proposer(merged, parts, references, found, separator, relative).proposal()
 
 
 class _Proposer:
@@ -75,13 +75,11 @@ class _Proposer:
         found: list[Instance],
         separator: str,
         relative: Callable[[Path], str],
-        edits: bool,
     ) -> None:
         self.merged, self.parts, self.references, self.found = merged, parts, references, found
         self.relative = relative
         self.alike: dict[str, tuple[object, ...]] = {}
         self.separator = separator
-        self.edits = None if edits else "this version has no `edit`"
         self.there = named(merged)
         self.names: dict[tuple[str, str], str] = {}
         """Names of the merged model to names in the recipe, before it renames anything."""
@@ -131,12 +129,11 @@ class _Proposer:
                     continue  # an asset is what it is under any name
                 tag = self.there[namespace, name].kind.tag
                 select = _selector(namespace, tag, new)
-                self.entries.append(Entry("edit", f"{{select: {select}, rename: {word(name)}}}", self.edits))
-        if self.edits is None:  # they have their names again at the end
-            renamed = {
-                namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
-                for namespace, pairs in renamed.items()
-            }
+                self.entries.append(Entry("edit", f"{{select: {select}, rename: {word(name)}}}"))
+        renamed = {  # the others have their names again at the end
+            namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
+            for namespace, pairs in renamed.items()
+        }
         return Proposal(head, self.entries, self.found, renamed, self.alike)
 
     def values(self, node: Node, unit: Unit) -> dict[str, str]:
@@ -211,7 +208,7 @@ class _Proposer:
             there = self.there.get((namespace, each.prefix + name))
             select = _selector(namespace, item.kind.tag, each.out + name)
             if there is None or there.kind.tag != item.kind.tag:
-                self.entries.append(Entry("edit", f"{{select: {select}, remove: true}}", self.edits))
+                self.entries.append(Entry("edit", f"{{select: {select}, remove: true}}"))
                 continue
             self.covered.add(there.node)
             changes = differing(effective(item, part), effective(there, self.merged), item.kind, each.prefix)
@@ -224,7 +221,7 @@ class _Proposer:
                 verbs = {"select": select} | ({"unset": flow_list(unset)} if unset else {})
                 verbs |= {"set": flow(written)} if written else {}
                 verbs |= {"move": flow(moved)} if moved else {}
-                self.entries.append(Entry("edit", flow(verbs), self.edits))
+                self.entries.append(Entry("edit", flow(verbs)))
             self.unnamed(item.node, there.node, name)
 
     def moved(self, item: Item, there: Item, each: Instance) -> dict[str, str]:

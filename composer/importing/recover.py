@@ -16,7 +16,6 @@ from composer.importing.flow import word
 from composer.importing.propose import Entry, Proposal, propose
 from composer.importing.recipe_text import recipe_text
 from composer.pipeline import build
-from composer.recipe.unsupported import is_unsupported
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.verify.difference import Difference
@@ -57,7 +56,6 @@ def recover(merged: Path, parts: list[Path], out: Path, context: Context) -> Rec
         units[1:],
         references,
         lambda file: _reference(file, out.parent),
-        not is_unsupported(("edit",)),
     )
     for number, part in enumerate(parts):
         if not any(each.part == number for each in proposal.found):
@@ -171,12 +169,11 @@ def keyframes(differences: list[Difference], proposal: Proposal) -> list[Entry]:
             )
             rows.setdefault(each.name, {}).setdefault(found["row"], {})[found["name"]] = numbers
     entries = []
-    note = "this version has no `keyframe`" if is_unsupported(("keyframe",)) else None
     for name, row in rows.items():
         said = ", ".join(
             f"{field}: {{{', '.join(f'{word(k)}: {v}' for k, v in values.items())}}}"
             for field, values in row.items()
         )
         start = "from: {base: " + word(name) + "}, " if any(each.is_base for each in proposal.found) else ""
-        entries.append(Entry("keyframe", f"{word(name)}: {{{start}{said}}}", note))
+        entries.append(Entry("keyframe", f"{word(name)}: {{{start}{said}}}"))
     return entries

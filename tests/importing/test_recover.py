@@ -9,7 +9,6 @@ from composer.context import Context
 from composer.importing.match import find, separator_of
 from composer.importing.propose import propose
 from composer.importing.recover import Recovered, recover
-from composer.recipe.unsupported import is_unsupported
 from composer.tree.parse import parse_file
 
 ARM = """\
@@ -119,9 +118,7 @@ def test_a_model_of_four_parts(tmp_path: Path) -> None:
 def test_a_changed_value_is_an_edit(tmp_path: Path) -> None:
     found = recovered(tmp_path, damping="5")
     assert "{select: {joint: right/shoulder}, set: {damping: [5]}}" in found.text
-    fields = [(each.name, each.array) for each in found.differences or []]
-    # Without `edit` the value differs, and is told.
-    assert (fields == [("right/shoulder", "dof_damping")]) == is_unsupported(("edit",))
+    assert found.differences == []
 
 
 def test_what_cannot_be_said_is_a_comment(tmp_path: Path) -> None:
@@ -180,8 +177,7 @@ def test_separator(tmp_path: Path, prefixes: tuple[str, ...], separator: str) ->
     assert [each.prefix for each in found] == list(prefixes) and separator_of(found) == separator
 
 
-@pytest.mark.parametrize("can_edit", [True, False])
-def test_a_prefix_that_was_not_there_is_taken_away_again(tmp_path: Path, can_edit: bool) -> None:
+def test_a_prefix_that_was_not_there_is_taken_away_again(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(ARM)
     (tmp_path / "tool.xml").write_text(TOOL)
     tool = '<body name="palm"><geom name="palm" type="box" size="0.03 0.03 0.01"/></body></body></body>'
@@ -189,14 +185,13 @@ def test_a_prefix_that_was_not_there_is_taken_away_again(tmp_path: Path, can_edi
     context = Context()
     units = [parse_file(tmp_path / f"{name}.xml", context.sink) for name in ("all", "arm", "tool")]
     merged, *parts = [unit for unit in units if unit is not None]
-    found = propose(merged, parts, ["./arm.xml", "./tool.xml"], str, can_edit)
+    found = propose(merged, parts, ["./arm.xml", "./tool.xml"], str)
     edits = [(entry.text, entry.note is None) for entry in found.entries if entry.section == "edit"]
     assert edits == [
-        ("{select: {body: tool/palm}, rename: palm}", can_edit),
-        ("{select: {geom: tool/palm}, rename: palm}", can_edit),
+        ("{select: {body: tool/palm}, rename: palm}", True),
+        ("{select: {geom: tool/palm}, rename: palm}", True),
     ]
-    renamed = {kind: names for kind, names in found.renamed.items() if names}
-    assert renamed == ({} if can_edit else {"body": {"palm": "tool/palm"}, "geom": {"palm": "tool/palm"}})
+    assert not any(found.renamed.values())
 
 
 @pytest.fixture
@@ -221,10 +216,7 @@ def test_panda_with_hand(menagerie: Path, tmp_path: Path) -> None:
     assert "body: link7, pos: [0, 0, 0.107]" in found.text
     differences = found.differences
     assert differences is not None
-    if is_unsupported(("edit",)) or is_unsupported(("keyframe",)):
-        assert {each.kind for each in differences} <= {"key", "model"}
-    else:
-        assert differences == []
+    assert differences == []
 
 
 @pytest.mark.slow
