@@ -30,7 +30,12 @@ if TYPE_CHECKING:
     " the name of the model; default: build/{name}.zip.",
 )  # fmt: skip
 @choice_options
-@click.option("--all", "every", is_flag=True, help="Build every cell of the recipe's matrix.")
+@click.option(
+    "--all",
+    "every",
+    is_flag=True,
+    help="Build every cell of the recipe's matrix, or the one model that it is.",
+)
 @click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
@@ -75,7 +80,7 @@ def command(
 
             sys.exit(build_cells(recipe, wanted, given, picks, context, session))
         progress(f"building {recipe}")
-        sys.exit(_build_one(recipe, wanted, given, context, session))
+        sys.exit(build_one(recipe, wanted, given, context, session))
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +108,7 @@ def kind_of_output(out: str | None, many: bool) -> Form:
     return Form.TEXT if out == "-" else form_of(out)
 
 
-def _build_one(
+def build_one(
     recipe: Path, wanted: Wanted, given: dict[str, Node], context: Context, session: Session
 ) -> int:
     from composer.pipeline import build

@@ -32,6 +32,7 @@ CODES: dict[str, str] = {
     "mujoco-timeout": "MuJoCo took longer than it was given",
     "mujoco-warning": "MuJoCo accepts the model and warns about it",
     "name-clash": "two elements of one kind would have the same name",
+    "no-rendering": "pictures cannot be made on this machine",
     "not-mjcf": "an XML file is no MJCF model",
     "not-supported": "something MJCF has and mjcompose cannot carry over yet",
     "not-urdf": "a file that is named as URDF is none",

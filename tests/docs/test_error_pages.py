@@ -106,6 +106,7 @@ NOT_A_BUILD = {
         ("bundle-changed", "bundle-manifest", "part-changed", "part-not-compared"), "tests/verify"
     ),
     "git-revision": "needs a repository: tests/diff",
+    "no-rendering": "needs a machine without OpenGL: tests/diff",
     "cannot-format": "is not about a build: tests/formatting",
     "mujoco-crash": "a model that crashes one MuJoCo is refused by another",
     "mujoco-timeout": "takes long by its nature",
