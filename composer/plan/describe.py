@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from composer.plan.checks import checks_of
 from composer.plan.edits import in_words, words_of
 from composer.plan.plan import (
     AddElement,
@@ -57,6 +58,8 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
             yield from _lines(part.model, subtrees, inner + "  ")
     for step in plan.steps:
         yield inner + _step(step)
+    for words in checks_of(plan):
+        yield inner + words
 
 
 def _called(part: AttachPart, last: str) -> str:
@@ -166,6 +169,7 @@ def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
             for part in plan.parts
         ],
         "steps": [_step(step) for step in plan.steps],
+        "checks": list(checks_of(plan)),
     }
 
 
