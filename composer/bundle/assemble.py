@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
 from composer.bundle.licences import licence_files, licence_folder
-from composer.bundle.manifest import Input, Manifest, Part, Recipe, files_of, index_of, with_manifest
+from composer.bundle.manifest import Draw, Input, Manifest, Part, Recipe, files_of, index_of, with_manifest
 from composer.context import Context, as_text
 from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
+from composer.plan.drawn import Drawn
 from composer.plan.member import Member
 from composer.plan.plan import Plan
 from composer.sources.source import Source
@@ -48,6 +49,7 @@ def described(
     compiled: Compiled | None,
     context: Context,
     merged: Merged,
+    drawn: Iterable[Drawn] = (),
 ) -> Bundle:
     """The bundle with its manifest; `compiled` is what MuJoCo made of it, None where nobody asked."""
     folder = plan.path.parent
@@ -57,6 +59,9 @@ def described(
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
         recipe=Recipe(path=as_text(plan.path.name), sha256=_sha256(plan.path)),
+        seed=plan.randomize.seed if plan.randomize else None,
+        sample=plan.sample if plan.randomize else None,
+        draws=tuple(_draw(each) for each in drawn),
         inputs=tuple(_input(label, source, bundle, folder) for label, source in sources(plan)),
         parts=tuple(_part(member, number) for number, member in enumerate(members)),
         files=files_of(bundle),
@@ -104,6 +109,17 @@ def _part(member: Member, number: int) -> Part:
         stands=member.stands,
         changed=member.changed,
         obscure=member.obscure,
+    )
+
+
+def _draw(drawn: Drawn) -> Draw:
+    return Draw(
+        field=drawn.field,
+        element=drawn.element,
+        attribute=drawn.attribute,
+        component=drawn.start,
+        operation=drawn.operation,
+        value=drawn.value,  # type: ignore[arg-type]  # vectors of vectors are not drawn
     )
 
 

@@ -18,7 +18,7 @@ from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
 from composer.verify.compiles import CRASHES
 from composer.verify.difference import EXTRA, MISSING, Difference
-from composer.verify.excuses import arrays_of
+from composer.verify.excuses import arrays_of, arrays_of_draw
 from composer.verify.kinds.ask import ask
 from composer.verify.kinds.finding import Finding
 from composer.verify.nested import Nested
@@ -40,10 +40,11 @@ def run_checks(
     `hear` is called with what came of each check, in the order of the recipe.
     """
     judge, kept = Judge(session, merged), True
+    drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
     for recipe, check in Nested(plan).checks():
         own = replace(context, sink=Sink())
         if isinstance(check, Unchanged):
-            _unchanged(check, recipe, members, plan.separator, judge, own)
+            _unchanged(check, recipe, members, plan.separator, judge, own, drawn)
         else:
             kept = _ask(check, recipe, members, session, own)
         for diagnostic in own.sink.diagnostics:
@@ -95,10 +96,11 @@ def _unchanged(
     separator: str,
     judge: Judge,
     context: Context,
+    drawn: Sequence[str],
 ) -> None:
     """The part as the outermost recipe calls it, each of its sources against itself alone."""
     part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
-    excused = [array for name in check.excepted for array in arrays_of(name)]
+    excused = [*drawn, *(array for name in check.excepted for array in arrays_of(name))]
     for member in of_part(members, part, separator):
         compared = judge.compare(member, excused)
         if not compared.ok:
