@@ -15,7 +15,7 @@ from composer.cli.main import main
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 
 
-@pytest.mark.parametrize("recipe", ["cell", "menagerie_cell"])
+@pytest.mark.parametrize("recipe", ["cell", pytest.param("menagerie_cell", marks=pytest.mark.slow)])
 def test_nothing_moves_in_any_of_its_models(
     recipe: str, tmp_path: Path, menagerie_root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -26,14 +26,15 @@ def test_nothing_moves_in_any_of_its_models(
     assert "warning" not in result.output
     models = sorted(tmp_path.glob("*/model.xml"))
     assert [path.parent.name for path in models] == sorted(
-        f"{recipe}-{props}-{light}-{payload}g"
+        f"{recipe}-{props}-{light}-{payload}g-s000{sample}"
         for props in ("cubes", "cans")
         for light in ("bright", "dim")
         for payload in (50, 200, 500)
         if (props, payload) != ("cans", 500)
+        for sample in (0, 1)
     )
     for path in (
-        path for path in models if path.parent.name.endswith("bright-50g")
+        path for path in models if path.parent.name.endswith("bright-50g-s0001")
     ):  # the checks ask them all
         model = mujoco.MjModel.from_xml_path(str(path))
         props = [body for body in range(model.nbody) if model.body(body).name.startswith("prop")]
