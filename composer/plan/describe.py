@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from composer.plan.checks import checks_of
 from composer.plan.draws import words_of_draw
 from composer.plan.edits import in_words, words_of
 from composer.plan.plan import (
@@ -61,6 +62,8 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
         yield inner + words_of_draw(field)
     for step in plan.steps:
         yield inner + _step(step)
+    for words in checks_of(plan):
+        yield inner + words
 
 
 def _called(part: AttachPart, last: str) -> str:
@@ -172,6 +175,7 @@ def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
             for part in plan.parts
         ],
         "steps": [_step(step) for step in plan.steps],
+        "checks": list(checks_of(plan)),
         **_draws_data(plan),
     }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from composer.document.node import Node, Scalar, Sequence
+from composer.document.piece import is_of_elements
 from composer.expr.opening import is_template
 from composer.recipe.fault import Fault, Path
 from composer.recipe.indentation import fallen_out
@@ -37,7 +38,7 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     if isinstance(node, Scalar):
         if node.value is None:
             faults.append(_nothing(at))
-        elif isinstance(node.value, str) and is_template(node.value) and not _knows_more(at):
+        elif isinstance(node.value, str) and is_template(node.value) and not is_of_elements(at):
             faults.append(Fault("expression", "an expression has no value here", at))
         return node.value
     if isinstance(node, Sequence):
@@ -58,12 +59,6 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     return mapping
 
 
-def is_deferred(at: Path) -> bool:
-    """Whether `${…}` at that path is evaluated for each element: in `edit` of the recipe, of the base or a part."""
-    depth = {"base": 1, "attach": 2}.get(str(at[0]), 0)
-    return at[depth : depth + 1] == ("edit",)
-
-
 def _nothing(at: Path) -> Fault:
     if at and isinstance(at[-1], str):
         return Fault(
@@ -74,8 +69,3 @@ def _nothing(at: Path) -> Fault:
             help="write a value behind it (`{}` for an element without attributes), or leave the key out",
         )
     return Fault("wrong-type", "there is no value here", at)
-
-
-def _knows_more(at: Path) -> bool:
-    """Edits are evaluated for each element that they change."""
-    return "edit" in at[:3] or "where" in at
