@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,36 +45,36 @@ def build(
     session: Session | None = None,
     given: Given | None = None,
     name: str | None = None,
+    plan: Plan | None = None,
     library: Library | None = None,
     hear: Hear | None = None,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
-    `given` are values of parameters and variants, `name` that of a cell of the matrix; `library` has source files that
-    were read before; `hear` is told what came of each check. All that MuJoCo does is done in one process: that of
-    `session`, or one with `limits` that ends with the build.
+    `given` are values of parameters and variants, `name` that of a cell of the matrix; a `plan` was made of them
+    already. `library` has source files that were read before; `hear` is told what came of each check. All that MuJoCo
+    does is done in one process: that of `session`, or one with `limits` that ends with the build.
     """
-    if session is None:
-        with engine.Session(limits) as own:
-            return build(
-                recipe, context, verified=verified, deduplicated=deduplicated, session=own,
-                given=given, name=name, library=library, hear=hear,
-            )  # fmt: skip
-    if (plan := plan_what_remains(recipe, context, given, name)) is None:
+    plan = plan or plan_what_remains(recipe, context, given, name)
+    if plan is None:
         return None
-    check_lock(plan, context)
-    composer = Composer(context, measure_with(context, session=session), session, library=library)
-    if (composed := composer.compose(plan)) is None:
-        return None
-    merged: Merged = {}
-    if deduplicated:
-        from composer.link.dedup import dedup
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session(limits))
+        check_lock(plan, context)
+        composer = Composer(context, measure_with(context, session=session), session, library=library)
+        if (composed := composer.compose(plan)) is None:
+            return None
+        merged: Merged = {}
+        if deduplicated:
+            from composer.link.dedup import dedup
 
-        merged, files = dedup(composed.model, composed.files, plan.prefixes)
-        composed = replace(composed, files=files)
-    if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
-        return None
-    compiled = _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
+            merged, files = dedup(composed.model, composed.files, plan.prefixes)
+            composed = replace(composed, files=files)
+        if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+            return None
+        compiled = (
+            _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
+        )
     if context.sink.has_errors:
         return None
     bundle = described(bundle, plan, composed.members, compiled, context, merged)

@@ -14,6 +14,7 @@ from composer.bundle.bundle import Bundle
 from composer.bundle.folder import write_folder
 from composer.bundle.mjb import write_mjb
 from composer.bundle.output_error import OutputError
+from composer.bundle.packing import Packing, packed_now
 from composer.bundle.text import write_text
 
 
@@ -62,11 +63,12 @@ def write(
     environment: Mapping[str, str],
     limits: engine.Limits | None = None,
     session: engine.Session | None = None,
+    packing: Packing = packed_now,
 ) -> Form:
     """Write the bundle to `out` in the form its name asks for; the form is returned.
 
     Either the output is complete or everything is as it was, and OutputError says why. `environment` may hold
-    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB, which MuJoCo writes.
+    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB, which MuJoCo writes, `packing` for archives.
     """
     form = form_of(out)
     path = Path(out)
@@ -74,7 +76,7 @@ def write(
         case Form.FOLDER:
             write_folder(bundle, path)
         case Form.ARCHIVE:
-            write_archive(bundle, path, environment)
+            write_archive(bundle, path, environment, packing)
         case Form.TEXT:
             write_text(bundle, path)
         case Form.MJB:

@@ -149,7 +149,7 @@ def test_a_failure_leaves_the_old_archive(tmp_path: Path, monkeypatch: pytest.Mo
     def full(*_: object, **__: object) -> None:
         raise OSError(28, os.strerror(28))
 
-    monkeypatch.setattr(zipfile.ZipFile, "writestr", full)
+    monkeypatch.setattr("composer.bundle.archive._copy", full)
     with pytest.raises(OutputError, match="no space left on device"):
         write_archive(BUNDLE, out, {})
     assert out.read_bytes() == b"old"
