@@ -72,9 +72,7 @@ def build(
             composed = replace(composed, files=files)
         if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
             return None
-        compiled = (
-            _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
-        )
+        compiled = _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
     if context.sink.has_errors:
         return None
     bundle = described(bundle, plan, composed.members, compiled, context, merged)

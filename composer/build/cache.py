@@ -15,7 +15,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 _ANSWERS = 4
 """How many states of its files a question has an answer for: another branch of a repository, and back."""
 
+LOST = "what was kept of it is damaged or was removed"
+
 Package = tuple[str, str, str]
 """Name, version, and a file that only this version has."""
 
@@ -45,6 +47,15 @@ class Answer:
     packages: tuple[Package, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A record and the answer that named it; or, in words, why there is none."""
+
+    record: Record | None = None
+    answer: Answer | None = None
+    why: tuple[str, ...] = ()
+
+
 @dataclass(slots=True)
 class Cache:
     """The cache in a store. It never fails: what cannot be kept is told once through `warn`."""
@@ -55,19 +66,19 @@ class Cache:
     broken: bool = False
     grown: bool = False
 
-    def find(self, question: Question) -> tuple[Record | None, tuple[str, ...]]:
-        """The record of what is asked for; or why there is none, in words."""
+    def find(self, question: Question) -> Found:
+        """The record of what is asked for; or why there is none."""
         answers = self._answers(question.key)
         for answer in answers:
             if self._changes(answer):
                 continue
             record = self._record(answer.record)
             if record is None:
-                return None, ("what was kept of it is damaged or was removed",)
+                return Found(why=(LOST,))
             if answer != answers[0] or any(each.stamp is None for each in answer.inputs):
                 self._refresh(question, answer, answers)
-            return record, ()
-        return None, self._why(question, answers)
+            return Found(record, answer)
+        return Found(why=self._why(question, answers))
 
     def keep(
         self, question: Question, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
@@ -109,7 +120,8 @@ class Cache:
 
     def is_written(self, out: Path, content: str) -> bool:
         """Whether an output is as it was when `note_written` was told that this is its content."""
-        return _read(self.store.folder, key_of([os.fspath(out)])) == [content, _stamps(out) or None]
+        known: object = _read(self.store.folder, key_of([os.fspath(out)]))
+        return known == [content, _stamps(out) or None]
 
     def note_written(self, out: Path, content: str) -> None:
         self._put("asked", key_of([os.fspath(out)]), _dump([content, _stamps(out)]))
@@ -163,7 +175,9 @@ class Cache:
 
     def _refresh(self, question: Question, answer: Answer, answers: Sequence[Answer]) -> None:
         """The answer first, with its files' stamps as they are now."""
-        now = Answer(answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages)
+        now = Answer(
+            answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages
+        )
         if now != answers[0]:
             self._write(question, [now, *(each for each in answers if each is not answer)])
 
@@ -194,7 +208,9 @@ class Cache:
             self.grown = True
         except OSError as error:
             self.broken = True
-            self.warn(f"what was built is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}")
+            self.warn(
+                f"what was built is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}"
+            )
 
 
 def _packed_key(sha256: str, level: int) -> str:

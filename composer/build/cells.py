@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from composer import engine
+from composer.build.made import Made
+from composer.build.maker import Maker
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
-from composer.document.node import Mapping, Node, Scalar, find
+from composer.document.node import Mapping, Node, Scalar, find, to_python
 from composer.expand.matrix import Cell, cells
-from composer.pipeline import Built, build
 from composer.plan.read import read_recipe
-from composer.steps.load import Library
 
 
 def cells_of(recipe: Path, context: Context) -> list[Cell]:
@@ -46,22 +47,20 @@ def picked(every: Sequence[Cell], names: Iterable[str], sink: Sink) -> list[Cell
 
 
 def build_cells(
-    recipe: Path,
-    chosen: Iterable[Cell],
-    context: Context,
-    given: dict[str, Node],
-    *,
-    verified: bool,
-    deduplicated: bool,
-    session: engine.Session,
-) -> Iterator[tuple[Cell, Context, Built | None]]:
+    maker: Maker, chosen: Iterable[Cell], context: Context, given: dict[str, Node], session: engine.Session
+) -> Iterator[tuple[Cell, Context, Made | None]]:
     """Each cell with a context of its own, in which its faults are, and what came of it."""
-    library: Library = {}
     for cell in chosen:
         own = replace(context, sink=Sink())
-        values = {**given, **cell.given}
-        built = build(
-            recipe, own, given=values, name=cell.name, verified=verified, deduplicated=deduplicated,
-            session=session, library=library,
-        )  # fmt: skip
-        yield cell, own, built
+        question = maker.question(cell.name, {f"`{name}`": _text(node) for name, node in cell.given.items()})
+        made, why = maker.recall(question)
+        if made is not None and made.record is not None:
+            for diagnostic in made.record.diagnostics:
+                own.sink.add(diagnostic)
+        else:
+            made = maker.make(own, session, {**given, **cell.given}, cell.name, question, why)
+        yield cell, own, made
+
+
+def _text(node: Node) -> str:
+    return node.text if isinstance(node, Scalar) else json.dumps(to_python(node))

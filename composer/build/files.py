@@ -6,7 +6,6 @@ import hashlib
 import os
 import stat
 import time
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,7 +21,7 @@ Stamp = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What was at a path: `state` is the sha256 of a file, the names of the licences in a folder, `ABSENT` for nothing."""
+    """What was at a path: `state` is the sha256 of a file, the names of a folder's licences, or `ABSENT`."""
 
     path: str
     state: str
@@ -37,15 +36,15 @@ def seen(data: list[object]) -> Seen:
     path, state, stamp = data
     if not isinstance(path, str) or not isinstance(state, str):
         raise TypeError(data)
-    return Seen(path, state, tuple(stamp) if isinstance(stamp, list) else None)  # type: ignore[arg-type]
+    return Seen(path, state, tuple(stamp) if isinstance(stamp, list) else None)
 
 
 @dataclass(slots=True)
 class Files:
-    """Looks at every file once a run."""
+    """Looks at every file once, until told to look anew; reads one again only if its stamp is another."""
 
     _stamps: dict[str, tuple[Stamp, bool] | None] = field(default_factory=dict)
-    _states: dict[str, str] = field(default_factory=dict)
+    _states: dict[tuple[str, Stamp], str] = field(default_factory=dict)
 
     def look(self, path: str) -> Seen:
         """What is there now."""
@@ -53,10 +52,15 @@ class Files:
         if stamped is None:
             return Seen(path, ABSENT, None)
         stamp, is_folder = stamped
-        if path not in self._states:
-            self._states[path] = _licences(path) if is_folder else _sha256(path)
+        key = path, stamp
+        if key not in self._states:
+            self._states[key] = _licences(path) if is_folder else _sha256(path)
         settled = max(stamp[1], stamp[2]) + _SETTLED < time.time_ns()
-        return Seen(path, self._states[path], stamp if settled else None)
+        return Seen(path, self._states[key], stamp if settled else None)
+
+    def forget(self) -> None:
+        """What was looked at may have changed since."""
+        self._stamps.clear()
 
     def is_same(self, before: Seen) -> bool:
         """Whether the same is there as before."""
@@ -86,14 +90,6 @@ def now() -> int:
     """The time in ns since 1970 by the clock that file systems use: what is written from now on is not older."""
     coarse = getattr(time, "CLOCK_REALTIME_COARSE", None)
     return time.time_ns() if coarse is None else time.clock_gettime_ns(coarse)
-
-
-def digest_of(paths: Iterable[str], files: Files) -> str:
-    """One hash of the contents of many files."""
-    whole = hashlib.sha256()
-    for path in paths:
-        whole.update(f"{path}\0{files.look(path).state}\n".encode("utf-8", "surrogateescape"))
-    return whole.hexdigest()
 
 
 def _sha256(path: str) -> str:

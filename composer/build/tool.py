@@ -24,7 +24,9 @@ def tool_version(store: Path) -> str:
     """
     files = list(_files(str(_PACKAGE)))
     with contextlib.suppress(OSError):
-        files.append(_stamped(str(_PACKAGE.parent / "schemas" / "mjcf.json")))  # where a checkout has the grammar
+        files.append(
+            _stamped(str(_PACKAGE.parent / "schemas" / "mjcf.json"))
+        )  # where a checkout has the grammar
     stamps = hashlib.sha256(repr([(path, *stamp) for path, *stamp in files]).encode()).hexdigest()
     known = blobs.get(store, "asked", stamps)
     if known is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import shlex
 from typing import TYPE_CHECKING
 
 import click
@@ -11,16 +11,17 @@ from composer.build.cells import build_cells as built_cells
 from composer.build.cells import cells_of, picked
 from composer.cli.build import Wanted, put, say
 from composer.cli.counting import counting
-from composer.cli.reporting import FINDINGS, USAGE, report
+from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report
 
 if TYPE_CHECKING:
+    from composer.build.maker import Maker
     from composer.context import Context
     from composer.document import Node
     from composer.engine import Session
 
 
 def build_cells(
-    recipe: Path,
+    maker: Maker,
     wanted: Wanted,
     given: dict[str, Node],
     picks: tuple[str, ...],
@@ -28,6 +29,7 @@ def build_cells(
     session: Session,
 ) -> int:
     """Build them one after another; what is at fault in several is told once. Gives the exit code."""
+    recipe = maker.recipe
     every = cells_of(recipe, context)
     if not every and not context.sink.has_errors:
         context.sink.error("missing-key", f"`{recipe}` has no `matrix`: it is one model",
@@ -40,17 +42,28 @@ def build_cells(
         report(context, wanted.form)
         return USAGE if chosen and not picks else FINDINGS
     failed: list[str] = []
-    running = built_cells(recipe, chosen, context, given, verified=wanted.verified,
-                          deduplicated=wanted.deduplicated, session=session)  # fmt: skip
-    for cell, own, built in counting(running, len(chosen), lambda each: each[0].name):
-        target = None if built is None else put(built, wanted, own, session)
-        for diagnostic in own.sink.diagnostics:
-            context.sink.add(diagnostic)
-        if built is None or target is None or own.sink.has_errors:
-            failed.append(cell.name)
-        else:
-            say(built, target, wanted.form)
+    running = built_cells(maker, chosen, context, given, session)
+    whole = 0
+    try:
+        for cell, own, made in counting(running, len(chosen), lambda each: each[0].name):
+            target = None if made is None else put(made, maker, wanted, own, session)
+            for diagnostic in own.sink.diagnostics:
+                context.sink.add(diagnostic)
+            if made is None or target is None or own.sink.has_errors:
+                failed.append(cell.name)
+            else:
+                whole += 1
+                say(made, target, wanted)
+    except (KeyboardInterrupt, SystemExit) as ended:
+        click.echo(_how_to_go_on(whole, len(chosen), maker), err=True)
+        return ended.code if isinstance(ended, SystemExit) and isinstance(ended.code, int) else INTERRUPTED
     report(context, wanted.form)
     if failed and wanted.form == "text":
         click.echo(f"{len(failed)} of {len(chosen)} cells failed: {', '.join(failed)}", err=True)
     return FINDINGS if failed else 0
+
+
+def _how_to_go_on(whole: int, total: int, maker: Maker) -> str:
+    command = shlex.join(["mjcompose", *arguments()])
+    rest = "builds the rest" if maker.cache is not None else "builds them all"
+    return f"interrupted: {whole} of {total} are written and whole; `{command}` {rest}"

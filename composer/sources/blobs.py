@@ -1,4 +1,4 @@
-"""Files of the store that are one piece each, such as a compressed asset: written in one step, hashed when they are read.
+"""Files of the store that are one piece each, as a compressed asset is: written in one step, hashed when read.
 
     asked/, built/, raw/, packed/     what the build cache keeps (`composer/build/cache.py`)
     writing/                          files being written; they move to their place in one step
