@@ -75,7 +75,7 @@ class Cache:
             record = self._record(answer.record)
             if record is None:
                 return Found(why=(LOST,))
-            if answer != answers[0] or any(each.stamp is None for each in answer.inputs):
+            if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
                 self._refresh(question, answer, answers)
             return Found(record, answer)
         return Found(why=self._why(question, answers))

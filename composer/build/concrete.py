@@ -77,11 +77,12 @@ def _spans(node: Node) -> Iterator[Span]:
 
 
 def tells_places(plan: Plan, record: Record, manifest: bytes) -> bool:
-    """Whether something in a record or a manifest names lines of the plan's recipes. No I/O."""
+    """Whether what was told, or a manifest, names lines of the plan's recipes. No I/O."""
     files = {span.file for each in plans(plan) for span in _spans(each.document)}
     files |= {each.file for each in plans(plan)}
     told = [span for each in record.diagnostics for span in _spans_of(each)]
-    if any(span.file in files for span in (*told, *(each.span for each in record.checks))):
+    told += [span for check in record.checks for each in check.told for span in _spans_of(each)]
+    if any(span.file in files for span in told):
         return True
     names = "|".join(re.escape(name.replace("\\", "/").rpartition("/")[2]) for name in files)
     return re.search(rf"(?:{names}):\d".encode("utf-8", "surrogateescape"), manifest) is not None

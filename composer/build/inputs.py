@@ -40,7 +40,8 @@ class Inputs:
         found.update(dict.fromkeys(map(os.path.abspath, used)))
         if context.fetching is not None and context.fetching.lock_file is not None:
             found[os.path.abspath(context.fetching.lock_file)] = None
-        return tuple(found)
+        recipes = self.recipes(built.plan, context)
+        return tuple(path for path in found if path not in recipes)
 
     def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
         """The packages that decide what comes out, and those that sources are in."""

@@ -166,12 +166,15 @@ class Maker:
         """A model that another state of the recipe file gave, told as this one gives it."""
         from composer.build.concrete import places
         from composer.build.inputs import may_move
+        from composer.verify.checks import places as places_of_checks
 
         assert self.cache is not None
         found = self.cache.find(self._planned(plan))
         record, answer = found.record, found.answer
         if record is None or answer is None or (record.tells_places and record.places != places(plan)):
             return None
+        written = places_of_checks(plan)
+        record = replace(record, checks=tuple(replace(each, span=written[each.name]) for each in record.checks))
         recipes = [self.cache.files.look(path) for path in self._names().recipes(plan, context)]
         record = self._of_recipes(record, {each.path: each.state for each in recipes})
         made = None if record is None else self._with_files(record, answer)

@@ -21,7 +21,7 @@ from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_
 if TYPE_CHECKING:
     from composer.build.made import Made
     from composer.build.maker import Maker
-    from composer.bundle.write import Form
+    from composer.bundle.form import Form
     from composer.context import Context
     from composer.engine import Session
 
@@ -134,8 +134,8 @@ class Wanted:
 
 def kind_of_output(out: str | None, many: bool) -> Form:
     """What OUT asks for; raises OutputError where that cannot be told, or `many` models would go to one place."""
+    from composer.bundle.form import Form, form_of
     from composer.bundle.output_error import OutputError
-    from composer.bundle.write import Form, form_of
 
     if out is None:
         return Form.ARCHIVE

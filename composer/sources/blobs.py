@@ -35,15 +35,15 @@ def get(store: Path, kind: str, key: str) -> bytes | None:
     """What was put, marked as used now; None where it is not there. What is damaged is removed and not there."""
     path = store / kind / key
     try:
-        content = path.read_bytes()
+        content = _read(path)
     except OSError:
         return None
     with contextlib.suppress(OSError):  # somebody else's store, which may be read
-        if hashlib.sha256(content[_DIGEST:]).digest() != content[:_DIGEST]:
+        if content is None:
             path.unlink()
-            return None
-        os.utime(path)
-    return content[_DIGEST:]
+        else:
+            os.utime(path)
+    return content
 
 
 def put(store: Path, kind: str, key: str, content: bytes) -> None:
@@ -71,10 +71,9 @@ def has(store: Path, kind: str, key: str) -> bool:
 def is_damaged(blob: Blob) -> bool:
     """Whether it is no longer what was put."""
     try:
-        content = blob.path.read_bytes()
+        return _read(blob.path) is None
     except OSError:
         return True
-    return hashlib.sha256(content[_DIGEST:]).digest() != content[:_DIGEST]
 
 
 def blobs(store: Path) -> Iterator[Blob]:
@@ -84,3 +83,10 @@ def blobs(store: Path) -> Iterator[Blob]:
             for entry in entries:
                 status = entry.stat()
                 yield Blob(kind, entry.name, Path(entry.path), status.st_size, status.st_mtime)
+
+
+def _read(path: Path) -> bytes | None:
+    """The content without its hash; None where the two do not agree. Raises OSError."""
+    with path.open("rb") as stream:
+        digest, content = stream.read(_DIGEST), stream.read()
+    return content if hashlib.sha256(content).digest() == digest else None

@@ -15,8 +15,6 @@ import contextlib
 import hashlib
 import json
 import os
-import secrets
-import shutil
 import stat
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -88,7 +86,7 @@ class Store:
         """
         with self.usable():
             self._sweep(key)
-            stage = self.folder / "staging" / f"{key}.{secrets.token_hex(6)}"
+            stage = self.folder / "staging" / f"{key}.{os.urandom(6).hex()}"
             try:
                 content = stage / "content"
                 content.mkdir(parents=True)
@@ -218,7 +216,7 @@ class Store:
     def remember(self, id: str, told: Mapping[str, str]) -> None:
         """Write down what an origin stood for; a note that cannot be written is none."""
         path = self.folder / "seen" / f"{name_of(id)}.json"
-        stage = path.with_name(f"{path.name}.{secrets.token_hex(6)}")
+        stage = path.with_name(f"{path.name}.{os.urandom(6).hex()}")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             stage.write_text(json.dumps({**told, "id": id}), encoding="utf-8")
@@ -249,7 +247,7 @@ class Store:
             return None
 
     def _remove(self, folder: Path, key: str) -> None:
-        stage = self.folder / "staging" / f"{key}.{secrets.token_hex(6)}"
+        stage = self.folder / "staging" / f"{key}.{os.urandom(6).hex()}"
         stage.parent.mkdir(parents=True, exist_ok=True)
         with contextlib.suppress(FileNotFoundError):  # another process was faster
             folder.replace(stage)
@@ -277,6 +275,8 @@ def name_of(id: str) -> str:
 
 
 def _erase(path: Path) -> None:
+    import shutil  # reading what is there needs none of it
+
     if path.is_dir():
         if os.name == "nt":  # where a file that cannot be written cannot be removed either
             for _, file in files_below(path):

@@ -118,7 +118,8 @@ SCRIPT = """
 import os, sys
 from pathlib import Path
 os.umask(int(sys.argv[2], 8))
-from composer.bundle import Bundle, write
+from composer.bundle import Bundle
+from composer.bundle.write import write
 paths = {f"assets/{name}.obj" for name in "abcdefghij"}  # in the order of this process's hashes
 bundle = Bundle({path: path.encode() * 999 for path in paths} | {"model.xml": b"<mujoco/>" * 99})
 write(bundle, sys.argv[1], environment={})
