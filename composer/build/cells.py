@@ -53,11 +53,8 @@ def build_cells(
     for cell in chosen:
         own = replace(context, sink=Sink())
         question = maker.question(cell.name, {f"`{name}`": _text(node) for name, node in cell.given.items()})
-        made, why = maker.recall(question)
-        if made is not None and made.record is not None:
-            for diagnostic in made.record.diagnostics:
-                own.sink.add(diagnostic)
-        else:
+        made, why = maker.recall(question, own)
+        if made is None:
             made = maker.make(own, session, {**given, **cell.given}, cell.name, question, why)
         yield cell, own, made
 

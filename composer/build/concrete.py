@@ -59,9 +59,8 @@ def places(plan: Plan) -> str:
     whole = hashlib.sha256()
     for each in plans(plan):
         for span in _spans(each.document):
-            whole.update(
-                f"{span.file}:{span.line}:{span.column}:{span.end_line}:{span.end_column}\n".encode()
-            )
+            place = f"{span.file}:{span.line}:{span.column}:{span.end_line}:{span.end_column}\n"
+            whole.update(place.encode("utf-8", "surrogateescape"))
     return whole.hexdigest()
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Place = Callable[[str], "Path | None"]
 """Where a model of a name is to be written; None for nowhere."""
 
-_SETTLED = "not what this model is made of, only its recipe file changed"
+_SETTLED = "the recipe changed, in nothing that this model is made of"
 
 
 class Maker:
@@ -65,20 +65,28 @@ class Maker:
             )
         return self._question if cell is None else of_cell(self._question, cell, values or {})
 
-    def recall(self, question: Question | None) -> tuple[Made | None, tuple[str, ...]]:
-        """The model if the cache knows it, before anything is read; or why it does not."""
+    def recall(
+        self, question: Question | None, context: Context, outcomes: list[Outcome] | None = None
+    ) -> tuple[Made | None, tuple[str, ...]]:
+        """The model if the cache knows it, before anything is read; or why it does not.
+
+        What was told of it goes to the context's sink once more, what came of its checks to `outcomes`.
+        """
         if self.cache is None or question is None:
             return None, ("the cache is not used",)
         found = self.cache.find(question)
         if found.record is None:
             return None, found.why
         made = self._with_files(found.record, found.answer)
-        return made, () if made is not None else (LOST,)
+        if made is None:
+            return None, (LOST,)
+        _tell(found.record, context, outcomes)
+        return made, ()
 
     def make(
         self,
         context: Context,
-        session: Session,
+        session: Session | None,
         given: Mapping[str, Node],
         name: str | None = None,
         question: Question | None = None,
@@ -89,14 +97,14 @@ class Maker:
         from composer.pipeline import build
         from composer.plan.make import plan_what_remains
 
+        outcomes = [] if outcomes is None else outcomes
         plan = plan_what_remains(self.recipe, context, given, name)
         if plan is None:
             return None
         if question is not None and self.order.text_beside is None and not context.sink.has_errors:
-            known = self._recall_planned(plan, context, question)
+            known = self._recall_planned(plan, context, question, outcomes)
             if known is not None:
                 return known
-        outcomes = [] if outcomes is None else outcomes
         built = build(
             self.recipe, context, plan=plan, verified=self.order.verified, deduplicated=self.order.deduplicated,
             session=session, library=self.library, hear=outcomes.append,
@@ -162,7 +170,9 @@ class Maker:
         parts = {name: value for name, value in base.parts.items() if name not in self.order.choices}
         return Question("", {**parts, "plan": key_of(concrete(plan))})
 
-    def _recall_planned(self, plan: Plan, context: Context, question: Question) -> Made | None:
+    def _recall_planned(
+        self, plan: Plan, context: Context, question: Question, outcomes: list[Outcome]
+    ) -> Made | None:
         """A model that another state of the recipe file gave, told as this one gives it."""
         from composer.build.concrete import places
         from composer.build.inputs import may_move
@@ -174,14 +184,15 @@ class Maker:
         if record is None or answer is None or (record.tells_places and record.places != places(plan)):
             return None
         written = places_of_checks(plan)
-        record = replace(record, checks=tuple(replace(each, span=written[each.name]) for each in record.checks))
+        record = replace(
+            record, checks=tuple(replace(each, span=written[each.name]) for each in record.checks)
+        )
         recipes = [self.cache.files.look(path) for path in self._names().recipes(plan, context)]
         record = self._of_recipes(record, {each.path: each.state for each in recipes})
         made = None if record is None else self._with_files(record, answer)
         if record is None or made is None:
             return None
-        for diagnostic in record.diagnostics:
-            context.sink.add(diagnostic)
+        _tell(record, context, outcomes)
         if not may_move(context):
             self.cache.keep(question, record, [*recipes, *answer.inputs], answer.packages)
         return replace(made, why=(_SETTLED,))
@@ -260,3 +271,10 @@ class Maker:
         if self._inputs is None:
             self._inputs = Inputs()
         return self._inputs
+
+
+def _tell(record: Record, context: Context, outcomes: list[Outcome] | None) -> None:
+    for diagnostic in record.diagnostics:
+        context.sink.add(diagnostic)
+    if outcomes is not None:
+        outcomes.extend(record.checks)

@@ -85,10 +85,8 @@ def command(
         one = not every and not picks
         reasons: tuple[str, ...] = ()
         if one:
-            known, reasons = maker.recall(maker.question())
-            if known is not None and known.record is not None:
-                for diagnostic in known.record.diagnostics:
-                    context.sink.add(diagnostic)
+            known, reasons = maker.recall(maker.question(), context)
+            if known is not None:
                 sys.exit(_finish(known, maker, wanted, context, None))
         given = chosen_values(sets, set_files, variants, context)
         if context.sink.has_errors:

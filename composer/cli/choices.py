@@ -69,8 +69,10 @@ def named_choices(
 
     found: dict[str, str] = {}
     for file in set_files:
+        digest = "unreadable"
         with contextlib.suppress(OSError):
-            found[f"`--set-file {file}`"] = sha256((context.folder / file).read_bytes()).hexdigest()
+            digest = sha256((context.folder / file).read_bytes()).hexdigest()
+        found[f"`--set-file {file}`"] = digest
     for what, written in [*(("", each) for each in sets), *(("variant ", each) for each in variants)]:
         name, equals, value = written.partition("=")
         found[f"{what}`{name}`"] = value if equals else "nothing"

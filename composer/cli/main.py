@@ -23,7 +23,7 @@ _VERBS = {
     "explain": "Say where an element or attribute came from, and what changed it.",
     "lock": "Write down what every source of a recipe is.",
     "update": "Lock sources as they are now.",
-    "cache": "Look after the store of what was fetched.",
+    "cache": "Look after the store of what was fetched and built.",
     "diff": "Say what differs between two models, in physics terms.",
     "new": "Write a commented starter recipe that builds.",
     "fmt": "Put recipes into their canonical layout, comments kept.",
