@@ -121,10 +121,14 @@ class Cache:
     def is_written(self, out: Path, content: str) -> bool:
         """Whether an output is as it was when `note_written` was told that this is its content."""
         known: object = _read(self.store.folder, key_of([os.fspath(out)]))
-        return known == [content, _stamps(out) or None]
+        if not isinstance(known, list) or len(known) != 3 or not isinstance(known[1], list):
+            return False
+        return known == [content, known[1], _stamps([os.fspath(out), *known[1]]) or None]
 
-    def note_written(self, out: Path, content: str) -> None:
-        self._put("asked", key_of([os.fspath(out)]), _dump([content, _stamps(out)]))
+    def note_written(self, out: Path, content: str, beside: Iterable[Path] = ()) -> None:
+        """`beside` are files that belong to the output and stand elsewhere."""
+        more = [os.fspath(path) for path in beside]
+        self._put("asked", key_of([os.fspath(out)]), _dump([content, more, _stamps([os.fspath(out), *more])]))
 
     def close(self) -> None:
         """Keep the store below its bound, if anything was added to it."""
@@ -241,12 +245,15 @@ def _read(store: Path, key: str) -> Any:
     return None
 
 
-def _stamps(out: Path) -> list[list[object]]:
-    """Of all files of an output."""
+def _stamps(outputs: Iterable[str]) -> list[list[object]]:
+    """Of all files of outputs; none where one is not there."""
     found: list[list[object]] = []
-    paths = [os.fspath(out)]
-    if os.path.isdir(out):
-        paths = [os.path.join(where, name) for where, _, names in os.walk(out) for name in names]
+    paths: list[str] = []
+    for out in outputs:
+        below = os.path.isdir(out)
+        paths += (
+            [os.path.join(at, name) for at, _, names in os.walk(out) for name in names] if below else [out]
+        )
     for path in sorted(paths):
         try:
             status = os.lstat(path)

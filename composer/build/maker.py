@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -120,11 +120,11 @@ class Maker:
         """Remember a model's text alone, which was made when it was written."""
         self._keep(made, (), context, text)
 
-    def note_written(self, made: Made) -> None:
-        """Remember that an output has this content now."""
+    def note_written(self, made: Made, beside: Iterable[Path] = ()) -> None:
+        """Remember that an output, with files `beside` it, has this content now."""
         target = self.place(made.name)
         if self.cache is not None and target is not None and not made.is_written:
-            self.cache.note_written(target, self._content(made.sha256))
+            self.cache.note_written(target, self._content(made.sha256), beside)
 
     def packing(self, bundle: Bundle, path: str) -> Packed:
         """A file as a zip holds it, packed once for all models that have it."""

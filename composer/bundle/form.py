@@ -17,6 +17,7 @@ class Form(StrEnum):
     ARCHIVE = "archive"
     TEXT = "text"
     MJB = "mjb"
+    SHARED = "folder with shared assets"
 
 
 _SUFFIXES = {".zip": Form.ARCHIVE, ".mjz": Form.ARCHIVE, ".xml": Form.TEXT, ".mjb": Form.MJB}

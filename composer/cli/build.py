@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 @choice_options
 @click.option("--all", "every", is_flag=True, help="Build every cell of the recipe's matrix.")
 @click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
+@click.option("--shared-assets", is_flag=True, help="Keep the assets of all cells in one folder: with"
+              " -o 'DIR/{name}/' that is DIR/assets/.")  # fmt: skip
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
@@ -52,6 +54,7 @@ def command(
     variants: tuple[str, ...],
     every: bool,
     picks: tuple[str, ...],
+    shared_assets: bool,
     no_verify: bool,
     dedup: bool,
     timeout: float,
@@ -70,7 +73,10 @@ def command(
     how = fetching()
     context = Context(fetching=how)
     try:
-        kind = kind_of_output(out, many=every or len(picks) > 1)
+        if shared_assets:
+            out, kind = _for_shared_assets(out, one=not every and not picks)
+        else:
+            kind = kind_of_output(out, many=every or len(picks) > 1)
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         report(context, form)
@@ -144,6 +150,30 @@ def kind_of_output(out: str | None, many: bool) -> Form:
     return Form.TEXT if out == "-" else form_of(out)
 
 
+_NO_SHARING = {
+    "archive": "a zip cannot refer to files outside of it",
+    "text": "text alone names the sources' own files, and none is copied",
+    "mjb": "MuJoCo's binary form has its assets in it",
+}
+
+
+def _for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
+    """The output of models that share their assets, and its form; raises OutputError for what cannot be."""
+    from composer.bundle.form import Form
+    from composer.bundle.output_error import OutputError
+
+    out = "build/{name}/" if out is None else out
+    help = "write `--all -o 'build/{name}/'`"
+    if one:
+        raise OutputError("output-kind", "one model has nobody to share its assets with", help)
+    kind = kind_of_output(out, many=True)
+    if kind is not Form.FOLDER:
+        raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
+    if "{name}" in os.path.dirname(out.rstrip("/")):
+        raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
+    return out, Form.SHARED
+
+
 def _finish(
     made: Made | None, maker: Maker, wanted: Wanted, context: Context, session: Session | None
 ) -> int:
@@ -166,8 +196,7 @@ def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Ses
     target = wanted.target(made.name)
     try:
         if not made.is_written:
-            _write(made, target, maker, wanted, context, session)
-            maker.note_written(made)
+            maker.note_written(made, _write(made, target, maker, wanted, context, session))
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         return None
@@ -181,7 +210,8 @@ def _file_name(name: str) -> str:
 
 def _write(
     made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
-) -> None:
+) -> tuple[Path, ...]:
+    """Gives what was written elsewhere than to `out`."""
     from composer.bundle.overwriting import check_is_no_source, files_read
 
     built = made.built
@@ -206,6 +236,11 @@ def _write(
         elif sys.stdout is not None:
             sys.stdout.buffer.write(text)
             sys.stdout.buffer.flush()
+    elif wanted.kind == "folder with shared assets":
+        from composer.bundle.shared import write_shared
+
+        assert made.bundle is not None
+        return write_shared(made.bundle, Path(os.path.abspath(context.folder / out)))
     elif made.packed and made.record is not None:
         from composer.bundle.archive import write_packed
 
@@ -215,6 +250,7 @@ def _write(
 
         assert made.bundle is not None
         write(made.bundle, out, environment=context.environment, session=session, packing=maker.packing)
+    return ()
 
 
 def say(made: Made, out: str, wanted: Wanted) -> None:
