@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer import engine
-from composer.bundle.assemble import assemble, described
+from composer.bundle.assemble import Checked, Making, assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
 from composer.plan.locked import check_lock
@@ -21,7 +21,7 @@ from composer.steps.measure import measure_with
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session
     from composer.link.dedup import Merged
-    from composer.verify.outcome import Hear
+    from composer.verify.outcome import Hear, Outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +58,13 @@ def build(
     plan = plan or plan_what_remains(recipe, context, given, name)
     if plan is None:
         return None
+    checks: list[Checked] = []
+
+    def note(outcome: Outcome) -> None:
+        checks.append(Checked(outcome.name, outcome.kind, outcome.span, outcome.values))
+        if hear is not None:
+            hear(outcome)
+
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session(limits))
         check_lock(plan, context)
@@ -72,10 +79,13 @@ def build(
             composed = replace(composed, files=files)
         if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
             return None
-        compiled = _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
+        compiled = _verified(plan, composed, bundle, context, session, merged, note) if verified else None
     if context.sink.has_errors:
         return None
-    bundle = described(bundle, plan, composed.members, compiled, context, merged)
+    making = Making(
+        plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), name
+    )
+    bundle = described(bundle, making, context)
     return Built(plan, composed, bundle, compiled, merged)
 
 
@@ -86,7 +96,7 @@ def _verified(
     context: Context,
     session: Session,
     merged: Merged,
-    hear: Hear | None,
+    hear: Hear,
 ) -> Compiled | None:
     """MuJoCo's verdict, and the recipe's checks."""
     from composer.verify.checks import run_checks  # a build without verification has no use for that room

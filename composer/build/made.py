@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ from composer.build.record import Record
 
 if TYPE_CHECKING:
     from composer.bundle.bundle import Bundle
+    from composer.bundle.licence_table import Row
     from composer.bundle.packing import Packed
     from composer.pipeline import Built
 
@@ -36,22 +37,26 @@ class Made:
     text: bytes | None = None
     is_written: bool = False
     why: tuple[str, ...] = ()
+    mujoco: str | None = None
+    licences: tuple[Row, ...] = ()
     question: Question | None = None
     inputs: tuple[str, ...] = ()
 
 
-def fresh(built: Built, why: tuple[str, ...], question: Question | None) -> Made:
+def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], question: Question | None) -> Made:
     """A model that was built now."""
     sizes = built.compiled.sizes if built.compiled else None
+    mujoco = built.compiled.mujoco_version if built.compiled else None
     return Made(
         built.plan.name, built.bundle.sha256, sizes, built.merged, built, bundle=built.bundle, why=why,
-        question=question,
+        mujoco=mujoco, licences=tuple(licences), question=question,
     )  # fmt: skip
 
 
 def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
     """A model that was built before, without any of its files."""
-    return Made(record.name, record.sha256, record.sizes, record.merged, record=record, inputs=inputs)
+    return Made(record.name, record.sha256, record.sizes, record.merged, record=record, inputs=inputs,
+                mujoco=record.mujoco, licences=record.licences)  # fmt: skip
 
 
 def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:

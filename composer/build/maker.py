@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from composer.steps.load import Library
     from composer.verify.outcome import Outcome
 
-Place = Callable[[str], "Path | None"]
-"""Where a model of a name is to be written; None for nowhere."""
+Place = Callable[[str, "str | None"], "Path | None"]
+"""Where a model is to be written, by its name and the version of MuJoCo that compiled it; None for nowhere."""
 
 _SETTLED = "the recipe changed, in nothing that this model is made of"
 
@@ -46,7 +46,7 @@ class Maker:
         cache: Cache | None,
         context: Context,
         form: str | None = None,
-        place: Place = lambda name: None,
+        place: Place = lambda name, mujoco: None,
     ) -> None:
         self.recipe, self.order, self.cache, self.context = recipe, order, cache, context
         self.form, self.place = form, place
@@ -111,7 +111,9 @@ class Maker:
         )  # fmt: skip
         if built is None:
             return None
-        made = fresh(built, why, question)
+        from composer.bundle.licence_table import licence_rows
+
+        made = fresh(built, licence_rows(plan, context), why, question)
         if self.order.text_beside is None:
             self._keep(made, outcomes, context)
         return made
@@ -122,7 +124,7 @@ class Maker:
 
     def note_written(self, made: Made, beside: Iterable[Path] = ()) -> None:
         """Remember that an output, with files `beside` it, has this content now."""
-        target = self.place(made.name)
+        target = self.place(made.name, made.mujoco)
         if self.cache is not None and target is not None and not made.is_written:
             self.cache.note_written(target, self._content(made.sha256), beside)
 
@@ -145,13 +147,13 @@ class Maker:
         """What was built before with as much of it as its output needs; None where that is no longer whole."""
         assert self.cache is not None
         made = recalled(record, tuple(each.path for each in answer.inputs) if answer else ())
-        target = self.place(record.name)
+        target = self.place(record.name, record.mujoco)
         if record.text is not None:
             text = self.cache.raw(KeptFile("", record.text, 0, None))
             return None if text is None else replace(made, text=text)
         if target is None:
             return made
-        if self.cache.is_written(target, self._content(record.sha256)):
+        if self.form != "usd" and self.cache.is_written(target, self._content(record.sha256)):
             return replace(made, is_written=True)
         if self.form == "archive":
             packed = load_packed(record, self.cache)
@@ -244,7 +246,7 @@ class Maker:
         record = Record(
             made.name, built.bundle.model, made.sha256, made.sizes, made.merged,
             self._kept(built.bundle, known) if text is None else (), digest,
-            tuple(context.sink.diagnostics), tuple(outcomes),
+            made.mujoco, made.licences, tuple(context.sink.diagnostics), tuple(outcomes),
             {each.path: each.state for each in recipes}, places(built.plan), False,
         )  # fmt: skip
         record = replace(record, tells_places=tells_places(built.plan, record, built.bundle.files[MANIFEST]))

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from composer.bundle.licence_table import Row
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
 from composer.verify.outcome import Outcome
@@ -24,7 +25,8 @@ class KeptFile:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A build that went well. `text` is the hash of the model's text alone, where that was asked for.
+    """A build that went well. `text` is the hash of the model's text alone, where that was asked for; `mujoco` is
+    the version that compiled it.
 
     `recipes` are the recipe files and their hashes then, `places` is a hash of where everything stands in them, and
     `tells_places` says that something of this would be wrong if it stood elsewhere.
@@ -37,6 +39,8 @@ class Record:
     merged: Mapping[str, Mapping[str, str]]
     files: tuple[KeptFile, ...]
     text: str | None
+    mujoco: str | None
+    licences: tuple[Row, ...]
     diagnostics: tuple[Diagnostic, ...]
     checks: tuple[Outcome, ...]
     recipes: Mapping[str, str]
@@ -52,9 +56,16 @@ def from_json(text: bytes) -> Record:
     """What `to_json` gave. Raises ValueError, KeyError and TypeError for anything else."""
     data: dict[str, Any] = json.loads(text)
     data["files"] = tuple(KeptFile(**each) for each in data["files"])
+    data["licences"] = tuple(Row(**{**each, "files": tuple(each["files"])}) for each in data["licences"])
     data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
     data["checks"] = tuple(
-        Outcome(each["name"], each["kind"], Span(**each["span"]), tuple(map(_diagnostic, each["told"])))
+        Outcome(
+            each["name"],
+            each["kind"],
+            Span(**each["span"]),
+            tuple(map(_diagnostic, each["told"])),
+            each["values"],
+        )
         for each in data["checks"]
     )
     return Record(**data)

@@ -17,10 +17,12 @@ class Form(StrEnum):
     ARCHIVE = "archive"
     TEXT = "text"
     MJB = "mjb"
+    USD = "usd"
     SHARED = "folder with shared assets"
 
 
 _SUFFIXES = {".zip": Form.ARCHIVE, ".mjz": Form.ARCHIVE, ".xml": Form.TEXT, ".mjb": Form.MJB}
+_SUFFIXES |= dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), Form.USD)
 
 
 def form_of(out: str | PathLike[str]) -> Form:
@@ -44,6 +46,6 @@ def form_of(out: str | PathLike[str]) -> Form:
         raise OutputError(
             "output-kind",
             f"no output is called `*{path.suffix}`: `{name}`",
-            f"end it in `.mjz`, `.zip`, `.xml` or `.mjb`, or write `{name}/` for a folder",
+            f"end it in `.mjz`, `.zip`, `.xml`, `.mjb` or `.usdz`, or write `{name}/` for a folder",
         )
     return form

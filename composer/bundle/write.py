@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from os import PathLike
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from composer.bundle.form import Form, form_of
 from composer.bundle.mjb import write_mjb
 from composer.bundle.packing import Packing, packed_now
 from composer.bundle.text import write_text
+from composer.bundle.usd import write_usd
 
 
 def write(
@@ -24,11 +25,13 @@ def write(
     limits: engine.Limits | None = None,
     session: engine.Session | None = None,
     packing: Packing = packed_now,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> Form:
     """Write the bundle to `out` in the form its name asks for; the form is returned.
 
     Either the output is complete or everything is as it was, and OutputError says why. `environment` may hold
-    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB, which MuJoCo writes, `packing` for archives.
+    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB and USD, which MuJoCo is needed for, `packing` for archives;
+    `tell` hears what USD does not hold.
     """
     form = form_of(out)
     path = Path(out)
@@ -41,4 +44,6 @@ def write(
             write_text(bundle, path)
         case Form.MJB:
             write_mjb(bundle, path, limits=limits, session=session)
+        case Form.USD:
+            write_usd(bundle, path, tell, limits=limits, session=session)
     return form

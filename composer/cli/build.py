@@ -6,7 +6,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from composer.build.maker import Maker
     from composer.bundle.form import Form
     from composer.context import Context
+    from composer.document import Node
     from composer.engine import Session
 
 
@@ -30,17 +31,24 @@ if TYPE_CHECKING:
 @click.argument("recipe", type=click.Path(path_type=Path))
 @click.option(
     "-o", "--output", "out", metavar="OUT",
-    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output) or FILE.mjb, in which {name} is"
-    " the name of the model; default: build/{name}.zip.",
+    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output), FILE.mjb or FILE.usdz (also .usd,"
+    " .usda, .usdc), in which {name} is the name of the model; default: build/{name}.zip. The name of an MJB gets the"
+    " version of MuJoCo, at {mujoco} or before the suffix.",
 )  # fmt: skip
 @choice_options
-@click.option("--all", "every", is_flag=True, help="Build every cell of the recipe's matrix.")
+@click.option(
+    "--all",
+    "every",
+    is_flag=True,
+    help="Build every cell of the recipe's matrix, or the one model that it is.",
+)
 @click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
 @click.option("--shared-assets", is_flag=True, help="Keep the assets of all cells in one folder: with"
               " -o 'DIR/{name}/' that is DIR/assets/.")  # fmt: skip
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
+@click.option("--licenses", is_flag=True, help="Print the licence of every part.")
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
 @caching_options
@@ -57,6 +65,7 @@ def command(
     shared_assets: bool,
     no_verify: bool,
     dedup: bool,
+    licenses: bool,
     timeout: float,
     no_cache: bool,
     why: bool,
@@ -81,7 +90,9 @@ def command(
         context.sink.error(error.code, error.message, help=error.help)
         report(context, form)
         sys.exit(USAGE)
-    wanted = Wanted("build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form, why)
+    wanted = Wanted(
+        "build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form, why, licenses
+    )
     order = Order(
         wanted.verified, dedup, wanted.text_beside(context.folder), named_choices(sets, set_files, variants, context),
         how.locked, how.offline,
@@ -93,7 +104,7 @@ def command(
         if one:
             known, reasons = maker.recall(maker.question(), context)
             if known is not None:
-                sys.exit(_finish(known, maker, wanted, context, None))
+                sys.exit(finish(known, maker, wanted, context, None))
         given = chosen_values(sets, set_files, variants, context)
         if context.sink.has_errors:
             report(context, form)
@@ -105,9 +116,7 @@ def command(
                 from composer.cli.build_cells import build_cells
 
                 sys.exit(build_cells(maker, wanted, given, picks, context, session))
-            progress(f"building {recipe}")
-            made = maker.make(context, session, given, question=maker.question(), why=reasons)
-            sys.exit(_finish(made, maker, wanted, context, session))
+            sys.exit(build_one(maker, wanted, given, context, session, reasons))
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,14 +129,20 @@ class Wanted:
     deduplicated: bool
     form: str
     why: bool = False
+    licenses: bool = False
 
-    def target(self, name: str) -> str:
-        """Where a model of that name goes."""
-        return self.out.replace("{name}", _file_name(name))
+    def target(self, name: str, mujoco: str | None) -> str:
+        """Where a model goes, by its name and the version of MuJoCo that compiled it."""
+        target = self.out.replace("{name}", _file_name(name))
+        if self.kind != "mjb":
+            return target
+        from composer.bundle.mjb import with_version
 
-    def place(self, folder: Path, name: str) -> Path | None:
+        return with_version(target, mujoco)
+
+    def place(self, folder: Path, name: str, mujoco: str | None) -> Path | None:
         """The same as a path; None for standard output."""
-        return None if self.out == "-" else Path(os.path.abspath(folder / self.target(name)))
+        return None if self.out == "-" else Path(os.path.abspath(folder / self.target(name, mujoco)))
 
     def text_beside(self, folder: Path) -> Path | None:
         """The folder from which text alone names its files, where that is wanted."""
@@ -154,6 +169,7 @@ _NO_SHARING = {
     "archive": "a zip cannot refer to files outside of it",
     "text": "text alone names the sources' own files, and none is copied",
     "mjb": "MuJoCo's binary form has its assets in it",
+    "usd": "USD has meshes in its layers",
 }
 
 
@@ -174,9 +190,22 @@ def _for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
     return out, Form.SHARED
 
 
-def _finish(
-    made: Made | None, maker: Maker, wanted: Wanted, context: Context, session: Session | None
+def build_one(
+    maker: Maker,
+    wanted: Wanted,
+    given: dict[str, Node],
+    context: Context,
+    session: Session,
+    why: tuple[str, ...],
 ) -> int:
+    """Build the one model that the recipe is; gives the exit code."""
+    progress(f"building {maker.recipe}")
+    made = maker.make(context, session, given, question=maker.question(), why=why)
+    return finish(made, maker, wanted, context, session)
+
+
+def finish(made: Made | None, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> int:
+    """Write the model, and tell what there is to tell; gives the exit code."""
     target = None if made is None else put(made, maker, wanted, context, session)
     report(context, wanted.form, err=wanted.out == "-")
     if made is None or target is None or context.sink.has_errors:
@@ -191,15 +220,17 @@ def _finish(
 
 def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> str | None:
     """Write a model where it is wanted; gives the place, or None where that cannot be, which is told."""
+    from composer.bundle.licence_table import tell_unlicensed
     from composer.bundle.output_error import OutputError
 
-    target = wanted.target(made.name)
+    target = wanted.target(made.name, made.mujoco)
     try:
         if not made.is_written:
             maker.note_written(made, _write(made, target, maker, wanted, context, session))
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         return None
+    tell_unlicensed(made.licences, context)
     return target
 
 
@@ -248,8 +279,17 @@ def _write(
     else:
         from composer.bundle.write import write
 
+        def lost(warning: str) -> None:
+            context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
+
         assert made.bundle is not None
-        write(made.bundle, out, environment=context.environment, session=session, packing=maker.packing)
+        write(
+            made.bundle, out, environment=context.environment, session=session, packing=maker.packing, tell=lost
+        )  # fmt: skip
+        if wanted.kind == "mjb":
+            from composer.bundle.mjb import manifest_beside
+
+            return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
     return ()
 
 
@@ -266,6 +306,8 @@ def say(made: Made, out: str, wanted: Wanted) -> None:
         }
         if made.merged:
             told["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
+        if wanted.licenses:
+            told["licences"] = [asdict(row) for row in made.licences]
         if wanted.why:
             told["built"] = made.built is not None
             told["why"] = list(made.why)
@@ -282,6 +324,10 @@ def say(made: Made, out: str, wanted: Wanted) -> None:
     for line in _remarks(made, wanted):
         click.echo(line)
     click.echo(f"  contents sha256 {made.sha256}")
+    if wanted.licenses and made.licences:
+        from composer.bundle.licence_table import licence_table
+
+        click.echo(licence_table(made.licences))
 
 
 def _remarks(made: Made, wanted: Wanted) -> Iterator[str]:

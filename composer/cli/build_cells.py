@@ -9,7 +9,7 @@ import click
 
 from composer.build.cells import build_cells as built_cells
 from composer.build.cells import cells_of, picked
-from composer.cli.build import Wanted, put, say
+from composer.cli.build import Wanted, build_one, finish, put, say
 from composer.cli.counting import counting
 from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report
 
@@ -32,8 +32,13 @@ def build_cells(
     recipe = maker.recipe
     every = cells_of(recipe, context)
     if not every and not context.sink.has_errors:
+        if not picks:
+            made, why = maker.recall(maker.question(), context)
+            if made is not None:
+                return finish(made, maker, wanted, context, session)
+            return build_one(maker, wanted, given, context, session, why)
         context.sink.error("missing-key", f"`{recipe}` has no `matrix`: it is one model",
-                           help="build it without `--all` and `--pick`")  # fmt: skip
+                           help="build it without `--pick`")  # fmt: skip
     chosen = picked(every, picks, context.sink) if picks else every
     for name in dict.fromkeys(name for cell in chosen for name in cell.given if name in given):
         context.sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
