@@ -102,7 +102,7 @@ class Maker:
         if plan is None:
             return None
         if question is not None and self.order.text_beside is None and not context.sink.has_errors:
-            known = self._recall_planned(plan, context, question, outcomes)
+            known = self._recall_planned(plan, name, context, question, outcomes)
             if known is not None:
                 return known
         built = build(
@@ -115,12 +115,12 @@ class Maker:
 
         made = fresh(built, licence_rows(plan, context), why, question)
         if self.order.text_beside is None:
-            self._keep(made, outcomes, context)
+            self._keep(made, outcomes, context, name)
         return made
 
     def keep_text(self, made: Made, text: bytes, context: Context) -> None:
         """Remember a model's text alone, which was made when it was written."""
-        self._keep(made, (), context, text)
+        self._keep(made, (), context, None, text)
 
     def note_written(self, made: Made, beside: Iterable[Path] = ()) -> None:
         """Remember that an output, with files `beside` it, has this content now."""
@@ -163,17 +163,17 @@ class Maker:
         files = load_files(record, self.cache)
         return None if files is None else replace(made, bundle=Bundle(files, record.model))
 
-    def _planned(self, plan: Plan) -> Question:
+    def _planned(self, plan: Plan, cell: str | None) -> Question:
         """The question for what is planned, whatever recipe file says it."""
         from composer.build.concrete import concrete
 
         base = self.question()
         assert base is not None
         parts = {name: value for name, value in base.parts.items() if name not in self.order.choices}
-        return Question("", {**parts, "plan": key_of(concrete(plan))})
+        return Question("", {**parts, "cell": cell or "", "plan": key_of(concrete(plan))})
 
     def _recall_planned(
-        self, plan: Plan, context: Context, question: Question, outcomes: list[Outcome]
+        self, plan: Plan, cell: str | None, context: Context, question: Question, outcomes: list[Outcome]
     ) -> Made | None:
         """A model that another state of the recipe file gave, told as this one gives it."""
         from composer.build.concrete import places
@@ -181,7 +181,7 @@ class Maker:
         from composer.verify.checks import places as places_of_checks
 
         assert self.cache is not None
-        found = self.cache.find(self._planned(plan))
+        found = self.cache.find(self._planned(plan, cell))
         record, answer = found.record, found.answer
         if record is None or answer is None or (record.tells_places and record.places != places(plan)):
             return None
@@ -217,7 +217,12 @@ class Maker:
         return replace(record, sha256=bundle.sha256, files=self._kept(bundle, known), recipes=dict(states))
 
     def _keep(
-        self, made: Made, outcomes: Sequence[Outcome], context: Context, text: bytes | None = None
+        self,
+        made: Made,
+        outcomes: Sequence[Outcome],
+        context: Context,
+        cell: str | None,
+        text: bytes | None = None,
     ) -> None:
         """Remember a model that was built now, unless something that it was made of has changed meanwhile."""
         from composer.build.concrete import places, tells_places
@@ -254,7 +259,7 @@ class Maker:
         if not may_move(context):
             cache.keep(question, record, [*recipes, *others], packages)
         if text is None:
-            cache.keep(self._planned(built.plan), record, others, packages)
+            cache.keep(self._planned(built.plan, cell), record, others, packages)
 
     def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
         """The files of a bundle; those that no file of the user's has (`known`, by hash) go to the store."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from composer.context import Context
-from composer.sources.spdx import UNKNOWN, licence_of
 
 if TYPE_CHECKING:
     from composer.plan.plan import Plan
@@ -31,6 +30,7 @@ class Row:
 def licence_rows(plan: Plan, context: Context) -> list[Row]:
     """A row for each part, the base by the name of its file. Reads the licence files and the heads of the models."""
     from composer.bundle.assemble import sources  # what was built before needs none of this
+    from composer.sources.spdx import licence_of
 
     return [
         Row(label, source.reference, licence_of(source), tuple(map(context.shown, source.licences)))
@@ -40,6 +40,8 @@ def licence_rows(plan: Plan, context: Context) -> list[Row]:
 
 def licence_table(rows: Iterable[Row]) -> str:
     """The rows under their headings, in columns."""
+    from composer.sources.spdx import UNKNOWN
+
     lines = [("part", "source", "licence", "file")]
     lines += [(row.part, row.source, row.licence or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
     widths = [max(len(line[column]) for line in lines) for column in range(3)]

@@ -221,8 +221,12 @@ def test_only_the_cells_that_a_change_concerns(store: Path, folder: Path) -> Non
     new, known = built(*out)
     assert new == ["`matrix.yaml` changed"] * 2
     assert known == ["the recipe changed, in nothing that this model is made of"] * 2
-    recipe.write_text("# a line more\n" + recipe.read_text())
+    recipe.write_text(recipe.read_text() + "# a line more\n")
     assert built(*out)[0] == []
+    recipe.write_text(
+        "# now the check stands one line lower, and the manifests say where\n" + recipe.read_text()
+    )
+    assert len(built(*out)[0]) == 4
     run("build", "matrix.yaml", "--all", "-o", "c/{name}.zip", "--no-cache")
     assert snapshot(folder / "b") == snapshot(folder / "c")
 
