@@ -32,9 +32,6 @@ class Question:
     def subject_key(self) -> str:
         return key_of([self.subject])
 
-    def with_parts(self, parts: Mapping[str, str]) -> Question:
-        return Question(self.subject, {**self.parts, **parts})
-
 
 def key_of(data: object) -> str:
     """A name for data that JSON can hold."""
