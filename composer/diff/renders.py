@@ -17,10 +17,7 @@ from composer.engine.pictures import pictures
 if TYPE_CHECKING:
     from composer.engine import Session
 
-_HELP = {
-    "Pillow": 'pip install "mjcompose[pictures]"',
-    "OpenGL": "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa",
-}
+_HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
 
 
 def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:
@@ -31,10 +28,8 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
             said = answer.error or answer.crash
             context.sink.error("no-rendering", f"no pictures could be made: {said}")
             return ()
-        if (missing := answer.value.get("missing")) is not None:
-            said = answer.value.get("said")
-            words = f"no pictures can be made without {missing}" + (f": {said}" if said else "")
-            context.sink.error("no-rendering", words, help=_HELP[missing])
+        if (said := answer.value.get("no OpenGL")) is not None:
+            context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {said}", help=_HELP)
             return ()
         views: list[View] = []
         used: set[str] = set()

@@ -33,7 +33,6 @@ def _diff(folder: Path, context: Context) -> Diff | None:
 
 
 def test_every_view_is_a_pair_of_pictures(tmp_path: Path) -> None:
-    pytest.importorskip("PIL", reason="Pillow is not installed")
     context = Context(folder=tmp_path)
     found = _diff(tmp_path, context)
     if found is None:
@@ -55,7 +54,6 @@ def test_every_view_is_a_pair_of_pictures(tmp_path: Path) -> None:
 
 
 def test_without_opengl_it_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("PIL", reason="Pillow is not installed")
     monkeypatch.setenv("MUJOCO_GL", "disable")
     context = Context(folder=tmp_path)
     assert _diff(tmp_path, context) is None
