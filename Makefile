@@ -46,6 +46,7 @@ schemas: $(STAMP)
 	@for what in recipe manifest; do \
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
+	@$(BIN)/mjcompose schema reference > build/reference.md && mv build/reference.md docs/
 
 # Pins of every test dependency for every supported Python; needs uv.
 constraints:

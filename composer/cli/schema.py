@@ -1,4 +1,4 @@
-"""`mjcompose schema`: the JSON Schema of recipes."""
+"""`mjcompose schema`: the JSON Schema of recipes, and the reference page that is made of it."""
 
 from __future__ import annotations
 
@@ -6,13 +6,18 @@ import click
 
 
 @click.command()
-@click.argument("what", type=click.Choice(["recipe", "manifest"]), default="recipe")
+@click.argument("what", type=click.Choice(["recipe", "manifest", "reference"]), default="recipe")
 def command(what: str) -> None:
-    """Print the JSON Schema of recipes (or of manifests), for editors and other tools."""
+    """Print the JSON Schema of recipes (or of manifests) for editors and other tools, or all keys as a page."""
     if what == "manifest":
         from composer.bundle.manifest import schema as manifest_schema
 
         click.echo(manifest_schema(), nl=False)
+        return
+    if what == "reference":
+        from composer.recipe.reference_page import page
+
+        click.echo(page(), nl=False)
         return
     from composer.recipe.schema import text
 

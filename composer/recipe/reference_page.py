@@ -1,0 +1,210 @@
+"""The page docs/reference.md: every key of a recipe, read from its JSON Schema, and MJCF's elements from the grammar.
+
+`python -m composer schema reference > docs/reference.md` writes it anew.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+
+from composer.grammar import GRAMMAR
+from composer.grammar.element import ElementType
+from composer.recipe.reference import Schema
+from composer.recipe.schema import recipe_schema
+
+MANUAL = "https://mujoco.readthedocs.io/en/stable/XMLreference.html"
+_HEAD = f"""# Reference
+
+Written by `mjcompose schema reference` from the models that read recipes and from the grammar of MJCF: do not edit it.
+What the keys mean together, with examples, is in [recipes](recipes.md), [variation](variation.md),
+[randomisation](randomisation.md) and [checks](checks.md). Elements and their attributes are MJCF's own, with the
+meaning that MuJoCo's [XML reference]({MANUAL}) gives them.
+
+`PREFIX`, `NAME` and the like stand for words of yours, `[]` for each item of a list. Keys in **bold** are required,
+where neither `extends` nor a variant gives them. `${{…}}` may stand for any value, and a number may have the unit `deg`
+or `rad`.
+"""
+_CHAPTERS = {
+    "selector": (
+        "Selectors",
+        "One key is a tag, a family, a path of tags, `default` or `xpath`, with a glob over names; others narrow it.",
+    ),
+    "edit": ("Entries of `edit`", "A selector, and what is done to what it selects."),
+    "draw": ("Fields of `randomize`", "What is drawn: an attribute of what is selected, or a parameter."),
+}
+"""What is explained once, in a chapter of its own: by definition, the title and what stands above the keys."""
+_SAME = ("scale", "offset")
+"""Keys of a field of `randomize` with the distributions that the field itself may have."""
+_PLACES = {
+    "attach": "PREFIX", "with": "PARAMETER", "packages": "PACKAGE", "params": "PARAMETER", "variants": "AXIS",
+    "axes": "AXIS", "default": "CLASS", "fields": "FIELD", "from": "PART",
+}  # fmt: skip
+_BY_NAME = {"default": "settings by tag; `parent` is the class above", "randomize.fields": "one draw"}
+_TYPES = {
+    "string": "text", "number": "number", "integer": "whole number", "boolean": "true or false", "array": "list",
+    "object": "mapping",
+}  # fmt: skip
+_SETTINGS = ("option", "size", "statistic", "compiler")
+_VALUES = re.compile(r"(number|integer)(?:-(\d+)(-(\d*))?)?")
+_TEMPLATE = r"\$\{"
+_SAID = " (default: "
+_ELEMENTS = ("element.", "named.", "typed.", "variant.", "step.", "class")
+
+
+def page() -> str:
+    """The text of the page. The same every time."""
+    schema = recipe_schema()
+    definitions: dict[str, Schema] = schema["$defs"]
+    keys = _Keys(definitions)
+    lines = [_HEAD, "## Top-level keys", "", *keys.table(schema, "", deep=False)]
+    for name, each in schema["properties"].items():
+        rows = list(keys.rows(each, name))
+        if rows:
+            lines += ["", f"## `{name}`", "", *keys.head, *rows]
+    for name, (title, about) in _CHAPTERS.items():
+        lines += ["", f"## {title}", "", about, "", *keys.table(definitions[name], "")]
+    lines += ["", "## Elements", ""]
+    lines += [
+        "Names in bold are required. Types, units and defaults are shown by [editors](editors.md), and are in the XML",
+        "reference, to which each element is a link. Of a class an element has the same attributes but its name.",
+    ]
+    for section in GRAMMAR.root.children.values():
+        if rows := list(_elements(section)):
+            title = "the body tree, in `add`" if section.tag == "worldbody" else f"`{section.tag}`"
+            lines += [
+                "",
+                f"### In {title}",
+                "",
+                "| element | what it is | attributes |",
+                "|---|---|---|",
+                *rows,
+            ]
+    return "\n".join(lines) + "\n"
+
+
+class _Keys:
+    """Tables of keys, out of JSON Schema."""
+
+    head = ("| key | type | default | what it is |", "|---|---|---|---|")
+
+    def __init__(self, definitions: dict[str, Schema]) -> None:
+        self.definitions = definitions
+
+    def table(self, schema: Schema, path: str, deep: bool = True) -> list[str]:
+        return [*self.head, *self.rows(schema, path, deep)]
+
+    def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
+        """A row for each key in what the schema describes, and in that, as deep as it goes."""
+        for kind in self._kinds(schema):
+            required = {*kind.get("required", ())}
+            for rule in (*kind.get("allOf", ()), kind.get("else", {})):
+                required |= {*rule.get("required", ())}
+            for name, each in kind.get("properties", {}).items():
+                place = f"{path}.{name}" if path else name
+                yield self._row(place, each, name in required)
+                if deep and name not in _SAME:
+                    yield from self.rows(each, place)
+            below = kind.get("additionalProperties")
+            if isinstance(below, dict):
+                word = _PLACES.get(path.rpartition(".")[2], "NAME")
+                pointer = below.get("$ref", "").rpartition("/")[2]
+                if pointer in _CHAPTERS or pointer.startswith(("typed.", "class")):
+                    told = {"description": _BY_NAME.get(path, "`type` is the tag of MJCF"), **below}
+                    yield self._row(f"{path}.{word}", told, False)
+                yield from self.rows(below, f"{path}.{word}" if path else word)
+            if isinstance(kind.get("items"), dict):
+                yield from self.rows(kind["items"], f"{path}[]")
+
+    def _kinds(self, schema: Schema) -> Iterator[Schema]:
+        """What a value may be, pointers followed but for elements and what has a chapter."""
+        pointer = schema.get("$ref", "").rpartition("/")[2]
+        if pointer:
+            if not self._apart(pointer):
+                yield from self._kinds(self.definitions[pointer])
+            return
+        yield schema
+        for each in schema.get("anyOf", ()):
+            yield from self._kinds(each)
+
+    @staticmethod
+    def _apart(pointer: str) -> bool:
+        # Numbers are told by their type, and a piece of recipe has the keys of a recipe.
+        return bool(_VALUES.fullmatch(pointer)) or pointer in _CHAPTERS or pointer == "Piece" or (
+            pointer.startswith((*_ELEMENTS, "property"))
+        )  # fmt: skip
+
+    def _row(self, place: str, schema: Schema, required: bool) -> str:
+        about = " ".join(schema.get("description", "").split())
+        if not about and (pointer := schema.get("$ref", "").rpartition("/")[2]):
+            about = " ".join(self.definitions[pointer].get("description", "").split())
+        about, _, said = about.removesuffix(")").partition(_SAID) if _SAID in about else (about, "", "")
+        default = f"`{_shown(schema['default'])}`" if "default" in schema else f"`{said}`" if said else ""
+        cells = (f"**`{place}`**" if required else f"`{place}`", self._type(schema), default, about)
+        return f"| {' | '.join(each.replace('|', chr(92) + '|') for each in cells)} |"
+
+    def _type(self, schema: Schema) -> str:
+        if pointer := schema.get("$ref", "").rpartition("/")[2]:
+            return self._named(pointer)
+        if "const" in schema:
+            return f"`{_shown(schema['const'])}`"
+        if "enum" in schema:
+            return ", ".join(f"`{_shown(each)}`" for each in schema["enum"])
+        if "anyOf" in schema:
+            kinds = [each for each in schema["anyOf"] if not self._is_template(each)]
+            return " or ".join(dict.fromkeys(self._type(each) for each in kinds))
+        types = schema.get("type", ())
+        types = [types] if isinstance(types, str) else types
+        if len(types) > 1 and _TEMPLATE in schema.get("pattern", ""):
+            types = [each for each in types if each != "string"]
+        words = [_TYPES[each] for each in types]
+        if words == ["list"] and "items" in schema:
+            return f"list of {self._type(schema['items'])}"
+        return " or ".join(words) or "value"
+
+    @staticmethod
+    def _is_template(schema: Schema) -> bool:
+        return schema.get("pattern") == _TEMPLATE or schema.get("$ref") == "#/$defs/template"
+
+    def _named(self, pointer: str) -> str:
+        if (number := _VALUES.fullmatch(pointer)) is not None:
+            word = "number" if number[1] == "number" else "whole number"
+            least, several, most = number[2], number[3], number[4]
+            if least is None or (least == "1" and not several):
+                return word
+            count = least if not several else f"{least} to {most}" if most else f"{least} or more"
+            return f"{count} {word}s"
+        if pointer in _CHAPTERS:
+            title = _CHAPTERS[pointer][0]
+            anchor = re.sub(r"[^a-z ]", "", title.lower()).replace(" ", "-")
+            return f"[{pointer}](#{anchor})"
+        if pointer.startswith(_ELEMENTS):
+            return "[element](#elements)"
+        if pointer == "Piece":
+            return "any of the [top-level keys](#top-level-keys)"
+        return self._type(self.definitions[pointer])
+
+
+def _shown(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _elements(section: ElementType) -> Iterator[str]:
+    """A row for each element of a section of MJCF, the section first where it has attributes; each once."""
+    seen: set[str] = set()
+    waiting = [section]
+    while waiting:
+        kind = waiting.pop(0)
+        if kind.path in seen:
+            continue
+        seen.add(kind.path)
+        # Classes have the attributes of the elements; the children of these are the same in all bodies.
+        if section.tag != "default":
+            waiting += kind.children.values()
+        if not kind.attributes or kind.tag in _SETTINGS:
+            continue  # settings are keys of the recipe
+        attributes = ", ".join(
+            f"**`{name}`**" if each.required else f"`{name}`" for name, each in kind.attributes.items()
+        )
+        yield f"| [`{kind.path}`]({MANUAL}#{kind.path.replace('/', '-')}) | {kind.doc or ''} | {attributes} |"
