@@ -12,7 +12,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
 from composer.link.key_layouts import VECTORS, final_layout, keys_of, not_laid_out
 from composer.link.layout import Layout, Unknown
-from composer.link.linking import Linking
+from composer.link.linking import Linking, Part
 from composer.link.part_keys import called, part_keys
 from composer.link.reference_rows import Reference
 from composer.tree.key import Key
@@ -76,9 +76,7 @@ def _merged(linking: Linking) -> dict[str, Key]:
     for part, keys in linking.own_keys.items():
         policy = linking.base_keyframes if part is None else part.keyframes
         for key in keys if policy != "none" else ():
-            name = key.name
-            if part is not None and policy == "prefix" and name:
-                name = part.prefix + name
+            name = _name(part, key)
             if name in written:
                 merged[name] = written[name]
                 continue
@@ -90,6 +88,24 @@ def _merged(linking: Linking) -> dict[str, Key]:
             else:
                 _join(linking, earlier, key)
     return merged | written
+
+
+def replaced(linking: Linking) -> set[str]:
+    """The names of the recipe's keys that stand in the place of one that came along."""
+    came = {
+        _name(part, key)
+        for part, keys in linking.own_keys.items()
+        if (linking.base_keyframes if part is None else part.keyframes) != "none"
+        for key in keys
+    }
+    return came & {key.name for key in linking.written_keys}
+
+
+def _name(part: Part | None, key: Key) -> str:
+    """What a key of the base or of a part is called in the finished model."""
+    return (
+        part.prefix + key.name if part is not None and part.keyframes == "prefix" and key.name else key.name
+    )
 
 
 def _join(linking: Linking, key: Key, other: Key) -> None:

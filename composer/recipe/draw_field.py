@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.count import read_count
 from composer.recipe.distribution import CHOICE, EXAMPLES, KINDS, Drawing, Operation, Reading, inner_kinds
 from composer.recipe.edit_values import MASS, Checker
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
@@ -83,7 +84,7 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
         faults.append(Fault("wrong-keyword", f"`per` of {owner} cannot be {kind_of(per)}", (name, "per"),
                             remarks=(Remark(exists_note("keyword", PER).message),),
                             help=f"write `per: {near[0] if near else PER[0]}`"))  # fmt: skip
-    expect, optional = _count(value, owner, name, faults)
+    expect, optional = read_count(value, (name,), faults, owner)
     for key in ("attr", "param"):
         if key in value and (not isinstance(value[key], str) or not value[key]):
             what = "an attribute of MJCF" if key == "attr" else "the name of a parameter"
@@ -167,17 +168,6 @@ def _keys_of(value: Any) -> str:
     if isinstance(value, dict) and value:
         return ", ".join(f"`{key}`" for key in value)
     return kind_of(value)
-
-
-def _count(value: dict[str, Any], owner: str, name: str, faults: list[Fault]) -> tuple[int | None, bool]:
-    expect, optional = value.get("expect"), value.get("optional", False)
-    if "expect" in value and (isinstance(expect, bool) or not isinstance(expect, int) or expect < 0):
-        message = f"`expect` of {owner} is how many elements there must be, got {kind_of(expect)}"
-        faults.append(Fault("wrong-type", message, (name, "expect")))
-    if not isinstance(optional, bool):
-        message = f"`optional` of {owner} is `true` or `false`, got {kind_of(optional)}"
-        faults.append(Fault("wrong-type", message, (name, "optional")))
-    return expect, bool(optional)
 
 
 def _check_attribute(

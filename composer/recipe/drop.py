@@ -10,6 +10,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from composer.diagnostics.suggest import closest
 from composer.grammar import GRAMMAR
+from composer.recipe.count import COUNT, read_count
 from composer.recipe.fault import Fault, Path, Remark, refusal
 from composer.recipe.select import read_selector
 from composer.recipe.shown import kind_of
@@ -21,11 +22,16 @@ _KEPT = ("worldbody", "compiler")
 
 @dataclass(frozen=True, slots=True)
 class Drop:
-    """One entry: a whole section, or what a selector means. `index` is its place in the list."""
+    """One entry: a whole section, or what a selector means. `index` is its place in the list.
+
+    `expect` is how many elements there must be, None for any number but none, which `optional` allows.
+    """
 
     section: str | None
     select: Selector | None
     index: int
+    expect: int | None = None
+    optional: bool = False
 
     def __str__(self) -> str:
         if self.section is not None:
@@ -63,8 +69,11 @@ class Drops:
 
 def _drop(value: Any, index: int, at: Path, faults: list[Fault]) -> Drop | None:
     if not isinstance(value, str):
-        selector = read_selector(value, at, "an entry of `drop`", faults)
-        return None if selector is None else Drop(None, selector, index)
+        selector = read_selector(value, at, "an entry of `drop`", faults, COUNT)
+        if selector is None:
+            return None
+        expect, optional = read_count(value, at, faults, "an entry of `drop`")
+        return Drop(None, selector, index, expect, optional)
     if value in GRAMMAR.root.children:
         if value not in _KEPT:
             return Drop(value, None, index)

@@ -10,6 +10,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.count import read_count
 from composer.recipe.edit_values import VERBS, Checker
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
 from composer.recipe.raw import path_of
@@ -116,7 +117,7 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
         )
     read = {name: checker.verb(name, value[name], selector, (*at, name)) for name in verbs if name != REMOVE}
     remove = _remove(value[REMOVE], (*at, REMOVE), faults) if REMOVE in value else None
-    expect, optional = _count(value, at, faults)
+    expect, optional = read_count(value, at, faults)
     if selector is None or len(faults) > before:
         return None
     return Edit(
@@ -149,16 +150,3 @@ def _remove(value: Any, at: Path, faults: list[Fault]) -> Literal[True, "cascade
     faults.append(Fault("wrong-keyword", f"`{REMOVE}` is `true` or `cascade`, got {kind_of(value)}", at,
                         help=help))  # fmt: skip
     return None
-
-
-def _count(value: dict[str, Any], at: Path, faults: list[Fault]) -> tuple[int | None, bool]:
-    expect, optional = value.get("expect"), value.get("optional", False)
-    if "expect" in value and (isinstance(expect, bool) or not isinstance(expect, int) or expect < 0):
-        message = f"`expect` is how many elements there must be, a whole number, got {kind_of(expect)}"
-        faults.append(Fault("wrong-type", message, (*at, "expect")))
-        expect = None
-    if not isinstance(optional, bool):
-        faults.append(Fault("wrong-type", f"`optional` is `true` or `false`, got {kind_of(optional)}",
-                            (*at, "optional")))  # fmt: skip
-        optional = False
-    return expect, optional

@@ -9,6 +9,10 @@ from composer.recipe.reference import Schema, reference
 from composer.tree.selector import known_tags
 
 _TEXT: Schema = {"type": "string", "minLength": 1}
+_COUNT: Schema = {
+    "expect": {"type": "integer", "minimum": 0, "description": "how many elements must be selected"},
+    "optional": {"type": "boolean", "description": "whether it may be that nothing is selected"},
+}
 
 
 def edits() -> Schema:
@@ -18,7 +22,7 @@ def edits() -> Schema:
 
 def drops() -> Schema:
     """The list `drop`."""
-    return {"type": "array", "items": {"anyOf": [_TEXT, reference("selector")]}}
+    return {"type": "array", "items": {"anyOf": [_TEXT, reference("dropped")]}}
 
 
 def edit() -> Schema:
@@ -35,8 +39,7 @@ def edit() -> Schema:
     place: Schema = {"anyOf": [_TEXT, frame], "description": "a body, `world`, or `{frame: NAME}`"}
     properties: Schema = {
         "select": {**reference("selector"), "description": "which elements are meant"},
-        "expect": {"type": "integer", "minimum": 0, "description": "how many elements must be selected"},
-        "optional": {"type": "boolean", "description": "whether it may be that nothing is selected"},
+        **_COUNT,
         "unset": {
             "anyOf": [attributes, {"type": "object", "additionalProperties": attributes}],
             "description": "attributes that are no longer written",
@@ -102,6 +105,14 @@ def selector() -> Schema:
         "additionalProperties": _TEXT,
         "minProperties": 1,
     }
+
+
+def dropped() -> Schema:
+    """A selector in `drop`, with how many elements it must mean."""
+    schema = selector()
+    schema["properties"] |= _COUNT
+    schema["propertyNames"] = {"enum": [*_COUNT, *schema["propertyNames"]["enum"]]}
+    return schema
 
 
 def _paths() -> list[str]:

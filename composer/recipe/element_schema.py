@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from composer.grammar import GRAMMAR
 from composer.grammar.element import Constraint, ElementType
 from composer.recipe.attribute_schema import attribute_schema, shared
-from composer.recipe.edit_schema import edit, selector
+from composer.recipe.edit_schema import dropped, edit, selector
 from composer.recipe.keyframe import FROM, TIME, VECTORS, WIDTHS
 from composer.recipe.randomize_schema import distribution
 from composer.recipe.randomize_schema import field as draw_field
@@ -141,7 +141,7 @@ def _definition_of_typed(tag: str) -> Schema:
     return {
         "type": "object",
         "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment")},
-        **_unless_fragment({"required": [TYPE]}),
+        **_unless_fragment({}),  # `type` may be said by what this is merged over
         "allOf": variants,
     }
 
@@ -224,6 +224,7 @@ _DEFINITIONS: dict[str, Callable[[str], Schema]] = {
     "addition": _definition_of_addition,
     "edit": lambda _: edit(),
     "selector": lambda _: selector(),
+    "dropped": lambda _: dropped(),
     "draw": lambda _: draw_field(),
     "distribution": distribution,
 }

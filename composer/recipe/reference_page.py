@@ -56,15 +56,14 @@ _ELEMENTS = ("element.", "named.", "typed.", "variant.", "step.", "class")
 def page() -> str:
     """The text of the page. The same every time."""
     schema = recipe_schema()
-    definitions: dict[str, Schema] = schema["$defs"]
-    keys = _Keys(definitions)
+    keys = _Keys(schema)
     lines = [_HEAD, "## Top-level keys", "", *keys.table(schema, "", deep=False)]
     for name, each in schema["properties"].items():
         rows = list(keys.rows(each, name))
         if rows:
             lines += ["", f"## `{name}`", "", *keys.head, *rows]
     for name, (title, about) in _CHAPTERS.items():
-        lines += ["", f"## {title}", "", about, "", *keys.table(definitions[name], "")]
+        lines += ["", f"## {title}", "", about, "", *keys.table(keys.definitions[name], "")]
     lines += ["", "## Elements", ""]
     lines += [
         "Names in bold are required. Types, units and defaults are shown by [editors](editors.md), and are in the XML",
@@ -89,8 +88,16 @@ class _Keys:
 
     head = ("| key | type | default | what it is |", "|---|---|---|---|")
 
-    def __init__(self, definitions: dict[str, Schema]) -> None:
-        self.definitions = definitions
+    def __init__(self, schema: Schema) -> None:
+        self.definitions: dict[str, Schema] = schema["$defs"]
+        whole = schema["else"]["properties"]  # what a piece of recipe need not have
+        kinds = whole["check"]["additionalProperties"]["properties"]
+        self.demanded = {
+            **{f"check.NAME.{name}": each["required"] for name, each in kinds.items()},
+            "attach.PREFIX": whole["attach"]["additionalProperties"]["required"],
+            "base": whole["base"]["then"]["required"],
+            "randomize": whole["randomize"]["required"],
+        }
 
     def table(self, schema: Schema, path: str, deep: bool = True) -> list[str]:
         return [*self.head, *self.rows(schema, path, deep)]
@@ -98,7 +105,7 @@ class _Keys:
     def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
         """A row for each key in what the schema describes, and in that, as deep as it goes."""
         for kind in self._kinds(schema):
-            required = {*kind.get("required", ())}
+            required = {*kind.get("required", ()), *self.demanded.get(path, ())}
             for rule in (*kind.get("allOf", ()), kind.get("else", {})):
                 required |= {*rule.get("required", ())}
             for name, each in kind.get("properties", {}).items():
@@ -131,7 +138,7 @@ class _Keys:
     @staticmethod
     def _apart(pointer: str) -> bool:
         # Numbers are told by their type, and a piece of recipe has the keys of a recipe.
-        return bool(_VALUES.fullmatch(pointer)) or pointer in _CHAPTERS or pointer == "Piece" or (
+        return bool(_VALUES.fullmatch(pointer)) or pointer in _CHAPTERS or pointer in ("Piece", "dropped") or (
             pointer.startswith((*_ELEMENTS, "property"))
         )  # fmt: skip
 
@@ -175,6 +182,8 @@ class _Keys:
                 return word
             count = least if not several else f"{least} to {most}" if most else f"{least} or more"
             return f"{count} {word}s"
+        if pointer == "dropped":
+            return self._named("selector")
         if pointer in _CHAPTERS:
             title = _CHAPTERS[pointer][0]
             anchor = re.sub(r"[^a-z ]", "", title.lower()).replace(" ", "-")

@@ -21,21 +21,24 @@ NARROWING = ("parent", "in", "part", "class", "where")
 _EXAMPLE = 'write for instance `{geom: "**/pad*"}`'
 
 
-def read_selector(value: Any, at: Path, owner: str, faults: list[Fault]) -> Selector | None:
-    """The selector, or None where something in it is wrong."""
+def read_selector(
+    value: Any, at: Path, owner: str, faults: list[Fault], beside: tuple[str, ...] = ()
+) -> Selector | None:
+    """The selector, or None where something in it is wrong; the keys `beside` it are none of it."""
     if not isinstance(value, dict):
         message = f"{owner} expects a selector, a mapping from a tag to names, got {kind_of(value)}"
         faults.append(Fault("wrong-type", message, at, help=_EXAMPLE))
         return None
     before = len(faults)
-    tags = [name for name in value if name not in NARROWING]
+    keys = (*NARROWING, *beside)
+    tags = [name for name in value if name not in keys]
     if not tags:
         faults.append(Fault("missing-key", f"{owner} lacks a tag", at, help=_EXAMPLE))
         return None
     tag, *others = tags
     if others:
         known = bool(paths_of(others[0])) or others[0] == XPATH
-        near = closest(others[0], NARROWING)
+        near = closest(others[0], keys)
         faults.append(
             Fault(
                 EXCLUSIVE if known else "unknown-key",
@@ -46,7 +49,7 @@ def read_selector(value: Any, at: Path, owner: str, faults: list[Fault]) -> Sele
                 key=True,
                 remarks=()
                 if known
-                else (Remark(exists_note("key", NARROWING, others[0]).message),),
+                else (Remark(exists_note("key", keys, others[0]).message),),
                 help="write an entry of its own for each"
                 if known
                 else f"write `{near[0]}`" if near else None,

@@ -17,6 +17,7 @@ from composer.document.node import locate
 from composer.link.angles import model_angle
 from composer.link.files import add_file
 from composer.link.key_layouts import keys_of, remove_keys
+from composer.link.keyframes import replaced
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
@@ -265,7 +266,12 @@ def _edit(steps: Iterable[EditElements], of_keys: bool, editing: Editing) -> Non
     """The edits of the whole model: first all but those of keys, which are laid out when all else is settled."""
     for step in steps:
         if is_of_keys(step) == of_keys:
+            removes = of_keys and step.edit.remove
+            stand_ins = _stand_ins(editing.linking) if removes else []
             edit(step, editing)
+            for key in stand_ins:
+                if (section := key.getparent()) is not None:
+                    section.remove(key)
             editing.linking.watch(editing.linking.units, step)
 
 
@@ -279,6 +285,15 @@ def _draw(
             drawn += values
             tabled += rows
             editing.linking.watch(editing.linking.units, step)
+
+
+def _stand_ins(linking: Linking) -> list[Node]:
+    """Keys that came along and that the recipe writes anew: they are there to be removed, as they were before."""
+    base = linking.base
+    keys = [base.root.makeelement("key", {"name": name}) for name in sorted(replaced(linking))]
+    if keys:
+        base.section("keyframe").extend(keys)
+    return keys
 
 
 def _taken_out(linking: Linking) -> list[Node]:

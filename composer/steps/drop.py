@@ -23,7 +23,7 @@ def drop(entries: Iterable[Drop], editing: Editing, at: Path) -> list[Left]:
     for entry in entries:
         path = (*at, entry.index)
         if entry.select is not None:
-            found = counted(editing, entry.select, path, None, False, path)
+            found = counted(editing, entry.select, path, entry.expect, entry.optional, path)
         else:
             found = _section(editing, str(entry.section), path)
         if found:

@@ -25,7 +25,7 @@ from composer.recipe.select import unknown_attribute
 from composer.recipe.subscript import attribute_and_index
 from composer.recipe.value import read_value
 from composer.steps.convert import convert
-from composer.steps.edit_values import Unusable, Values
+from composer.steps.edit_values import POLYNOMIALS, Unusable, Values
 from composer.steps.editing import Editing
 from composer.steps.elements import settle_joints, turned, update
 from composer.steps.loose_ends import not_there
@@ -224,6 +224,8 @@ class Change:
             )
             self._fault(Fault("wrong-length", message, at), node)
         places = [subscript] if subscript is not None else list(range(len(have)))
+        if self.verb == "offset" and attribute.name in POLYNOMIALS and not isinstance(given, list):
+            places = places[:1]  # one number is the linear coefficient, as in MJCF
         items = given if isinstance(given, list) else [given] * len(places)
         angles = set(values.angles(attribute, len(have)))
         if angles and attribute.angle != "joint" and attribute.name == "euler":

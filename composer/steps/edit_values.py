@@ -26,7 +26,7 @@ from composer.tree.select import name_of, parent_of
 
 VALUE = "value"
 # Newer MuJoCo takes higher coefficients as well; without them it is a number like any other.
-_POLYNOMIALS = ("damping", "stiffness")
+POLYNOMIALS = ("damping", "stiffness")
 RESERVED = ("name", "parent", "index")
 
 
@@ -111,7 +111,7 @@ class Values:
         values = [int(each) for each in found] if attribute.type == "int" else found
         if index is not None:
             return values[index] if index < len(values) else None
-        if attribute.max_length == 1 or (attribute.name in _POLYNOMIALS and not any(values[1:])):
+        if attribute.max_length == 1 or (attribute.name in POLYNOMIALS and not any(values[1:])):
             return values[0]
         return tuple(values)
 

@@ -157,6 +157,8 @@ def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
         if selector.part is not None:
             parts = sorted({"base", *editing.parts.values()})
             notes.append(exists_note("part", parts, selector.part))
+        if selector.dclass is not None:
+            notes.append(exists_note("class", sorted(editing.classes.by_name), selector.dclass))
         return notes
     names = selection.names(selector)
     unnamed = sum(1 for _ in selection.of_kind(selector)) - len(names)

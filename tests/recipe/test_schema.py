@@ -279,8 +279,33 @@ def test_every_key_is_explained() -> None:
                 if not each.get("description") and not target.get("description"):
                     silent.append(f"{place}/{name}")
         for key, each in value.items():
-            if key != "if":
+            if key != "if" and (place, key) != ("", "else"):  # the latter only says what is required
                 walk(each, f"{place}/{key}")
 
     walk(schema, "")
     assert silent == []
+
+
+@pytest.mark.parametrize(
+    "piece",
+    [
+        "randomize: {samples: 3}",
+        "attach: {left: {pos: [0, 0, 1]}}",
+        "base: {drop: [light]}",
+        "sensor: {force: {cutoff: 3}}",
+        "check: {near: {reachable: {site: tip}}}",
+        "keyframe: {home: {qpos: {elbow: null}}}",
+    ],
+)
+def test_a_piece_of_recipe_needs_no_required_keys(validator: Any, piece: str) -> None:
+    assert (
+        list(
+            validator.iter_errors(
+                {"recipe": 1, "extends": "./arm.yaml", **to_python(load(piece, "p.yaml", Sink()))}
+            )
+        )
+        == []
+    )
+    variant = {"recipe": 1, "variants": {"axis": {"a": to_python(load(piece, "p.yaml", Sink()))}}}
+    assert list(validator.iter_errors(variant)) == []
+    assert list(validator.iter_errors({"recipe": 1, **to_python(load(piece, "p.yaml", Sink()))})) != []
