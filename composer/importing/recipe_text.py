@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from composer.importing.propose import Entry, Proposal
+from composer.importing.comparing import Entry
+from composer.importing.propose import Proposal
 
 _LISTS = frozenset({"add", "edit"})
 _WHOLE = frozenset({"option", "size", "visual", "statistic"})

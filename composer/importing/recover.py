@@ -13,8 +13,9 @@ from composer.bundle.bundle import Bundle
 from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
+from composer.importing.comparing import Entry
 from composer.importing.flow import word
-from composer.importing.propose import Entry, Proposal, propose
+from composer.importing.propose import Proposal, propose
 from composer.importing.recipe_text import recipe_text
 from composer.pipeline import build
 from composer.tree.parse import parse_file
