@@ -141,7 +141,7 @@ def _definition_of_typed(tag: str) -> Schema:
     return {
         "type": "object",
         "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment")},
-        **_unless_fragment({}),  # `type` may be said by what this is merged over
+        **_unless_fragment({"required": [TYPE]}),
         "allOf": variants,
     }
 

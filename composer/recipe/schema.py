@@ -22,8 +22,6 @@ from composer.recipe.recipe import Recipe
 from composer.recipe.reference import REFERENCE, Schema, definition_key
 from composer.recipe.variation_schema import add_variation
 
-TYPED = ("actuator", "sensor", "equality", "tendon")
-_TYPED: Schema = {"if": {"required": ["xml"]}, "else": {"required": ["type"]}}
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base, Randomize)
 WIDTH = 110
@@ -46,7 +44,8 @@ def recipe_schema() -> Schema:
         _describe(model, target.get("properties") or target["anyOf"][-1]["properties"])
     schema = _tidy(schema)
     definitions = {name: _tidy(each) for name, each in definitions.items()}
-    _ask_of_whole_recipes(schema, definitions)
+    needed = definitions[Attachment.__name__].pop("required")
+    definitions[Attachment.__name__]["allOf"].append({"required": needed})  # as in `element_schema`
     _complete(schema, definitions)
     add_variation(schema, definitions)
     # No title: editors would set it before every description.
@@ -62,40 +61,6 @@ def recipe_schema() -> Schema:
 def text() -> str:
     """The schema as the text of its file: short values on one line, so that changes can be read."""
     return _layout(recipe_schema(), "", in_order=True) + "\n"
-
-
-def _ask_of_whole_recipes(schema: Schema, definitions: dict[str, Schema]) -> None:
-    """Let required keys be so in recipes without `extends` alone: a piece of recipe is merged over what has them."""
-    base = definitions[Base.__name__]["anyOf"][-1]
-    attachment, draws = (definitions[each.__name__] for each in (Attachment, Randomize))
-    checks = schema["properties"]["check"]["additionalProperties"]["properties"]
-    keys = schema["properties"]["keyframe"]["additionalProperties"]["properties"]
-    maps = {name: each for name, each in keys.items() if "additionalProperties" in each}
-    for each in maps.values():  # null takes out what the other recipe has there
-        each["additionalProperties"] = {"if": {"type": "null"}, "else": each["additionalProperties"]}
-    schema["if"] = {"required": ["extends"]}
-    schema["else"] = {
-        "properties": {
-            "attach": {"additionalProperties": {"required": attachment.pop("required")}},
-            "base": {"if": {"type": "object"}, "then": {"required": base.pop("required")}},
-            "randomize": {"required": draws.pop("required")},
-            "check": {
-                "additionalProperties": {
-                    "properties": {
-                        name: {"required": each.pop("required")}
-                        for name, each in checks.items()
-                        if "required" in each
-                    }
-                }
-            },
-            "keyframe": {
-                "additionalProperties": {
-                    "properties": {name: {"additionalProperties": {"not": {"type": "null"}}} for name in maps}
-                }
-            },
-            **{section: {"additionalProperties": dict(_TYPED)} for section in TYPED},
-        }
-    }
 
 
 def _complete(schema: Any, definitions: dict[str, Schema]) -> None:

@@ -71,12 +71,15 @@ def _tolerance(keys: Keys) -> Number | None:
 def _attribute(keys: Keys, tag: str | None) -> tuple[str | None, int | None]:
     """The attribute and the index in brackets behind it."""
     written = keys.text("attr", "an attribute of MJCF")
-    if written is None or tag is None:
-        return None, None
+    return (None, None) if written is None or tag is None else attribute_of(keys, tag, written, "attr")
+
+
+def attribute_of(keys: Keys, tag: str, written: str, *at: str | int) -> tuple[str | None, int | None]:
+    """The attribute that is written at a place, and the index behind it; what no model can be asked for is told."""
     match = _INDEXED.fullmatch(written)
     if match is None:
-        message = f"`attr` of {keys.owner} is `{written}`, which is no attribute"
-        keys.add("wrong-type", message, "attr", help='write for instance `damping`, or `"range[1]"`')
+        message = f"`{at[-1]}` of {keys.owner} is `{written}`, which is no attribute"
+        keys.add("wrong-type", message, *at, help='write for instance `damping`, or `"range[1]"`')
         return None, None
     name, index = match.groups()
     known = list(attributes(tag))
@@ -85,25 +88,29 @@ def _attribute(keys: Keys, tag: str | None) -> tuple[str | None, int | None]:
         remark = Remark(exists_note("attribute", known, name).message)
         message = f"`{name}` of a {tag} is nothing that {keys.owner} could ask for"
         help = f"write `{near[0]}`" if near else None
-        keys.add("unknown-attribute", message, "attr", remarks=(remark,), help=help)
+        keys.add("unknown-attribute", message, *at, remarks=(remark,), help=help)
         return None, None
     return name, None if index is None else int(index)
 
 
 def _value(keys: Keys, index: int | None) -> tuple[Number, ...] | None:
-    value = keys.value["value"]
+    return numbers_of(keys, keys.value["value"], index, "value")
+
+
+def numbers_of(keys: Keys, value: Any, index: int | None, *at: str | int) -> tuple[Number, ...] | None:
+    """The numbers that are written at a place, one where the attribute has an `index`."""
     if not isinstance(value, list):
-        number = _number(keys, value, "value")
+        number = _number(keys, value, *at)
         return None if number is None else (number,)
     if not value:
-        keys.add("wrong-length", f"`value` of {keys.owner} is an empty list", "value")
+        keys.add("wrong-length", f"`value` of {keys.owner} is an empty list", *at)
         return None
     if index is not None:
         message = f"`value` of {keys.owner} expects one number, got a list"
         help = "without an index, `attr` means all numbers of the attribute"
-        keys.add("wrong-type", message, "value", help=help)
+        keys.add("wrong-type", message, *at, help=help)
         return None
-    found = [_number(keys, each, "value", place) for place, each in enumerate(value)]
+    found = [_number(keys, each, *at, place) for place, each in enumerate(value)]
     return None if None in found else tuple(each for each in found if each is not None)
 
 

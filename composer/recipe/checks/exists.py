@@ -6,9 +6,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.checks.arrays import TAGS as ATTRIBUTES_OF
+from composer.recipe.checks.equal import Number, attribute_of, numbers_of
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import NAME, Kind
 from composer.recipe.fault import Path, Remark
+from composer.recipe.select import NARROWING
 from composer.recipe.shown import kind_of
 
 TAGS = (
@@ -19,6 +22,18 @@ TAGS = (
 ON_BODIES = ("body", "joint", "geom", "site", "camera", "light")
 EXPECT = "expect"
 AROUND = ("parent", "in")
+WHERE = "where"
+_BESIDE = (EXPECT, *AROUND, WHERE)
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """An attribute, or one of its numbers, and what it must be; `key` is how the recipe writes it."""
+
+    key: str
+    attr: str
+    index: int | None
+    value: tuple[Number, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +48,7 @@ class Selected:
     expect: int | None
     parent: str | None = None
     inside: str | None = None
+    where: tuple[Where, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,12 +79,18 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
         message = f"a selector in {keys.owner} is a mapping from a tag to a name, got {kind_of(value)}"
         keys.add("wrong-type", message, index, help="write for instance `{site: tcp}`")
         return None
-    tags = [key for key in value if key not in (EXPECT, *AROUND)]
+    tags = [key for key in value if key not in _BESIDE]
     for tag in tags:
         if tag not in TAGS:
-            near = closest(tag, (*TAGS, *AROUND))
+            near = closest(tag, (*TAGS, *_BESIDE))
             remark = Remark(exists_note("tag", TAGS, tag).message)
             message = f"`{tag}` in {keys.owner} is no tag whose names a compiled model has"
+            if tag in NARROWING:
+                message = f"`{tag}` in {keys.owner} is nothing that a compiled model knows"
+                remark, near = (
+                    Remark("it knows `parent`, `in` and `where`, and names with the prefixes of parts"),
+                    [],
+                )
             keys.add("unknown-key", message, index, tag, key=True, remarks=(remark,),
                      help=f"write `{near[0]}`" if near else None)  # fmt: skip
             return None
@@ -87,8 +109,32 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
             "wrong-type", f"`expect` in {keys.owner} expects a count, got {kind_of(expect)}", index, EXPECT
         )
         return None
-    around = [_around(index, key, value[key], tags[0], keys) if key in value else None for key in AROUND]
-    return Selected(tags[0], glob, expect, *around)
+    parent, inside = (
+        _around(index, key, value[key], tags[0], keys) if key in value else None for key in AROUND
+    )
+    where = _where(index, value[WHERE], tags[0], keys) if WHERE in value else ()
+    return Selected(tags[0], glob, expect, parent, inside, where)
+
+
+def _where(index: int, value: object, tag: str, keys: Keys) -> tuple[Where, ...]:
+    """The attributes in the compiled model, and what they must be."""
+    if tag not in ATTRIBUTES_OF:
+        message = f"`{WHERE}` in {keys.owner}: a compiled model has no attributes of a {tag} that could be asked for"
+        keys.add("unknown-key", message, index, WHERE, key=True, help=f"leave `{WHERE}` out")
+        return ()
+    if not isinstance(value, dict) or not value:
+        message = f"`{WHERE}` in {keys.owner} is a mapping from attributes to numbers, got {kind_of(value)}"
+        keys.add(
+            "wrong-type", message, index, WHERE, help=f'write for instance `{WHERE}: {{"size[0]": 0.1}}`'
+        )
+        return ()
+    found: list[Where] = []
+    for key, wanted in value.items():
+        attr, place = attribute_of(keys, tag, key, index, WHERE, key)
+        numbers = numbers_of(keys, wanted, place, index, WHERE, key) if attr is not None else None
+        if attr is not None and numbers is not None:
+            found.append(Where(key, attr, place, numbers))
+    return tuple(found)
 
 
 def _around(index: int, key: str, value: object, tag: str, keys: Keys) -> str | None:
@@ -115,7 +161,7 @@ KIND = Kind(
         "items": {
             "type": "object",
             "minProperties": 1,
-            "maxProperties": 4,
+            "maxProperties": 5,
             "additionalProperties": False,
             "properties": {
                 **{tag: {**NAME, "description": f"a glob over the names: {tag}"} for tag in TAGS},
@@ -124,6 +170,11 @@ KIND = Kind(
                     "minimum": 0,
                     "pattern": r"\$\{",
                     "description": "how many there must be; without it, at least one",
+                },
+                WHERE: {
+                    "type": "object",
+                    "minProperties": 1,
+                    "description": "only what has these values in the compiled model: attributes and numbers",
                 },
                 **{
                     key: {

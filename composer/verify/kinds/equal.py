@@ -51,7 +51,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
         return [unknown(tag, glob, scope.names(tag), tag)]
     wrong: list[tuple[str, str, str]] = []
     for index in matched:
-        actual = _value(scope, tag, index, asked["attr"])
+        actual = value_of(scope, tag, index, asked["attr"])
         if isinstance(actual, Finding):
             return [actual]
         if asked["index"] is not None:
@@ -60,7 +60,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
                 return [Finding(message, ("attr",), (f"the first is `{asked['attr']}[0]`",), "wrong-length")]
             actual = actual[asked["index"]][None]
         scope.values[scope.written(tag, index)] = _plain(actual)
-        expected = _expected(scope, tag, index, asked)
+        expected = expected_of(scope, tag, index, asked)
         if isinstance(expected, Finding):
             return [expected]
         if len(expected) != actual.size:
@@ -69,7 +69,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
             )
             return [Finding(message, ("value",), code="wrong-length")]
         tol = None if asked["tol"] is None else _quantity(asked["tol"][0], asked["tol"][1], asked["attr"])
-        if not _equal(actual, [each.value for each in expected], None if tol is None else tol.value):
+        if not equal(actual, [each.value for each in expected], None if tol is None else tol.value):
             tolerance = "" if tol is None else f" ± {tol}"
             have = [each.like(value) for each, value in zip(expected, actual.tolist(), strict=True)]
             wanted = _listed([str(each) for each in expected])
@@ -90,7 +90,7 @@ def _plain(numbers: Any) -> Any:
     return found[0] if len(found) == 1 else found
 
 
-def _value(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:
+def value_of(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:
     """The numbers of an attribute, flat."""
     model, name = scope.model, array_of(tag, attr)
     array = getattr(model, name, None)
@@ -106,7 +106,7 @@ def _value(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:
     return np.atleast_1d(array[row]).ravel()
 
 
-def _expected(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> list[Quantity] | Finding:
+def expected_of(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> list[Quantity] | Finding:
     """The numbers in the unit that the compiled model has them in."""
     attr = asked["attr"]
     joint = _TYPES[int(scope.model.jnt_type[index])] if tag == "joint" else ""
@@ -130,7 +130,7 @@ def _quantity(number: float, unit: str | None, attr: str) -> Quantity:
     return Quantity(number, unit, math.radians(1) if own == "rad" else math.degrees(1))
 
 
-def _equal(actual: Any, expected: list[float], tol: float | None) -> bool:
+def equal(actual: Any, expected: list[float], tol: float | None) -> bool:
     wanted = np.array(expected, dtype=np.float64)
     if tol is None:
         part = _ROUNDING[4 if actual.dtype == np.float32 else 8]

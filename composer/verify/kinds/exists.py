@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
+from composer.verify.kinds.equal import equal, expected_of, value_of
 from composer.verify.kinds.finding import Finding, failed, unknown
 from composer.verify.kinds.scope import Scope
 from composer.verify.matching import ON_BODIES
@@ -16,6 +18,11 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     for index, selector in enumerate(asked["selectors"]):
         tag, glob, expect = selector["tag"], selector["glob"], selector["expect"]
         matched = [each for each in scope.matching(tag, glob) if _stands_there(scope, tag, each, selector)]
+        fitting = [_fits(scope, tag, each, selector, asked["angle"], index) for each in matched]
+        if faults := [each for each in fitting if isinstance(each, Finding)]:
+            found.append(faults[0])
+            continue
+        matched = [each for each, fits in zip(matched, fitting, strict=True) if fits]
         scope.found(f"{tag} {glob}", len(matched))
         if len(matched) == expect or (expect is None and matched):
             continue
@@ -41,6 +48,25 @@ def _stands_there(scope: Scope, kind: str, index: int, selector: dict[str, Any])
     return all(glob is None or set(bodies) & set(scope.matching("body", glob)) for glob, bodies in asked)
 
 
+def _fits(
+    scope: Scope, kind: str, index: int, selector: dict[str, Any], angle: str | None, place: int
+) -> bool | Finding:
+    """Whether an element has the values that `where` asks for; the finding that it cannot be asked."""
+    for each in selector["where"]:
+        actual = value_of(scope, kind, index, each["attr"])
+        expected = expected_of(scope, kind, index, {**each, "angle": angle})
+        if isinstance(actual, Finding) or isinstance(expected, Finding):
+            fault = actual if isinstance(actual, Finding) else expected
+            assert isinstance(fault, Finding)
+            return replace(fault, at=(place, "where", each["key"]))
+        if each["index"] is not None:
+            actual = actual[each["index"] : each["index"] + 1]
+        wanted = [number.value for number in expected]
+        if len(wanted) != actual.size or not equal(actual, wanted, None):
+            return False
+    return True
+
+
 def _bodies_around(scope: Scope, kind: str, index: int) -> Iterator[int]:
     """From the nearest to the world."""
     body = int(
@@ -54,4 +80,6 @@ def _bodies_around(scope: Scope, kind: str, index: int) -> Iterator[int]:
 
 def _there(selector: dict[str, Any]) -> str:
     words = (("parent", "right on"), ("inside", "in"))
-    return "".join(f" {word} a body `{selector[key]}`" for key, word in words if selector[key])
+    there = "".join(f" {word} a body `{selector[key]}`" for key, word in words if selector[key])
+    keys = ", ".join(f"`{each['key']}`" for each in selector["where"])
+    return f"{there} with such {keys}" if keys else there

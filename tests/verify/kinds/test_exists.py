@@ -53,3 +53,9 @@ def test_what_is_of_another_part_is_not_found(ask, arm: str) -> None:
 def test_nothing_of_that_name_there(ask, arm: str) -> None:
     (finding,) = ask(arm, 'exists: [{site: "**/tcp", in: {body: right/base}}]')
     assert finding.message == "there is no site `**/tcp` in a body `right/base`"
+
+
+def test_only_what_has_the_values(ask, arm: str) -> None:
+    assert ask(arm, 'exists: [{joint: "**", where: {"damping[0]": 100}, expect: 0}]') == []
+    (finding,) = ask(arm, 'exists: [{joint: "**", where: {"damping[0]": 100}}]')
+    assert finding.message.endswith("with such `damping[0]`")
