@@ -59,7 +59,7 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
     plan = make_plan(recipe, context)
     if plan is None:
         return None
-    after = lock_of([plan, *_plans_of_cells(recipe, context)], how, how.lock_file.parent)
+    after = lock_of([plan, *_plans_of_cells(recipe, context)], how, how.lock_file.parent, context)
     if before is not None and how.fresh is not None:
         _tell_changes(before, after, how.fresh, recipe, context)
     if context.sink.has_errors:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
-from composer.context import Context
+from composer.context import Context, ReadRecipe
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -18,6 +19,7 @@ from composer.recipe.validate import judge
 from composer.sources.error import SourceError
 from composer.sources.nearby import model_files, nearest
 from composer.sources.resolve import resolve
+from composer.sources.source import Source
 
 EXTENDS = "extends"
 # What bare numbers of a file mean: of a chain, all files must say the same.
@@ -25,11 +27,23 @@ _READING = ("angle", "eulerseq")
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
-    """The tree of a recipe with all that it extends; faults go to the context's sink and give None."""
-    return _read(path, context, ())
+    """The tree of a recipe with all that it extends, read once a run; faults go to the context's sink and give None."""
+    known = context.recipes.get(path)
+    if known is None:
+        own = replace(context, sink=Sink())
+        extended: list[tuple[Source, Span]] = []
+        node = _read(path, own, (), extended)
+        files = (path, *(source.path for source, _ in extended))
+        found = tuple(own.sink.diagnostics)
+        known = context.recipes[path] = ReadRecipe(node, files, found, tuple(extended))
+    for diagnostic in known.found:
+        context.sink.add(diagnostic)
+    return known.node
 
 
-def _read(path: Path, context: Context, chain: tuple[Path, ...]) -> Node | None:
+def _read(
+    path: Path, context: Context, chain: tuple[Path, ...], extended: list[tuple[Source, Span]]
+) -> Node | None:
     before = context.sink.error_count
     text = _text(path, context)
     node = None if text is None else load(text, context.shown(path), context.sink)
@@ -39,8 +53,11 @@ def _read(path: Path, context: Context, chain: tuple[Path, ...]) -> Node | None:
         return node
     key, named = node.entries[EXTENDS]
     upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
-    lower_path = _extended(named, path, context, (*chain, path))
-    lower = None if lower_path is None else _read(lower_path, context, (*chain, path))
+    source = _extended(named, path, context, (*chain, path))
+    if source is None:
+        return None
+    extended.append((source, named.span))
+    lower = _read(source.path, context, (*chain, path), extended)
     if not isinstance(lower, Mapping):
         if lower is not None:
             context.sink.error("wrong-type", "what is extended is no recipe", named.span)
@@ -54,7 +71,7 @@ def folder_of(span: Span, context: Context) -> Path:
     return (context.folder / span.file).parent
 
 
-def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]) -> Path | None:
+def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]) -> Source | None:
     sink = context.sink
     if not isinstance(named, Scalar) or not isinstance(named.value, str):
         sink.error(
@@ -81,7 +98,7 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         sink.error("source-cycle", f"recipes extend one another: {ring}", named.span,
                    help="take one of these `extends` out")  # fmt: skip
         return None
-    return source.path
+    return source
 
 
 def _check_reading(lower: Mapping, upper: Mapping, span: Span, sink: Sink) -> None:

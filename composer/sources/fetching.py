@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,6 +36,12 @@ class Fetching:
     fresh: frozenset[str] | None = frozenset()
     progress: Callable[[str], None] = quiet
     origins: dict[str, Origin] = field(default_factory=dict)
+
+    def around(self, path: Path) -> Origin | None:
+        """What a file or folder was fetched or installed with; the innermost where folders lie in one another."""
+        real = Path(os.path.realpath(path))
+        found = [each for each in self.origins.values() if real.is_relative_to(os.path.realpath(each.root))]
+        return max(found, key=lambda each: len(os.path.realpath(each.root)), default=None)
 
     def pin(self, id: str) -> str | None:
         """The commit or sha256 that the lock has for an origin."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
-from composer.sources import archive, descriptions, git, menagerie, package, path
+from composer.sources import archive, descriptions, git, licence, menagerie, package, path
 from composer.sources.fetching import Fetching
 from composer.sources.reference import Kind, Reference, parse
 from composer.sources.source import Source
@@ -31,7 +32,7 @@ def _resolve(
 ) -> Source:
     match reference.kind:
         case Kind.PATH:
-            return path.resolve(reference, relative_to)
+            return _of_the_same(path.resolve(reference, relative_to), relative_to, fetching)
         case Kind.PACKAGE:
             return package.resolve(reference)
         case Kind.MENAGERIE:
@@ -42,3 +43,12 @@ def _resolve(
             return git.resolve(reference, environment, fetching)
         case Kind.ARCHIVE:
             return archive.resolve(reference, environment, fetching)
+
+
+def _of_the_same(source: Source, relative_to: Path, fetching: Fetching) -> Source:
+    """A path in a recipe that was fetched leads to a file that was fetched with it."""
+    origin = fetching.around(relative_to)
+    if origin is None or fetching.around(source.path) != origin:
+        return source
+    licences = licence.find(source.path, origin.root)
+    return replace(source, version=origin.pin, licences=licences, origin=origin)
