@@ -18,7 +18,7 @@ _PINNED = ("git", "archive")
 
 
 class Portable:
-    """Names files of one composition: of the recipe at `recipe`, its `sources`, and what recipes were `fetched` with."""
+    """Names files of one composition: of the recipe at `recipe`, its `sources`, what recipes were `fetched` with."""
 
     def __init__(
         self,
