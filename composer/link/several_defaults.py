@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
@@ -20,6 +21,16 @@ from composer.tree.unit import Unit
 
 _OF_ANY_KIND = ("general", "motor", "plugin")
 """They take what the class has, or nothing of it."""
+_OF_NONE = ("motor", "plugin")
+_MIXED = ""
+"""The kind of a class that itself would find another gain."""
+
+
+class _Class(NamedTuple):
+    """The kind of actuator that a class is, and the number of the section that declares it."""
+
+    kind: str | None
+    section: int
 
 
 def several_defaults(linking: Linking) -> None:
@@ -29,43 +40,45 @@ def several_defaults(linking: Linking) -> None:
         wrapped.append(linking.base)
     for unit in wrapped:
         sections = list(unit.root.iterchildren("default"))
-        setting = [
-            at
-            for at, section in enumerate(sections)
-            if next(section.iterchildren(*_tags()), None) is not None
-        ]
+        setting = [at for at, section in enumerate(sections) if _actuators(section)]
         if not setting or setting == [0]:
             continue
-        kinds = _kinds(sections)
+        classes = _read_all(sections)
         for section in unit.root.iterchildren("actuator"):
             for actuator in section.iterchildren("*"):
-                kind, at = kinds.get(str(actuator.get("class") or MAIN), (None, 0))
-                settled = len(setting) == 1 and setting[0] <= at
-                if not settled and actuator.tag not in (kind, *_OF_ANY_KIND):
-                    later = next(sections[setting[-1]].iterchildren(*_tags()))
-                    _refuse(linking, unit, actuator, kind, later)
+                found = classes.get(str(actuator.get("class") or MAIN))
+                if found is None or (len(setting) == 1 and setting[0] <= found.section):
+                    continue
+                fine = _OF_NONE if found.kind == _MIXED else (found.kind, *_OF_ANY_KIND)
+                if actuator.tag not in fine:
+                    _refuse(linking, unit, actuator, found.kind, _actuators(sections[setting[-1]])[0])
 
 
-def _kinds(sections: Sequence[Node]) -> dict[str, tuple[str | None, int]]:
-    """Of every class the kind of actuator that it is, and the number of the section that declares it.
-
-    A class is a copy of the one around it, as it stood there.
-    """
-    found: dict[str, tuple[str | None, int]] = {}
+def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
+    """Every class; each is a copy of the one around it, as it stood there."""
+    found: dict[str, _Class] = {}
+    earlier = False
     for at, section in enumerate(sections):
-        kind, _ = found.get(MAIN, (None, 0))
-        _read(section, MAIN, kind, at, found)
+        kind = found[MAIN].kind if at else None
+        _read(section, MAIN, _Class(kind, at), earlier, found)
+        earlier = earlier or bool(_actuators(section))
     return found
 
 
-def _read(
-    section: Node, name: str, kind: str | None, at: int, found: dict[str, tuple[str | None, int]]
-) -> None:
-    for actuator in section.iterchildren(*_tags()):
-        kind = str(actuator.tag)
-    found[name] = kind, at
-    for nested in section.iterchildren("default"):
-        _read(nested, str(nested.get("class", "")), kind, at, found)
+def _read(node: Node, name: str, around: _Class, earlier: bool, found: dict[str, _Class]) -> None:
+    """`earlier` is whether the top class has set actuators in a section before this one."""
+    kind = around.kind
+    for actuator in _actuators(node):
+        tag = str(actuator.tag)
+        if kind != _MIXED:
+            kind = _MIXED if earlier and tag not in (kind, *_OF_ANY_KIND) else tag
+    found[name] = _Class(kind, around.section)
+    for nested in node.iterchildren("default"):
+        _read(nested, str(nested.get("class", "")), found[name], earlier, found)
+
+
+def _actuators(node: Node) -> list[Node]:
+    return list(node.iterchildren(*_tags()))
 
 
 @cache
@@ -75,12 +88,12 @@ def _tags() -> tuple[str, ...]:
 
 def _refuse(linking: Linking, unit: Unit, actuator: Node, kind: str | None, later: Node) -> None:
     called = f"`{actuator.get('name')}`" if actuator.get("name") else "without a name"
-    own = "is of no kind of actuator" if kind is None else f"is of another kind, `<{kind}>`"
+    own = f"is of another kind, `<{kind}>`" if kind else "is of no kind of its own"
     linking.sink.error(
         "not-supported",
         f"the `<{actuator.tag}>` {called} would take another gain in the composition: its class {own}, "
         "and the top class of its file is written in several `<default>`",
         linking.span(unit, actuator),
         notes=(Note("one of them sets actuators here", linking.span(unit, later)),),
-        help=f"give it a class in which a `<{actuator.tag}>` sets its gain, or join the `<default>`s into one",
+        help="join the top-level `<default>` sections of the file into one",
     )

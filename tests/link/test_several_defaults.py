@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import re
+
 import pytest
 from link.workshop import BASE, Piece, Workshop
 
@@ -11,9 +13,13 @@ EARLIER = '<default><position kp="4"/><default class="x"><velocity kv="7"/></def
 
 # Each finds its gain in another class once the top class is wrapped, section by section.
 MOVED = {
-    "class of another kind": (EARLIER + '<default><position kp="9"/></default>', ' class="x"'),
+    "class of another kind": (EARLIER + '<default><general gainprm="9"/></default>', ' class="x"'),
     "class of no kind": (
         '<default><default class="x"/></default><default><position kp="9"/></default>',
+        ' class="x"',
+    ),
+    "class in which another kind stands before": (
+        '<default><velocity kv="9"/></default><default><position kp="4"/><default class="x"><velocity/><position/></default></default>',
         ' class="x"',
     ),
     "top class of another kind": (EARLIER + '<default><velocity kv="9"/></default>', ""),
@@ -54,8 +60,7 @@ def test_others_compose(workshop: Workshop, defaults: str, of: str) -> None:
 
 
 @pytest.mark.parametrize(("defaults", "of"), MOVED.values(), ids=MOVED.keys())
-def test_a_class_in_which_its_kind_sets_the_gain_settles_it(
-    workshop: Workshop, defaults: str, of: str
-) -> None:
-    own = '<default><default class="own"><position kp="3"/></default></default>'
-    workshop.link(BASE, MODEL.format(defaults + own, ' class="own"')).check()
+def test_joined_sections_compose(workshop: Workshop, defaults: str, of: str) -> None:
+    joined = re.sub("</default><default>(?=<position|<velocity|<general)", "", defaults)
+    assert joined != defaults
+    workshop.link(BASE, MODEL.format(joined, of)).check()
