@@ -192,6 +192,7 @@ class Linking:
             contents or base.contents,
             base.origins,
             base.part_keys,
+            base.header,
         )
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
