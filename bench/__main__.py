@@ -10,7 +10,7 @@ import tempfile
 from dataclasses import asdict
 from pathlib import Path
 
-from bench import attaching, binding, copying, memory, process
+from bench import attaching, binding, copying, editing, memory, process, texts
 from bench.row import table
 
 
@@ -24,7 +24,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="mjcompose-bench-") as scratch:
         os.chdir(scratch)  # MuJoCo leaves a log where it runs
         try:
-            rows = [row for each in (attaching, copying, binding, process, memory) for row in each.rows()]
+            benches = (attaching, copying, texts, binding, editing, process, memory)
+            rows = [row for each in benches for row in each.rows()]
         finally:
             os.chdir(home)
     sys.stdout.write(table(rows) + "\n")

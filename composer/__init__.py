@@ -9,13 +9,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from composer.loading.errors import BundleWarning as BundleWarning
+    from composer.loading.errors import LoadError as LoadError
+    from composer.loading.errors import UnknownNameError as UnknownNameError
+    from composer.loading.load import load as load
     from composer.version import __version__ as __version__
 
 _HOMES = {
+    "BundleWarning": "composer.loading.errors",
+    "LoadError": "composer.loading.errors",
+    "UnknownNameError": "composer.loading.errors",
     "__version__": "composer.version",
+    "load": "composer.loading.load",
 }
 
-__all__ = ["__version__"]
+__all__ = ["BundleWarning", "LoadError", "UnknownNameError", "__version__", "load"]
 
 
 def __getattr__(name: str) -> object:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer import engine
-from composer.bundle.assemble import assemble, described
+from composer.bundle.assemble import Checked, Making, assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
 from composer.plan.locked import check_lock
@@ -20,7 +20,7 @@ from composer.steps.measure import measure_with
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session
     from composer.link.dedup import Merged
-    from composer.verify.outcome import Hear
+    from composer.verify.outcome import Hear, Outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +73,20 @@ def build(
         composed = replace(composed, files=files)
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
-    compiled = _verified(plan, composed, bundle, context, session, merged, hear) if verified else None
+    checks: list[Checked] = []
+
+    def note(outcome: Outcome) -> None:
+        checks.append(Checked(outcome.name, outcome.kind, outcome.span, outcome.values))
+        if hear is not None:
+            hear(outcome)
+
+    compiled = _verified(plan, composed, bundle, context, session, merged, note) if verified else None
     if context.sink.has_errors:
         return None
-    bundle = described(bundle, plan, composed.members, compiled, context, merged)
+    making = Making(
+        plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), name
+    )
+    bundle = described(bundle, making, context)
     return Built(plan, composed, bundle, compiled, merged)
 
 
@@ -87,7 +97,7 @@ def _verified(
     context: Context,
     session: Session,
     merged: Merged,
-    hear: Hear | None,
+    hear: Hear,
 ) -> Compiled | None:
     """MuJoCo's verdict, and the recipe's checks."""
     from composer.verify.checks import run_checks  # a build without verification has no use for that room

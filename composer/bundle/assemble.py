@@ -2,22 +2,43 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterable, Iterator
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
 from composer.bundle.licences import licence_files, licence_folder
-from composer.bundle.manifest import Input, Manifest, Part, Recipe, files_of, index_of, with_manifest
+from composer.bundle.manifest import (
+    Check,
+    Input,
+    Manifest,
+    Origin,
+    Part,
+    Read,
+    Recipe,
+    files_of,
+    index_of,
+    with_manifest,
+)
+from composer.bundle.portable import Portable
+from composer.bundle.renamed import Renamed, renamed_in
+from composer.bundle.written import written_in
 from composer.context import Context, as_text
+from composer.diagnostics.span import Span
+from composer.document.node import Mapping as Located
+from composer.document.node import Node
+from composer.document.node import Sequence as List
 from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
 from composer.plan.member import Member
 from composer.plan.plan import Plan
+from composer.sources.digest import sha256_of
 from composer.sources.source import Source
+from composer.sources.spdx import UNKNOWN, licence_of
 from composer.tree.unit import Unit
 from composer.tree.write import write
 
@@ -41,30 +62,110 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
         return None
 
 
-def described(
-    bundle: Bundle,
-    plan: Plan,
-    members: Iterable[Member],
-    compiled: Compiled | None,
-    context: Context,
-    merged: Merged,
-) -> Bundle:
-    """The bundle with its manifest; `compiled` is what MuJoCo made of it, None where nobody asked."""
-    folder = plan.path.parent
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """A check that held, and what it found."""
+
+    name: str
+    kind: str
+    span: Span
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Making:
+    """What a manifest tells of how a model came to be.
+
+    `compiled` is what MuJoCo made of it, None where nobody asked; `cell` the name of the cell of a matrix.
+    """
+
+    plan: Plan
+    model: Unit
+    uses: tuple[FileUse, ...]
+    members: tuple[Member, ...]
+    compiled: Compiled | None
+    merged: Merged
+    checks: tuple[Checked, ...] = ()
+    cell: str | None = None
+
+
+def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
+    """The bundle with its manifest."""
+    plan, compiled, model = making.plan, making.compiled, making.model
+    named = list(sources(plan))
+    portable = Portable(plan.path, (source for _, source in named), model, context)
+    inputs = tuple(_input(label, source, bundle, portable) for label, source in named)
+    renamed = renamed_in(model, making.members)
+    index = None
+    if compiled is not None and compiled.index is not None:
+        index = index_of(compiled.index, written_in(model, compiled.index, portable.place))
     manifest = Manifest(
         name=plan.name,
         description=plan.description,
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
-        recipe=Recipe(path=as_text(plan.path.name), sha256=_sha256(plan.path)),
-        inputs=tuple(_input(label, source, bundle, folder) for label, source in sources(plan)),
-        parts=tuple(_part(member, number) for number, member in enumerate(members)),
+        recipe=Recipe(path=as_text(plan.path.name), sha256=sha256_of(plan.path)),
+        separator=plan.separator,
+        cell=making.cell,
+        variants=dict(plan.variants),
+        params={name: value for name, value in plan.scope.items() if name not in plan.variants},
+        inputs=inputs,
+        parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
+        read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, portable)),
+        licences=_by_licence(inputs, making.members),
         files=files_of(bundle),
-        merged=merged,
-        index=index_of(compiled.index) if compiled and compiled.index else None,
-        warnings=tuple(f"{each.code}: {each.message}" for each in context.sink.diagnostics),
+        merged=making.merged,
+        checks=tuple(
+            Check(name=each.name, kind=each.kind, values=dict(each.values), origin=portable.place(each.span))
+            for each in making.checks
+        ),
+        index=index,
+        warnings=tuple(f"{each.code}: {portable.text(each.message)}" for each in context.sink.diagnostics),
     )
     return with_manifest(bundle, manifest)
+
+
+def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str, str]]:
+    """Every file that was read, with its hash; each is hashed once."""
+    known = {
+        os.path.realpath(where): bundle.digest(path)
+        for path, where in making.model.contents.items()
+        if isinstance(where, Path) and path in bundle.files
+    }
+    files = {
+        *portable.texts_on_disk(),
+        *(portable.path(file) for file in _files_of(making.plan)),
+        *(path for _, source in sources(making.plan) for path in (source.path, *source.licences)),
+        *(Path(use.source) for use in making.uses if use.content is None),
+    }
+    found: dict[str, str] = {}
+    for path in files:
+        name = portable.name(path)
+        if name not in found:
+            found[name] = known.get(os.path.realpath(path)) or sha256_of(path)
+    return sorted(found.items())
+
+
+def _files_of(plan: Plan) -> Iterator[str]:
+    """The recipes of a plan, with those they extend, as messages call them."""
+    waiting: list[Node] = [plan.document]
+    while waiting:
+        node = waiting.pop()
+        yield node.span.file
+        if isinstance(node, Located):
+            waiting += [value for _, value in node.entries.values()]
+        elif isinstance(node, List):
+            waiting += node.items
+    for model in (plan.base.model, *(part.model for part in plan.parts)):
+        if isinstance(model, Plan):
+            yield from _files_of(model)
+
+
+def _by_licence(inputs: tuple[Input, ...], members: tuple[Member, ...]) -> dict[str, tuple[str, ...]]:
+    found: dict[str, list[str]] = {}
+    for each, member in zip(inputs, members, strict=False):
+        found.setdefault(each.licence or UNKNOWN, []).append(member.part)
+    return {licence: tuple(parts) for licence, parts in sorted(found.items())}
 
 
 def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:
@@ -77,20 +178,34 @@ def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:
             yield label.strip(plan.separator) or model.path.stem, model
 
 
-def _input(label: str, source: Source, bundle: Bundle, folder: Path) -> Input:
+def _input(label: str, source: Source, bundle: Bundle, portable: Portable) -> Input:
     start = licence_folder(label) + "/"
+    origin = source.origin
     return Input(
-        path=as_text(_portable(source, folder)),
+        path=as_text(_path_of(source, portable)),
         reference=source.reference,
         kind=source.kind,
-        sha256=_sha256(source.path),
+        sha256=sha256_of(source.path),
+        origin=None
+        if origin is None
+        else Origin(id=origin.id, commit=origin.commit, tree=origin.tree, sha256=origin.sha256),
+        licence=licence_of(source),
         licences=tuple(path for path in bundle.files if path.startswith(start)),
         package=source.package,
         version=source.version,
     )
 
 
-def _part(member: Member, number: int) -> Part:
+def _path_of(source: Source, portable: Portable) -> str:
+    """Relative to what it was fetched or installed with."""
+    if source.origin is None:
+        return portable.name(source.path)
+    return Path(
+        os.path.relpath(os.path.realpath(source.path), os.path.realpath(source.origin.root))
+    ).as_posix()
+
+
+def _part(member: Member, number: int, renamed: Renamed) -> Part:
     pose = member.pose
     return Part(
         part=member.part,
@@ -104,18 +219,5 @@ def _part(member: Member, number: int) -> Part:
         stands=member.stands,
         changed=member.changed,
         obscure=member.obscure,
+        renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
     )
-
-
-def _portable(source: Source, folder: Path) -> str:
-    """The path of a source as any machine may say it."""
-    if source.origin is not None:
-        folder = source.origin.root
-    try:
-        return source.path.resolve().relative_to(folder.resolve()).as_posix()
-    except ValueError:
-        return source.reference if source.kind == "path" else source.path.name
-
-
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -29,17 +29,28 @@ class _Part(BaseModel):
 class Recipe(_Part):
     """The recipe as the build was asked for it."""
 
-    path: str = Field(description="The recipe's path as it was written, with forward slashes.")
+    path: str = Field(description="The name of its file.")
     sha256: str = Field(description="Of the recipe file.")
 
 
+class Origin(_Part):
+    """What an input was fetched or installed with."""
+
+    id: str = Field(description="The model reference without the file in it.")
+    commit: str | None = Field(default=None, description="Of a git repository.")
+    tree: str | None = Field(default=None, description="Of a git repository: git's hash of all its files.")
+    sha256: str | None = Field(default=None, description="Of an archive.")
+
+
 class Input(_Part):
-    """One file or folder that the model was made from."""
+    """One model file that the model was made from."""
 
     path: str = Field(description="Relative to the recipe, or to the package or repository it came from.")
     reference: str = Field(description="The model reference as the recipe writes it.")
     kind: str = Field(description="The kind of reference: file, package, menagerie, git, ...")
     sha256: str
+    origin: Origin | None = Field(default=None, description="null for a file that is named by its path.")
+    licence: str | None = Field(default=None, description="As an SPDX expression; null when it is not known.")
     licences: tuple[str, ...] = Field(default=(), description="Its licence files, as paths in this bundle.")
     package: str | None = Field(default=None, description="The Python package it came from.")
     version: str | None = Field(default=None, description="The version of that package, or the commit.")
@@ -62,6 +73,11 @@ class Part(_Part):
         default="",
         description="What stands before the names of its keyframes; null where they were left out.",
     )
+    renamed: dict[str, dict[str, str]] = Field(
+        default={},
+        description="By kind of name: its own name and the one in the model, for those that are not the own name"
+        " behind the prefix.",
+    )
     welded: bool = Field(default=False, description="Whether free joints at its root were taken away.")
     stands: bool = Field(default=True, description="Whether it is fixed in the world.")
     changed: tuple[str, ...] = Field(
@@ -70,12 +86,27 @@ class Part(_Part):
     obscure: str | None = Field(default=None, description="Why it cannot be compared with its source, if so.")
 
 
+class Read(_Part):
+    """One file that was read: a recipe, a model, what these include, a mesh, a licence."""
+
+    path: str = Field(
+        description="Relative to the recipe, or after the reference of what it was fetched or installed with."
+    )
+    sha256: str
+
+
 class File(_Part):
     """One file of the bundle; the manifest itself is not listed."""
 
     path: str
     sha256: str
     size: int = Field(ge=0, description="In bytes.")
+
+
+_ORIGIN = Field(
+    default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies."
+)
+_Range = tuple[float, float]
 
 
 class Joint(_Part):
@@ -88,21 +119,46 @@ class Joint(_Part):
     qpos_size: int = Field(ge=1)
     dof: int = Field(ge=0, description="Where its entries in qvel begin.")
     dof_size: int = Field(ge=1)
-    range: tuple[float, float] | None = Field(
-        default=None, description="In radians or metres; null when the joint is not limited."
+    unit: str | None = Field(
+        default=None,
+        description="Of qpos: rad, m or quaternion; null for a free joint, which has metres and a quaternion.",
     )
-    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+    velocity_unit: str | None = Field(
+        default=None, description="Of qvel: rad/s or m/s; null for a free joint, which has both."
+    )
+    range: _Range | None = Field(
+        default=None,
+        description="In its unit, the angle of a ball joint in rad; null when the joint is not limited.",
+    )
+    origin: str | None = _ORIGIN
 
 
 class Actuator(_Part):
     """An actuator and its entries in ctrl and act."""
 
     name: str
+    type: str | None = Field(
+        default=None, description="The tag MJCF has for it; null for what MuJoCo multiplies."
+    )
     ctrl: int = Field(ge=0, description="Where its entries in ctrl begin.")
     ctrl_size: int = Field(ge=0)
     act: int | None = Field(default=None, description="Where its entries in act begin; null without any.")
     act_size: int = Field(default=0, ge=0)
-    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+    unit: str | None = Field(
+        default=None,
+        description="Of its only control: rad or m for a position, rad/s or m/s for a velocity, N m or N,"
+        " 1 for an activation; null where a gear or a gain gives it another meaning.",
+    )
+    ranges: tuple[_Range | None, ...] = Field(
+        default=(), description="Of each control, in its unit; null for one that is not limited."
+    )
+    act_range: _Range | None = Field(
+        default=None, description="Of its activation; null when that is not limited."
+    )
+    force_range: _Range | None = Field(
+        default=None, description="Of the force or torque it gives; null when that is not limited."
+    )
+    origin: str | None = _ORIGIN
 
 
 class Sensor(_Part):
@@ -112,7 +168,30 @@ class Sensor(_Part):
     type: str = Field(description="The tag MJCF has for it.")
     address: int = Field(ge=0, description="Where its entries in sensordata begin.")
     size: int = Field(ge=0)
-    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+    unit: str | None = Field(default=None, description="null where the type does not settle it.")
+    cutoff: float | None = Field(
+        default=None, description="In its unit, the greatest value it tells; null when nothing is cut off."
+    )
+    origin: str | None = _ORIGIN
+
+
+class Camera(_Part):
+    """A camera; its number is its place in the list."""
+
+    name: str
+    body: str
+    fovy: float = Field(description="The vertical field of view.")
+    unit: Literal["deg", "m"] = Field(description="Of fovy: degrees, or metres for an orthographic camera.")
+    resolution: tuple[int, int] = Field(description="Width and height in pixels, as the model asks for it.")
+    origin: str | None = _ORIGIN
+
+
+class Keyframe(_Part):
+    """A keyframe; its number is its place in the list."""
+
+    name: str
+    time: float = Field(description="In seconds.")
+    origin: str | None = _ORIGIN
 
 
 class Index(_Part):
@@ -121,7 +200,19 @@ class Index(_Part):
     joints: tuple[Joint, ...]
     actuators: tuple[Actuator, ...]
     sensors: tuple[Sensor, ...]
-    keyframes: tuple[str, ...]
+    cameras: tuple[Camera, ...]
+    keyframes: tuple[Keyframe, ...]
+
+
+class Check(_Part):
+    """A check that was run on the compiled model, and held."""
+
+    name: str = Field(description="What the outermost recipe calls it.")
+    kind: str
+    values: dict[str, float | int | bool | str | tuple[float, ...] | None] = Field(
+        default={}, description="What was found; four digits, so that it is the same on other machines."
+    )
+    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
 
 
 class Draw(_Part):
@@ -144,17 +235,24 @@ class Manifest(_Part):
     mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
     grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
     recipe: Recipe | None = Field(default=None, description="null for a model that Python composed.")
+    separator: str = Field(default="/", description="What stands between a prefix and a name.")
+    cell: str | None = Field(default=None, description="The cell of the recipe's matrix; null for none.")
     variants: dict[str, str] = Field(default={}, description="The chosen value of every variant.")
     params: dict[str, Any] = Field(default={}, description="The value of every parameter.")
     sample: int | None = Field(default=None, ge=0, description="The sample's number; 0 is the nominal model.")
     draws: tuple[Draw, ...] = ()
     inputs: tuple[Input, ...] = ()
     parts: tuple[Part, ...] = ()
+    read: tuple[Read, ...] = Field(default=(), description="Every file that the model was made from.")
+    licences: dict[str, tuple[str, ...]] = Field(
+        default={}, description="The parts by licence; those of which it is not known are under `unknown`."
+    )
     files: tuple[File, ...]
     merged: Mapping[str, Mapping[str, str]] = Field(
         default={},
         description="What `--dedup` merged, by kind: for each name that is gone, the name that stands for it.",
     )
+    checks: tuple[Check, ...] = Field(default=(), description="What was checked, and held.")
     index: Index | None = Field(default=None, description="null when the model was not verified.")
     warnings: tuple[str, ...] = ()
 
@@ -168,9 +266,24 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
     )
 
 
-def index_of(index: engine.Index, origins: dict[tuple[str, str], str] | None = None) -> Index:
-    """The manifest's index of a compiled model; `origins` gives `FILE:LINE` by (kind, name)."""
-    known = origins or {}
+Written = Mapping[tuple[str, int], tuple[str, str]]
+"""By kind (`joint`, `actuator`, `sensor`, `camera`, `key`) and number: the tag of an element, and FILE:LINE."""
+
+_UNITS = {
+    "hinge": ("rad", "rad/s"),
+    "slide": ("m", "m/s"),
+    "ball": ("quaternion", "rad/s"),
+    "free": (None, None),
+}
+
+
+def index_of(index: engine.Index, written: Written | None = None) -> Index:
+    """The manifest's index of a compiled model; `written` knows where its elements are written."""
+    known = written or {}
+
+    def origin(kind: str, number: int) -> str | None:
+        return known[kind, number][1] if (kind, number) in known else None
+
     return Index(
         joints=tuple(
             Joint(
@@ -181,21 +294,28 @@ def index_of(index: engine.Index, origins: dict[tuple[str, str], str] | None = N
                 qpos_size=joint.qpos_size,
                 dof=joint.dof_address,
                 dof_size=joint.dof_size,
+                unit=_UNITS[joint.type][0],
+                velocity_unit=_UNITS[joint.type][1],
                 range=joint.range if joint.limited else None,
-                origin=known.get(("joint", joint.name)),
+                origin=origin("joint", number),
             )
-            for joint in index.joints
+            for number, joint in enumerate(index.joints)
         ),
         actuators=tuple(
             Actuator(
                 name=actuator.name,
+                type=known["actuator", number][0] if ("actuator", number) in known else None,
                 ctrl=actuator.ctrl_address,
                 ctrl_size=actuator.ctrl_size,
                 act=actuator.act_address if actuator.act_size else None,
                 act_size=actuator.act_size,
-                origin=known.get(("actuator", actuator.name)),
+                unit=actuator.unit,
+                ranges=actuator.ctrl_ranges,
+                act_range=actuator.act_range,
+                force_range=actuator.force_range,
+                origin=origin("actuator", number),
             )
-            for actuator in index.actuators
+            for number, actuator in enumerate(index.actuators)
         ),
         sensors=tuple(
             Sensor(
@@ -203,11 +323,27 @@ def index_of(index: engine.Index, origins: dict[tuple[str, str], str] | None = N
                 type=sensor.type,
                 address=sensor.address,
                 size=sensor.size,
-                origin=known.get(("sensor", sensor.name)),
+                unit=sensor.unit,
+                cutoff=sensor.cutoff,
+                origin=origin("sensor", number),
             )
-            for sensor in index.sensors
+            for number, sensor in enumerate(index.sensors)
         ),
-        keyframes=index.keyframes,
+        cameras=tuple(
+            Camera(
+                name=camera.name,
+                body=camera.body,
+                fovy=camera.fovy,
+                unit=camera.unit,  # type: ignore[arg-type]
+                resolution=camera.resolution,
+                origin=origin("camera", number),
+            )
+            for number, camera in enumerate(index.cameras)
+        ),
+        keyframes=tuple(
+            Keyframe(name=key.name, time=key.time, origin=origin("key", number))
+            for number, key in enumerate(index.keyframes)
+        ),
     )
 
 

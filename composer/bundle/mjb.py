@@ -1,12 +1,15 @@
-"""A bundle as a compiled model."""
+"""A bundle as a compiled model, with the manifest beside it."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import tempfile
+from importlib import metadata
 from pathlib import Path
 
 from composer import engine
-from composer.bundle.bundle import Bundle
+from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import staged_file, write_files
 
@@ -20,7 +23,8 @@ def write_mjb(
 ) -> None:
     """Compile the bundle and write MuJoCo's binary form, which only the same version of MuJoCo reads.
 
-    Raises OutputError, also when the model does not compile; then an older `out` is untouched.
+    A manifest goes beside it, which lists that one file. Raises OutputError, also when the model does not compile;
+    then an older `out` is untouched.
     """
     with staged_file(out) as stage:
         stage.touch()  # whoever may not write there learns it now, from the operating system
@@ -34,3 +38,38 @@ def write_mjb(
             raise unwritable("a temporary folder", error) from error
         if not compiled.ok:
             raise OutputError("output-unwritable", f"cannot write `{out}`: {compiled.error}")
+        if MANIFEST in bundle.files:
+            with staged_file(manifest_beside(out)) as beside:
+                beside.write_bytes(_manifest(bundle.files[MANIFEST], out.name, stage.read_bytes()))
+
+
+def manifest_beside(out: Path) -> Path:
+    """Where the manifest of a compiled model is. No I/O.
+
+    >>> manifest_beside(Path("build/arm.mujoco-4.0.0.mjb")).as_posix()
+    'build/arm.mujoco-4.0.0.manifest.json'
+    """
+    return out.with_suffix(f".{MANIFEST}")
+
+
+def with_version(out: str, version: str | None = None) -> str:
+    """The name of a compiled model, which only one version of MuJoCo reads, with that version in it.
+
+    `{mujoco}` says where; without it the version goes before the suffix, unless the name has it already. No I/O but
+    for the version of the MuJoCo that is installed, where none is given.
+
+    >>> with_version("build/arm.mjb", "4.0.0"), with_version("{mujoco}/arm.mjb", "4.0.0")
+    ('build/arm.mujoco-4.0.0.mjb', '4.0.0/arm.mjb')
+    """
+    version = version or metadata.version("mujoco")
+    if "{mujoco}" in out or version in out:
+        return out.replace("{mujoco}", version)
+    return f"{out[: -len('.mjb')]}.mujoco-{version}{out[-len('.mjb') :]}"
+
+
+def _manifest(text: bytes, name: str, content: bytes) -> bytes:
+    """The bundle's manifest about its compiled form alone."""
+    told = json.loads(text)
+    told["model"] = name
+    told["files"] = [{"path": name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}]
+    return (json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()

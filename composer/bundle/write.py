@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import StrEnum
 from os import PathLike, fspath
 from pathlib import Path
@@ -15,6 +15,7 @@ from composer.bundle.folder import write_folder
 from composer.bundle.mjb import write_mjb
 from composer.bundle.output_error import OutputError
 from composer.bundle.text import write_text
+from composer.bundle.usd import SUFFIXES, write_usd
 
 
 class Form(StrEnum):
@@ -24,9 +25,11 @@ class Form(StrEnum):
     ARCHIVE = "archive"
     TEXT = "text"
     MJB = "mjb"
+    USD = "usd"
 
 
 _SUFFIXES = {".zip": Form.ARCHIVE, ".mjz": Form.ARCHIVE, ".xml": Form.TEXT, ".mjb": Form.MJB}
+_SUFFIXES |= dict.fromkeys(SUFFIXES, Form.USD)
 
 
 def form_of(out: str | PathLike[str]) -> Form:
@@ -50,7 +53,7 @@ def form_of(out: str | PathLike[str]) -> Form:
         raise OutputError(
             "output-kind",
             f"no output is called `*{path.suffix}`: `{name}`",
-            f"end it in `.mjz`, `.zip`, `.xml` or `.mjb`, or write `{name}/` for a folder",
+            f"end it in `.mjz`, `.zip`, `.xml`, `.mjb` or `.usdz`, or write `{name}/` for a folder",
         )
     return form
 
@@ -62,11 +65,13 @@ def write(
     environment: Mapping[str, str],
     limits: engine.Limits | None = None,
     session: engine.Session | None = None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> Form:
     """Write the bundle to `out` in the form its name asks for; the form is returned.
 
     Either the output is complete or everything is as it was, and OutputError says why. `environment` may hold
-    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB, which MuJoCo writes.
+    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB and USD, which MuJoCo is needed for; `tell` hears what USD does
+    not hold.
     """
     form = form_of(out)
     path = Path(out)
@@ -79,4 +84,6 @@ def write(
             write_text(bundle, path)
         case Form.MJB:
             write_mjb(bundle, path, limits=limits, session=session)
+        case Form.USD:
+            write_usd(bundle, path, tell, limits=limits, session=session)
     return form

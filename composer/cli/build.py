@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,15 +26,22 @@ if TYPE_CHECKING:
 @click.argument("recipe", type=click.Path(path_type=Path))
 @click.option(
     "-o", "--output", "out", metavar="OUT",
-    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output) or FILE.mjb, in which {name} is"
-    " the name of the model; default: build/{name}.zip.",
+    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output), FILE.mjb or FILE.usdz (also .usd,"
+    " .usda, .usdc), in which {name} is the name of the model; default: build/{name}.zip. The name of an MJB gets the"
+    " version of MuJoCo, at {mujoco} or before the suffix.",
 )  # fmt: skip
 @choice_options
-@click.option("--all", "every", is_flag=True, help="Build every cell of the recipe's matrix.")
+@click.option(
+    "--all",
+    "every",
+    is_flag=True,
+    help="Build every cell of the recipe's matrix, or the one model that it is.",
+)
 @click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
+@click.option("--licenses", is_flag=True, help="Print the licence of every part.")
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
 @fetching_options
@@ -49,6 +56,7 @@ def command(
     picks: tuple[str, ...],
     no_verify: bool,
     dedup: bool,
+    licenses: bool,
     timeout: float,
     form: str,
     as_json: bool,
@@ -68,14 +76,14 @@ def command(
     if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    wanted = Wanted("build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form)
+    wanted = Wanted("build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form, licenses)
     with Session(Limits(seconds=timeout)) as session:
         if every or picks:
             from composer.cli.build_cells import build_cells
 
             sys.exit(build_cells(recipe, wanted, given, picks, context, session))
         progress(f"building {recipe}")
-        sys.exit(_build_one(recipe, wanted, given, context, session))
+        sys.exit(build_one(recipe, wanted, given, context, session))
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +95,7 @@ class Wanted:
     verified: bool
     deduplicated: bool
     form: str
+    licenses: bool = False
 
 
 def kind_of_output(out: str | None, many: bool) -> Form:
@@ -103,7 +112,7 @@ def kind_of_output(out: str | None, many: bool) -> Form:
     return Form.TEXT if out == "-" else form_of(out)
 
 
-def _build_one(
+def build_one(
     recipe: Path, wanted: Wanted, given: dict[str, Node], context: Context, session: Session
 ) -> int:
     from composer.pipeline import build
@@ -121,7 +130,7 @@ def _build_one(
     if built is None or target is None or context.sink.has_errors:
         return FINDINGS
     if wanted.out != "-":
-        say(built, target, wanted.form)
+        say(built, target, wanted, context)
     elif built.merged:
         click.echo(_merging(built), err=True)
     return 0
@@ -129,14 +138,20 @@ def _build_one(
 
 def put(built: Built, wanted: Wanted, context: Context, session: Session) -> str | None:
     """Write a model where it is wanted; gives the place, or None where that cannot be, which is told."""
+    from composer.bundle.licence_table import licence_rows, tell_unlicensed
+    from composer.bundle.mjb import with_version
     from composer.bundle.output_error import OutputError
+    from composer.bundle.write import Form
 
     target = wanted.out.replace("{name}", _file_name(built.plan.name))
+    if wanted.kind is Form.MJB:
+        target = with_version(target, built.compiled.mujoco_version if built.compiled else None)
     try:
         _write(built, target, wanted.kind, context, session)
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         return None
+    tell_unlicensed(licence_rows(built.plan, context), context)
     return target
 
 
@@ -158,14 +173,22 @@ def _write(built: Built, out: str, kind: Form, context: Context, session: Sessio
             sys.stdout.buffer.write(text)
             sys.stdout.buffer.flush()
         return
-    write(built.bundle, out, environment=context.environment, session=session)
+
+    def lost(warning: str) -> None:
+        context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
+
+    write(built.bundle, out, environment=context.environment, session=session, tell=lost)
 
 
-def say(built: Built, out: str, form: str) -> None:
+def say(built: Built, out: str, wanted: Wanted, context: Context) -> None:
+    """Tell what was written."""
     import json
 
+    from composer.bundle.licence_table import licence_rows, licence_table
+
+    rows = licence_rows(built.plan, context) if wanted.licenses else []
     sizes = built.compiled.sizes if built.compiled else {}
-    if form == "json":
+    if wanted.form == "json":
         told: dict[str, object] = {
             "output": out,
             "name": built.plan.name,
@@ -174,6 +197,8 @@ def say(built: Built, out: str, form: str) -> None:
         }
         if built.merged:
             told["merged"] = {kind: dict(names) for kind, names in built.merged.items()}
+        if wanted.licenses:
+            told["licences"] = [asdict(row) for row in rows]
         click.echo(json.dumps(told))
         return
     click.echo(f"wrote {out}")
@@ -187,6 +212,8 @@ def say(built: Built, out: str, form: str) -> None:
     if built.merged:
         click.echo(_merging(built))
     click.echo(f"  contents sha256 {built.bundle.sha256}")
+    if rows:
+        click.echo(licence_table(rows))
 
 
 def _merging(built: Built) -> str:

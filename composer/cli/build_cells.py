@@ -9,7 +9,7 @@ import click
 
 from composer.build.cells import build_cells as built_cells
 from composer.build.cells import cells_of, picked
-from composer.cli.build import Wanted, put, say
+from composer.cli.build import Wanted, build_one, put, say
 from composer.cli.counting import counting
 from composer.cli.reporting import FINDINGS, USAGE, report
 
@@ -30,8 +30,10 @@ def build_cells(
     """Build them one after another; what is at fault in several is told once. Gives the exit code."""
     every = cells_of(recipe, context)
     if not every and not context.sink.has_errors:
+        if not picks:
+            return build_one(recipe, wanted, given, context, session)
         context.sink.error("missing-key", f"`{recipe}` has no `matrix`: it is one model",
-                           help="build it without `--all` and `--pick`")  # fmt: skip
+                           help="build it without `--pick`")  # fmt: skip
     chosen = picked(every, picks, context.sink) if picks else every
     for name in dict.fromkeys(name for cell in chosen for name in cell.given if name in given):
         context.sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
@@ -49,7 +51,7 @@ def build_cells(
         if built is None or target is None or own.sink.has_errors:
             failed.append(cell.name)
         else:
-            say(built, target, wanted.form)
+            say(built, target, wanted, own)
     report(context, wanted.form)
     if failed and wanted.form == "text":
         click.echo(f"{len(failed)} of {len(chosen)} cells failed: {', '.join(failed)}", err=True)

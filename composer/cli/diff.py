@@ -28,6 +28,8 @@ _KINDS = (
 @click.option("--tolerance", type=click.FloatRange(min=0), default=0.0, show_default=True,
               help="Numbers that differ by a smaller share than this count as the same.")  # fmt: skip
 @click.option("--all", "everything", is_flag=True, help="Tell also what MuJoCo computes from other numbers.")
+@click.option("--renders", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
+              help="Put pictures of both here: of the whole, and of every camera that both have.")  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take for each model.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
@@ -42,6 +44,7 @@ def command(
     only: tuple[str, ...],
     tolerance: float,
     everything: bool,
+    renders: Path | None,
     timeout: float,
     as_json: bool,
     form: str,
@@ -64,10 +67,11 @@ def command(
     found = None
     if not context.sink.has_errors:
         progress(f"comparing {a} with {b}")
-        with Session(Limits(seconds=timeout)) as session:
+        with Session(Limits(seconds=timeout), rendering=renders is not None) as session:
             found = diff(
-                a, b, context, session, tolerance=tolerance, only=only, everything=everything, given=given
-            )
+                a, b, context, session, tolerance=tolerance, only=only, everything=everything, given=given,
+                renders=renders,
+            )  # fmt: skip
     if found is None:
         report(context, "json" if form == "json" else "text")
         sys.exit(USAGE)

@@ -24,7 +24,7 @@ def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str) -> None:
     from composer.context import Context
 
     context = Context(fetching=fetching())
-    told = _made(recipe, names, context)
+    told = made_lock(recipe, names, context)
     report(context, form)
     if told is None:
         sys.exit(USAGE if any(each.code == "unknown-name" for each in context.sink.errors) else FINDINGS)
@@ -37,8 +37,8 @@ def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str) -> None:
     click.echo(f"wrote {path}" if changes else f"{path} is up to date")
 
 
-def _made(recipe: Path, names: tuple[str, ...] | None, context: Context) -> tuple[str, list[str]] | None:
-    """Where the lock is and what is new in it; None where the sink says why there is none."""
+def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> tuple[str, list[str]] | None:
+    """Write the lock: where the lock is and what is new in it; None where the sink says why there is none."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
     from composer.plan.locked import changed, lock_of, use_lock

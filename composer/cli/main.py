@@ -28,6 +28,7 @@ _VERBS = {
     "new": "Write a commented starter recipe that builds.",
     "fmt": "Put recipes into their canonical layout, comments kept.",
     "import": "Propose the recipe that makes a merged model of its parts.",
+    "doctor": "Say what this installation is and can do.",
     "schema": "Print the JSON Schema of recipes, for editors.",
 }
 

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from composer.cli.choices import choice_options, chosen_values
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, report, reporting_options
+
+if TYPE_CHECKING:
+    from composer.context import Context
+    from composer.plan.plan import Plan
 
 
 @click.command()
@@ -19,6 +25,7 @@ from composer.cli.reporting import FINDINGS, report, reporting_options
 @click.option(
     "--expanded", is_flag=True, help="Print the concrete recipe, with the file and line of every value."
 )
+@click.option("--licenses", is_flag=True, help="Print the licence of every part, and nothing else.")
 @fetching_options
 @reporting_options
 def command(
@@ -27,6 +34,7 @@ def command(
     set_files: tuple[Path, ...],
     variants: tuple[str, ...],
     expanded: bool,
+    licenses: bool,
     form: str,
     as_json: bool,
 ) -> None:
@@ -51,7 +59,9 @@ def command(
     report(context, form)
     if plan is None:
         sys.exit(FINDINGS)
-    if expanded:
+    if licenses:
+        _say_licences(plan, context, form)
+    elif expanded:
         click.echo(expanded_text(plan.document))
     elif form == "json":
         data = as_data(plan, subtrees)
@@ -69,3 +79,10 @@ def command(
                 click.echo(f"  {cell.name}  {values}")
     if context.sink.has_errors:
         sys.exit(FINDINGS)
+
+
+def _say_licences(plan: Plan, context: Context, form: str) -> None:
+    from composer.bundle.licence_table import licence_rows, licence_table
+
+    rows = licence_rows(plan, context)
+    click.echo(json.dumps([asdict(row) for row in rows], indent=2) if form == "json" else licence_table(rows))

@@ -107,6 +107,16 @@ class End:
 
 
 @dataclass(frozen=True, slots=True)
+class View:
+    """Pictures of A and B from one place, by the name of the camera; ``differs`` is the share of pixels that do."""
+
+    name: str
+    before: str
+    after: str
+    differs: float
+
+
+@dataclass(frozen=True, slots=True)
 class Diff:
     """The answer. ``same`` is whether nothing that was asked for differs; ``files`` are those of which the bytes do."""
 
@@ -116,6 +126,7 @@ class Diff:
     groups: tuple[Group, ...]
     files: tuple[str, ...]
     follows: int
+    views: tuple[View, ...] = ()
 
     @property
     def same(self) -> bool:

@@ -30,6 +30,7 @@ def as_data(diff: Diff) -> dict[str, Any]:
         "addresses": [asdict(each) for each in told.moves],
         "arrays": list(told.arrays),
         "follows": diff.follows,
+        "views": [asdict(each) for each in diff.views],
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from contextlib import ExitStack
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer import engine
@@ -14,6 +15,7 @@ from composer.diff.change import Change, Contrast, Diff
 from composer.diff.grouping import grouped
 from composer.diff.models import contrast, told
 from composer.diff.operand import read_operand
+from composer.diff.renders import render_views
 from composer.diff.side import Side, load
 from composer.plan.make import Given
 
@@ -33,12 +35,14 @@ def diff(
     only: Collection[str] = (),
     everything: bool = False,
     given: Given | None = None,
+    renders: Path | None = None,
 ) -> Diff | None:
     """The differences from A to B; None where one of them is no model, which `context.sink` is told.
 
     `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
     none means all. With `everything` what follows from other changes is told too, not only counted. `given` are
-    values of parameters and variants for whichever of the two is a recipe.
+    values of parameters and variants for whichever of the two is a recipe. Pictures of both go to the folder
+    `renders`; the session must be one that renders.
     """
     with ExitStack() as opened:
         operands = [read_operand(text, context, opened) for text in (a, b)]
@@ -59,7 +63,10 @@ def diff(
             said = answer.error or answer.crash
             context.sink.error("mujoco-crash", f"`{a}` and `{b}` cannot be compared: {said}")
             return None
-        return _told(told(answer.value), first, second, tolerance, only, everything)
+        found = _told(told(answer.value), first, second, tolerance, only, everything)
+        if renders is not None:
+            found = replace(found, views=render_views(renders, (first.kept, second.kept), context, session))
+        return None if context.sink.has_errors else found
 
 
 def _told(

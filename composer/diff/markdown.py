@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from composer.diff.change import Diff, Group
 from composer.diff.text import following, place, verdict
-from composer.diff.words import count, moved, sentences
+from composer.diff.words import count, moved, sentences, view
 
 _LONG = 12
 _LONGEST = 60_000
@@ -43,6 +43,16 @@ def _lines(diff: Diff) -> Iterator[str]:
     if told.arrays:
         yield ""
         yield f"Arrays of `mjModel` that differ: {', '.join(map(_code, told.arrays))}"
+    if diff.views:
+        yield ""
+        yield "#### Pictures"
+        yield ""
+        yield "| view | before | after |"
+        yield "|---|---|---|"
+        yield from (
+            f"| {_code(each.name)}<br>{view(each)} | ![before](<{each.before}>) | ![after](<{each.after}>) |"
+            for each in diff.views
+        )
     if (more := following(diff)) is not None:
         yield ""
         yield f"<sub>{more}</sub>"

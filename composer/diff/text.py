@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from composer.diff.change import Cause, Diff, Group
-from composer.diff.words import count, moved, sentences
+from composer.diff.words import count, moved, sentences, view
 
 
 def render(diff: Diff) -> str:
@@ -69,6 +69,10 @@ def _lines(diff: Diff) -> Iterator[str]:
     if told.arrays:
         yield ""
         yield f"arrays of mjModel that differ: {', '.join(told.arrays)}"
+    if diff.views:
+        yield ""
+        yield "pictures"
+        yield from (f"  {each.name}: {view(each)}: {each.before}, {each.after}" for each in diff.views)
     if (more := following(diff)) is not None:
         yield ""
         yield more

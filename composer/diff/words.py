@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
-from composer.diff.change import SETTINGS, Change, Count, Move, Value
+from composer.diff.change import SETTINGS, Change, Count, Move, Value, View
 from composer.diff.fields import is_place, quantity, rank, unit
 
 _NAMED = 5
@@ -108,6 +108,12 @@ def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) ->
     change = relative(before, after) if share else None
     grown = "" if change is None or abs(change) < 5e-4 else f" ({_percent(change)})"
     return f"{ours}{unit if before is not None else ''} → {theirs}{unit if after is not None else ''}{grown}"
+
+
+def view(view: View) -> str:
+    """How much two pictures differ."""
+    share = view.differs * 100
+    return "the same" if share == 0 else f"{max(share, 0.1):.1f} % of the pixels differ"
 
 
 def relative(before: Value, after: Value) -> float | None:

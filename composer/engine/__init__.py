@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from composer.engine.answer import Called, Compiled, Measured
-    from composer.engine.index import Actuator, Index, Joint, Sensor
+    from composer.engine.index import Actuator, Camera, Index, Joint, Keyframe, Sensor
     from composer.engine.limits import Limits
     from composer.engine.request import Request
     from composer.engine.run import call, compile, measure, run_many
@@ -24,10 +24,12 @@ __all__ = [
     "PACKAGE",
     "Actuator",
     "Called",
+    "Camera",
     "Compiled",
     "Converted",
     "Index",
     "Joint",
+    "Keyframe",
     "Limits",
     "Measured",
     "Request",
@@ -42,7 +44,7 @@ __all__ = [
 
 _ROOMS = {
     "answer": ("Called", "Compiled", "Measured"),
-    "index": ("Actuator", "Index", "Joint", "Sensor"),
+    "index": ("Actuator", "Camera", "Index", "Joint", "Keyframe", "Sensor"),
     "limits": ("Limits",),
     "request": ("Request",),
     "run": ("call", "compile", "measure", "run_many"),

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
+
+Range: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,23 +26,51 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Actuator:
-    """An actuator without activation has `act_address` -1 and `act_size` 0."""
+    """An actuator without activation has `act_address` -1 and `act_size` 0.
+
+    `unit` is that of its only control, `ctrl_ranges` has a range or None for each control, in that unit.
+    """
 
     name: str
     ctrl_address: int
     ctrl_size: int
     act_address: int
     act_size: int
+    unit: str | None = None
+    ctrl_ranges: tuple[Range | None, ...] = ()
+    act_range: Range | None = None
+    force_range: Range | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """`type` is the tag MJCF has for it."""
+    """`type` is the tag MJCF has for it; `cutoff`, in its unit, is None where it cuts nothing off."""
 
     name: str
     type: str
     address: int
     size: int
+    unit: str | None = None
+    cutoff: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """`fovy` is in degrees, or metres for an orthographic camera, as `unit` says; `resolution` is width and height."""
+
+    name: str
+    body: str
+    fovy: float
+    unit: str
+    resolution: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """`time` is in seconds."""
+
+    name: str
+    time: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +80,8 @@ class Index:
     joints: tuple[Joint, ...]
     actuators: tuple[Actuator, ...]
     sensors: tuple[Sensor, ...]
-    keyframes: tuple[str, ...]
-    cameras: tuple[str, ...]
+    keyframes: tuple[Keyframe, ...]
+    cameras: tuple[Camera, ...]
     bodies: tuple[str, ...]
 
     @staticmethod
@@ -73,10 +103,44 @@ class Index:
                 for entry in data["joints"]
             ),
             actuators=tuple(
-                Actuator(entry["name"], *entry["ctrl"], *entry["act"]) for entry in data["actuators"]
+                Actuator(
+                    name=entry["name"],
+                    ctrl_address=entry["ctrl"][0],
+                    ctrl_size=entry["ctrl"][1],
+                    act_address=entry["act"][0],
+                    act_size=entry["act"][1],
+                    unit=entry["unit"],
+                    ctrl_ranges=tuple(map(_range, entry["ctrl_ranges"])),
+                    act_range=_range(entry["act_range"]),
+                    force_range=_range(entry["force_range"]),
+                )
+                for entry in data["actuators"]
             ),
-            sensors=tuple(Sensor(entry["name"], entry["type"], *entry["data"]) for entry in data["sensors"]),
-            keyframes=tuple(data["keyframes"]),
-            cameras=tuple(data["cameras"]),
+            sensors=tuple(
+                Sensor(
+                    name=entry["name"],
+                    type=entry["type"],
+                    address=entry["data"][0],
+                    size=entry["data"][1],
+                    unit=entry["unit"],
+                    cutoff=entry["cutoff"],
+                )
+                for entry in data["sensors"]
+            ),
+            keyframes=tuple(Keyframe(entry["name"], entry["time"]) for entry in data["keyframes"]),
+            cameras=tuple(
+                Camera(
+                    entry["name"],
+                    entry["body"],
+                    entry["fovy"],
+                    entry["unit"],
+                    (entry["resolution"][0], entry["resolution"][1]),
+                )
+                for entry in data["cameras"]
+            ),
             bodies=tuple(data["bodies"]),
         )
+
+
+def _range(bounds: list[float] | None) -> Range | None:
+    return None if bounds is None else (bounds[0], bounds[1])

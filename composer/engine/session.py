@@ -29,11 +29,12 @@ class Session:
     """Asks MuJoCo in a child process; the process starts with the first request and again after a crash.
 
     Use it as a context manager, from one thread at a time. Nothing that happens in the child reaches the
-    caller but the answer: no exception, no output, no file.
+    caller but the answer: no exception, no output, no file. `rendering` lets the child use OpenGL.
     """
 
-    def __init__(self, limits: Limits | None = None) -> None:
+    def __init__(self, limits: Limits | None = None, *, rendering: bool = False) -> None:
         self.limits = limits or Limits()
+        self.rendering = rendering
         self.mujoco_version: str | None = None
         self._process: subprocess.Popen[str] | None = None
         self._lines: queue.Queue[str | None] = queue.Queue()
@@ -109,8 +110,8 @@ class Session:
         work = self._folder / f"work-{self._count}"
         work.mkdir(exist_ok=True)
         environment = dict(os.environ)
-        # no window, no renderer; threads of linear algebra would only count against the memory limit
-        environment |= {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
+        # threads of linear algebra would only count against the memory limit
+        environment |= {"MUJOCO_GL": self._graphics(), "OPENBLAS_NUM_THREADS": "1"}
         if not sys.executable:
             raise ValueError("this Python does not know its own executable")
         with (self._folder / "log").open("wb") as log:
@@ -127,6 +128,12 @@ class Session:
         self._lines = queue.Queue()
         assert self._process.stdout is not None
         threading.Thread(target=_forward_lines, args=(self._process.stdout, self._lines), daemon=True).start()
+
+    def _graphics(self) -> str:
+        """What MuJoCo draws with: nothing, what the user says, or what does without a display."""
+        if not self.rendering:
+            return "disable"
+        return os.environ.get("MUJOCO_GL") or ("egl" if sys.platform == "linux" else "glfw")
 
     def _exchange(self, line: str, seconds: float) -> dict[str, Any] | None:
         """Send one line and wait for one; None when the child ended, or was ended for taking too long."""

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import did_you_mean
+from composer.expr.angle import Angle
 from composer.expr.value import Value, kind, shown
 
 TYPES = ("bool", "int", "float", "string", "vector")
-_ANGLE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(deg|rad)")
 
 
 class Refusal(NamedTuple):
@@ -46,10 +45,8 @@ class Parameter:
 
     def read(self, value: Value) -> Value | Refusal:
         """The value as it is kept, an angle with a unit as a number in the parameter's; or why it cannot be."""
-        if self.is_angle and isinstance(value, str):
-            converted = _in_unit(value, str(self.unit))
-            if converted is not None:
-                value = converted
+        if self.is_angle and isinstance(value, str) and (angle := Angle.read(value)):
+            value = angle.in_unit(str(self.unit))
         if not _has_type(value, self.type):
             help = "declare it as `{type: float, …}` to have any number" if self.type == "int" else None
             return Refusal(
@@ -119,17 +116,5 @@ def inferred(default: Value) -> tuple[str, Value, str | None]:
         return "float", default, None
     if isinstance(default, tuple):
         return "vector", default, None
-    angle = _ANGLE.fullmatch(default)
-    return ("float", float(angle[1]), angle[2]) if angle else ("string", default, None)
-
-
-def _in_unit(text: str, unit: str) -> float | None:
-    import math
-
-    angle = _ANGLE.fullmatch(text)
-    if angle is None:
-        return None
-    value = float(angle[1])
-    if angle[2] == unit:
-        return value
-    return math.radians(value) if unit == "rad" else math.degrees(value)
+    angle = Angle.read(default)
+    return ("float", angle.value, angle.unit) if angle else ("string", default, None)

@@ -12,10 +12,8 @@ def plain(node: Node) -> Value | None:
     if isinstance(node, Scalar):
         return node.value
     if isinstance(node, Sequence):
-        items = tuple(plain(item) for item in node.items)
-        return (
-            None if any(item is None for item in items) else tuple(item for item in items if item is not None)
-        )
+        items = tuple(value for item in node.items if (value := plain(item)) is not None)
+        return items if len(items) == len(node.items) else None
     return None
 
 

@@ -11,7 +11,6 @@ from typing import Any
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import Children, Constraint, ElementType
 
-SCALAR_TYPES = frozenset({"real", "int"})
 COUNTS: Mapping[str, tuple[int, int | None]] = {"once": (1, 1), "optional": (0, 1), "any": (0, None)}
 
 

@@ -33,6 +33,12 @@ def keys_of(unit: Unit) -> list[Node]:
     return [key for section in unit.root.iterchildren("keyframe") for key in section.iterchildren("key")]
 
 
+def remove_keys(unit: Unit) -> None:
+    """Leave nothing of a unit's keyframes."""
+    for section in list(unit.root.iterchildren("keyframe")):
+        unit.root.remove(section)
+
+
 def _write_padding(unit: Unit) -> None:
     """`<size nkey>` pads with default keys: as written keys they stay with the part that asks for them."""
     for size in unit.root.iterchildren("size"):

@@ -117,9 +117,10 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
         layout.mocaps.extend(
             body for body in through_frames(worldbody) if body.tag == "body" and body.get("mocap") == "true"
         )
-    for holder in actuators_in_order(unit.root):
-        each = element_of(holder)
-        layout.actuators[holder] = known.get(each) or reader.actuator(each)
+    layout.actuators = {
+        holder: known.get(each := element_of(holder)) or reader.actuator(each)
+        for holder in actuators_in_order(unit.root)
+    }
     return layout
 
 

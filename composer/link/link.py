@@ -86,6 +86,15 @@ def link(linking: Linking) -> bool:
     return True
 
 
+def link_alone(linking: Linking) -> None:
+    """The same for a base without parts: nothing of it has to change but the paths of its files.
+
+    Its names are not looked at, nor its keys: whoever calls knows that its names are right.
+    """
+    for link_pass in (files, submodels, compiler):
+        link_pass(linking)
+
+
 def finish(linking: Linking) -> None:
     """What must wait until nothing more is added to the model: the keyframes."""
     keyframes(linking)

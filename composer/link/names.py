@@ -69,10 +69,10 @@ class Found:
         self.repeated: list[tuple[str, str, Node]] = []
 
     def declared(self, namespace: str) -> dict[str, Node]:
-        return self.by_slot[1 + _namespaces().index(namespace)]
+        return self.by_slot[_slot(namespace)]
 
     def wanted(self, namespace: str) -> dict[str, Node]:
-        return self.by_slot[1 + len(_namespaces()) + _namespaces().index(namespace)]
+        return self.by_slot[_slot(namespace, wanted=True)]
 
     def all_declared(self) -> Iterator[tuple[str, dict[str, Node]]]:
         """Every namespace in which something is declared, with the names."""
@@ -100,6 +100,12 @@ def _namespaces() -> tuple[str, ...]:
 
 
 @cache
+def _slot(namespace: str, wanted: bool = False) -> int:
+    """Where the names of a namespace are noted that are declared, or those that are referred to."""
+    return 1 + _namespaces().index(namespace) + (len(_namespaces()) if wanted else 0)
+
+
+@cache
 def _slots(section: str) -> dict[str, dict[str, int]]:
     """The naming table of a section, with where the walk notes a name instead of what kind of name it is.
 
@@ -112,12 +118,13 @@ def _slots(section: str) -> dict[str, dict[str, int]]:
         row = table[tag] = {}
         for name, (kind, namespace) in actions.items():
             if kind == DECLARES and namespace != "key":
-                row[name] = 1 + spaces.index(namespace)
+                row[name] = _slot(namespace)
             elif kind == REFERS and namespace != "key":
-                unheeded = section == "default"
-                row[name] = 1 + len(spaces) + (len(spaces) if unheeded else spaces.index(namespace))
+                row[name] = 1 + 2 * len(spaces) if section == "default" else _slot(namespace, wanted=True)
             else:
                 row[name] = 0
+        if section in ("asset", "deformable") and tag in NAMED_AFTER_FILE:
+            row["file"] = 0
     return table
 
 
@@ -138,12 +145,12 @@ def rename(unit: Unit, prefix: str, top_class: str) -> Found:
             slots = table.get(element.tag)
             if slots is None:
                 continue
-            for key in element.keys():  # noqa: SIM118 (an element is no mapping)
+            items: list[tuple[str, str]] = element.items()  # type: ignore[assignment]  # of a parsed tree
+            for key, value in items:
                 if key in slots:
                     slot = slots[key]
-                    value = element.get(key)
                     if not slot or not value:
-                        _rename_special(found, element, key, prefix, section)
+                        _rename_special(found, element, key, value, prefix, section)
                         continue
                     if prefix:
                         value = prefix + value
@@ -153,8 +160,6 @@ def rename(unit: Unit, prefix: str, top_class: str) -> Found:
                         known[value] = element
                     elif slot <= last_declared:
                         found.repeat(_namespaces()[slot - 1], value, element)
-        if section.tag in ("asset", "deformable"):
-            _name_assets(section, prefix, found)
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
@@ -175,10 +180,12 @@ def _put_right(unit: Unit, namespace: str, name: str, meant: str) -> None:
                     element.set(key, meant)
 
 
-def _rename_special(found: Found, element: Node, key: str, prefix: str, section: Node) -> None:
-    """Values that are no plain name: empty, lists, prefixes for more names, and names typed by a sibling."""
+def _rename_special(found: Found, element: Node, key: str, value: str, prefix: str, section: Node) -> None:
+    """Values that are no plain name: empty, lists, prefixes for more names, files, and names typed by a sibling."""
+    if key == "file":
+        _name_asset(found, element, value, prefix)
+        return
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
-    value = str(element.get(key))
     name = prefix + value
     if namespace == "key" or (not value and kind != GENERATES):
         return  # keys are named when they are laid out
@@ -198,19 +205,16 @@ def _rename_special(found: Found, element: Node, key: str, prefix: str, section:
         element.set(key, name)
 
 
-def _name_assets(section: Node, prefix: str, found: Found) -> None:
+def _name_asset(found: Found, element: Node, file: str, prefix: str) -> None:
     """Where MuJoCo takes the name from the file, write it if a prefix must stand before it."""
-    for tag in NAMED_AFTER_FILE:
-        declared = found.declared(tag)
-        for element in section.iterchildren(tag):
-            if not element.get("name"):
-                file = element.get("file")
-                if file:
-                    name = prefix + stem(file)
-                    if prefix:
-                        element.set("name", name)
-                    if declared.setdefault(name, element) is not element:
-                        found.repeat(tag, name, element)
+    if element.get("name") or not file:
+        return
+    tag = str(element.tag)
+    name = prefix + stem(file)
+    if prefix:
+        element.set("name", name)
+    if found.declared(tag).setdefault(name, element) is not element:
+        found.repeat(tag, name, element)
 
 
 def may_be_generated(name: str, root: Node) -> bool:

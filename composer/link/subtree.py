@@ -16,7 +16,7 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.link.concern import Concern, Side
 from composer.link.inertia import MEASURED, write_inertias
-from composer.link.key_layouts import VECTORS, keys_of, layout_of
+from composer.link.key_layouts import VECTORS, keys_of, layout_of, remove_keys
 from composer.link.layout import Holder
 from composer.link.linking import KeyPolicy, Linking, Measure
 from composer.link.multiplied import element_of
@@ -278,8 +278,7 @@ def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
         if not size.attrib:
             unit.root.remove(size)
     if policy == "none":
-        for section in list(unit.root.iterchildren("keyframe")):
-            unit.root.remove(section)
+        remove_keys(unit)
     keys = keys_of(unit)
     layout = layout_of(linking, unit) if keys else None
     if layout is None:

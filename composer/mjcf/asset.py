@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
 from composer.tree.files import join, stem, written_path
@@ -19,9 +20,13 @@ class Asset:
 
     `path` is where it came from, None for bytes in memory; `prefix` the stem of its file name; `extension`
     its suffix with the dot, as written. `Asset(data, '.stl')` may be given to any `file` attribute.
+
+    >>> asset = Asset(b'...', '.png', 'wood')
+    >>> asset.path, asset.prefix, asset.extension, asset.contents, asset.bundle_path
+    (None, 'wood', '.png', b'...', None)
     """
 
-    __slots__ = ("_data", "extension", "path", "prefix")
+    __slots__ = ("_data", "_model", "extension", "path", "prefix")
 
     def __init__(
         self,
@@ -37,6 +42,7 @@ class Asset:
         if contents is not None and not (extension.startswith(".") and len(extension) > 1):
             raise failure("wrong-type", f"`extension` expects a suffix such as `.stl`, got `{extension}`")
         self._data = contents
+        self._model: Model | None = None
         self.path = path
         self.extension = extension if path is None else path.suffix
         self.prefix = prefix if path is None else stem(path.name)
@@ -50,8 +56,30 @@ class Asset:
         try:
             return self.path.read_bytes()
         except OSError as error:
+            archive = next((above for above in self.path.parents if above.is_file()), None)
+            if archive is not None:
+                inner = self.path.relative_to(archive).as_posix()
+                raise failure("asset-missing", f"`{archive}` has no file `{inner}`", call_site()) from None
             reason = error.strerror or str(error)
-            raise failure("asset-missing", f"the file `{self.path}` cannot be read: {reason}") from None
+            message = f"the file `{self.path}` cannot be read: {reason}"
+            raise failure("asset-missing", message, call_site()) from None
+
+    @property
+    def bundle_path(self) -> str | None:
+        """Where `export_with_assets` puts it, `assets/arm/shell.stl`: the path that the exported model names.
+
+        Of the whole composition, which is put together to know it. None for an `Asset` that was not read
+        from an element, and for one whose element is not written. Raises `MjcfError` as exporting does.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement('table')
+        >>> wood = model.asset.add('texture', name='wood', type='2d', file=Asset(b'...', '.png', 'wood'))
+        >>> wood.file.bundle_path
+        'assets/table/wood.png'
+        """
+        from composer.mjcf.export import bundle_paths
+
+        return None if self._model is None else bundle_paths(self._model.top).get(self.source)
 
     @property
     def source(self) -> bytes | Path:
@@ -106,8 +134,11 @@ def asset_of(model: Model, tag: str, name: str) -> Asset:
     written = _written(model, tag, name)
     known = unit.contents.get(written)
     if isinstance(known, bytes):
-        return Asset(known, posixpath.splitext(written)[1] or ".bin", stem(written))
-    return Asset(path=known if isinstance(known, Path) else Path(join(str(unit.directory), written)))
+        asset = Asset(known, posixpath.splitext(written)[1] or ".bin", stem(written))
+    else:
+        asset = Asset(path=known if isinstance(known, Path) else Path(join(str(unit.directory), written)))
+    asset._model = model
+    return asset
 
 
 def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:

@@ -11,19 +11,17 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf import edit
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import Element, _targets, view
+from composer.mjcf.element import HOSTS, Element, _targets, checked, view
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.reference import describe
 from composer.mjcf.removal import release
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
-from composer.tree.kinds import WORLD_SECTION, kind_of
+from composer.tree.kinds import kind_of
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
 
-# Paths of the elements that a model can hang on.
-HOSTS = ("site", "body", "frame", WORLD_SECTION)
 _OF_FRAMES = frozenset({"pos", *ORIENTATIONS, "mocap"})
 _JOINTS = ("joint", "freejoint")
 
@@ -48,6 +46,9 @@ class AttachmentFrame(Element):
 
     def __repr__(self) -> str:
         return super().__repr__().replace("<body", f'<body name="{self.name}"', 1)
+
+    def __str__(self) -> str:
+        return super().__str__().replace("<body", f'<body name="{self.name}"', 1)
 
     def _own_name(self) -> str | None:
         return None if self._removed else self._attachment.child.prefix
@@ -216,27 +217,56 @@ def get_attachment_frame(element: Element) -> AttachmentFrame | None:
     """The frame through which an element's model hangs on its parent; None where it is not attached.
 
     Takes an attached `RootElement` or any element in it.
+
+    >>> from composer import mjcf
+    >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+    >>> frame = arm.attach(gripper)
+    >>> mjcf.get_attachment_frame(gripper) is mjcf.get_attachment_frame(gripper.worldbody) is frame
+    True
     """
-    model = element._alive()._model
+    model = checked(element)._model
     if model.hung is None:
         return None
     return cast(AttachmentFrame, view(model.hung.parent, model.hung.frame))
 
 
 def get_frame_joints(frame: Element) -> list[Element]:
-    """The joints of an attachment frame; takes the frame or anything in the attached model."""
+    """The joints of an attachment frame; takes the frame or anything in the attached model.
+
+    >>> from composer import mjcf
+    >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+    >>> turn = arm.attach(gripper).add('joint', name='turn')
+    >>> mjcf.get_frame_joints(gripper) == [turn]
+    True
+    """
     found = frame if isinstance(frame, AttachmentFrame) else get_attachment_frame(frame)
     return [] if found is None else found.all_children()
 
 
 def get_frame_freejoint(frame: Element) -> Element | None:
-    """The free joint of an attachment frame, or None; takes the frame or anything in the attached model."""
+    """The free joint of an attachment frame, or None; takes the frame or anything in the attached model.
+
+    >>> from composer import mjcf
+    >>> scene, mug = mjcf.RootElement('scene'), mjcf.RootElement('mug')
+    >>> free = scene.attach(mug).add('freejoint')
+    >>> mjcf.get_frame_freejoint(mug) is free
+    True
+    """
     return next((joint for joint in get_frame_joints(frame) if _is_free(joint._node)), None)
 
 
 def get_freejoint(body: Element) -> Element | None:
-    """The free joint of a body, however it is written, or None; frames in the body are looked through."""
-    model, node = body._alive()._model, body._node
+    """The free joint of a body, however it is written, or None; frames in the body are looked through.
+
+    >>> from composer import mjcf
+    >>> mug = mjcf.RootElement().worldbody.add('body', name='mug')
+    >>> mjcf.get_freejoint(mug) is None
+    True
+    >>> free = mug.add('joint', type='free')
+    >>> mjcf.get_freejoint(mug) is free
+    True
+    """
+    model, node = checked(body)._model, body._node
     joints = [child for child in through_frames(node) if child.tag in _JOINTS]
     classes = Classes(model.unit.root) if any(joint.tag == "joint" for joint in joints) else None
     for joint in joints:

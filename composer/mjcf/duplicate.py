@@ -1,27 +1,13 @@
-"""Copies of models, attachments included, and of nodes their counterparts in a copy."""
+"""Copies of models, attachments included."""
 
 from __future__ import annotations
 
 import copy
 
-from lxml.etree import _Element as Node
-
 from composer.mjcf.attachment import AttachmentFrame
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.root import RootElement
-
-
-def counterpart(node: Node, root: Node, copied: Node) -> Node:
-    """The node of `copied`, a deep copy of `root`, that stands where `node` does below `root`."""
-    steps: list[int] = []
-    while node is not root:
-        parent = node.getparent()
-        assert parent is not None
-        steps.append(parent.index(node))
-        node = parent
-    for step in reversed(steps):
-        copied = copied[step]
-    return copied
+from composer.tree.counterpart import counterpart
 
 
 def duplicate(model: Model) -> Model:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import cast
 
@@ -142,14 +143,22 @@ def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | Non
     _take_contents(model, edit)
     attributes = {name: text for name, text in edit.texts.items() if text is not None}
     node = parent.makeelement(tag, attributes)
-    siblings = [] if position is None else list(parent.iterchildren("*"))
-    if position is None or position >= len(siblings):
+    later = None if position is None else _child_at(parent, position)
+    if later is None:
         parent.append(node)
     else:
-        siblings[max(position, -len(siblings))].addprevious(node)
+        later.addprevious(node)
     model.unit.origins.own(node, call_site())
     model.note(node)
     return node
+
+
+def _child_at(parent: Node, position: int) -> Node | None:
+    """The child before which a list would insert, or None where it would append; the others are not looked at."""
+    if position >= 0:
+        return next(islice(parent.iterchildren("*"), position, None), None)
+    from_the_end = islice(parent.iterchildren("*", reversed=True), -position - 1, None)
+    return next(from_the_end, next(parent.iterchildren("*"), None))
 
 
 def follow(model: Model, namespace: str, old: str, new: str) -> None:

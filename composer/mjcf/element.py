@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
-from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
@@ -16,22 +15,27 @@ from composer.grammar.attribute import Attribute
 from composer.mjcf import edit, finding
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import failure
+from composer.mjcf.element_list import ElementList
+from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
+from composer.mjcf.members import always_there, class_name, members
 from composer.mjcf.misspelled import unknown_attribute, unknown_tag
 from composer.mjcf.model import Model, Target
 from composer.mjcf.reference import describe, refers, resolved
 from composer.mjcf.value import BadValue, decode
 from composer.tree.kinds import (
-    HOLDS_ONE_OF_EACH,
+    WORLD_SECTION,
     attribute_of,
     kind_of,
     naming_attribute,
     spoken,
 )
-from composer.tree.name_index import own_name
+from composer.tree.name_index import SEPARATOR, own_name
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
+
+# Paths of the elements that a model can hang on.
+HOSTS = ("site", "body", "frame", WORLD_SECTION)
 
 
 class Element:
@@ -40,22 +44,21 @@ class Element:
     Its MJCF attributes are Python attributes: numbers and arrays come as numpy, references as Elements,
     files as `Asset`, keywords and names as text; what is not set is None, and setting None removes. `class`
     is spelled `dclass`; a last underscore is dropped (`global_`). Children are reached by tag: one that can
-    occur once as an Element (`model.visual.headlight`), others as a list (`body.geom`).
+    occur once as an Element (`model.visual.headlight`), others as a list (`body.geom`) that also takes names.
+    `dir(element)` has all of them, `help(element)` what they mean; `print(element)` shows it as MJCF.
 
     There is one Element for each element of a model: `a.find('joint', 'j') is a.find('joint', 'j')`.
     """
 
-    __slots__ = ("_known_kind", "_model", "_node", "_removed")
+    __slots__ = ("_model", "_node", "_removed")
     _model: Model
     _node: Node
-    _known_kind: ElementType | None
     _removed: bool
 
     def __init__(self, model: Model, node: Node) -> None:
         """For use by this package: Elements come from `add`, `find` and the like."""
         object.__setattr__(self, "_model", model)
         object.__setattr__(self, "_node", node)
-        object.__setattr__(self, "_known_kind", None)
         object.__setattr__(self, "_removed", False)
 
     # -- what it is ------------------------------------------------------------------------------------------
@@ -67,13 +70,25 @@ class Element:
 
     @property
     def parent(self) -> Element | None:
-        """The element it stands in; None for a root, whose model may hang on another: see `parent_model`."""
+        """The element it stands in; None for a root, whose model may hang on another: see `parent_model`.
+
+        >>> from composer import mjcf
+        >>> arm = mjcf.RootElement().worldbody.add('body', name='arm')
+        >>> arm.add('geom', size=[1]).parent is arm
+        True
+        """
         parent = self._alive()._node.getparent()
         return None if parent is None else view(self._model, parent)
 
     @property
     def root(self) -> RootElement:
-        """The root of its own model, attached or not."""
+        """The root of its own model, attached or not.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement('arm')
+        >>> model.worldbody.add('geom', size=[1]).root is model
+        True
+        """
         return cast("RootElement", view(self._alive()._model, self._model.unit.root))
 
     @property
@@ -83,6 +98,14 @@ class Element:
         A new name must be free in the whole composition, and whatever refers to the element follows. The
         name of a default class is its class, that of an asset without one the stem of its file, as MuJoCo
         has it.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> arm = model.worldbody.add('body', name='arm')
+        >>> sensor = model.sensor.add('framepos', objtype='body', objname=arm)
+        >>> arm.name = 'left'
+        >>> sensor
+        <framepos objtype="body" objname="left"/>
         """
         return self._own_name()
 
@@ -93,19 +116,38 @@ class Element:
 
     @property
     def full_identifier(self) -> str | None:
-        """The name in the output of the whole composition, prefixes included; None where it has none."""
+        """The name in the output of the whole composition, prefixes included; None where it has none.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> finger = gripper.worldbody.add('body', name='finger')
+        >>> frame = arm.attach(gripper)
+        >>> finger.name, finger.full_identifier
+        ('finger', 'gripper/finger')
+        """
         model = self._alive()._model
         return model.seen_from(model.top, self._node)
 
     @property
     def origin(self) -> Span:
-        """The place it came from: in a file, or the line of the program that added it."""
+        """The place it came from: in a file, or the line of the program that added it.
+
+        >>> from composer import mjcf
+        >>> lines = ['<mujoco>', '<worldbody><geom name="ball" size="1"/></worldbody>', '</mujoco>']
+        >>> mjcf.from_xml_string(chr(10).join(lines)).find('geom', 'ball').origin.line
+        2
+        """
         return self._model.span(self._node)
 
     def origin_of(self, attribute: str) -> Span:
         """The same of one attribute: where its value is written, or the line of the program that set it.
 
         Raises `MjcfError` for one that such elements do not have, and where it is not set.
+
+        >>> from composer import mjcf
+        >>> ball = mjcf.from_xml_string('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>').find('geom')
+        >>> ball.origin_of('size').column
+        32
         """
         known = attribute_of(self._kind, attribute)
         if known is None:
@@ -134,7 +176,15 @@ class Element:
         return self._add(tag, None, attributes)
 
     def insert(self, tag: str, /, position: int, **attributes: object) -> Element:
-        """The same, before the child that stands at `position` now; as with lists, a large one appends."""
+        """The same, before the child that stands at `position` now; as with lists, a large one appends.
+
+        >>> from composer import mjcf
+        >>> world = mjcf.RootElement().worldbody
+        >>> last = world.add('geom', name='last', size=[1])
+        >>> first = world.insert('geom', 0, name='first', size=[1])
+        >>> [geom.name for geom in world.geom]
+        ['first', 'last']
+        """
         return self._add(tag, position, attributes)
 
     def _add(self, tag: str, position: int | None, attributes: Mapping[str, object]) -> Element:
@@ -167,6 +217,14 @@ class Element:
         `cascade` it goes too: references to classes and materials are dropped from the elements that have
         them, any other referrer is removed, in a section as a whole (a tendon goes with a site of its
         path). A section is emptied.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> hinge = model.worldbody.add('body', name='arm').add('joint', name='hinge')
+        >>> motor = model.actuator.add('motor', joint=hinge)
+        >>> hinge.remove(cascade=True)
+        >>> model.find_all('actuator')
+        []
         """
         from composer.mjcf.removal import remove
 
@@ -180,6 +238,13 @@ class Element:
         (`gripper/left_pad`). The frame has an offset (`frame.pos`, `frame.quat`, …) and takes joints;
         without one the child is fixed and no body is added. Raises `MjcfError` where the child is attached
         already, contains this model, or has the prefix of another child.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> flange = arm.worldbody.add('site', name='flange', pos=[0, 0, 1])
+        >>> frame = flange.attach(gripper)
+        >>> frame.add('joint', name='turn', axis=[0, 0, 1]).full_identifier
+        'gripper/turn'
         """
         from composer.mjcf.attachment import attach
 
@@ -193,37 +258,98 @@ class Element:
         `tag` may be a family: `joint` also finds `freejoint`; `actuator`, `sensor`, `equality`, `tendon`
         and `key` find all of theirs. `name` is the name in this element's model; of attached models with
         the prefix (`gripper/left_pad`). Raises `MjcfError` for a tag that MJCF does not have.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> hinge = model.worldbody.add('body', name='arm').add('joint', name='hinge')
+        >>> model.find('joint', 'hinge') is model.find('body', 'arm').find('joint') is hinge
+        True
+        >>> model.find('joint', 'slide') is None
+        True
         """
         found = finding.first(Target(self._alive()._model, self._node), tag, name)
         return None if found is None else view(*found)
 
-    def find_all(self, tag: str, immediate_children_only: bool = False) -> list[Element]:
+    def find_all(
+        self, tag: str, immediate_children_only: bool = False, exclude_attachments: bool = False
+    ) -> list[Element]:
         """All matches below this element in document order, attached models where they hang.
 
-        The list is made once: the model may be edited while going through it.
+        With `exclude_attachments` those of its own model only, attachment frames included. The list is made
+        once: the model may be edited while going through it.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> arm = model.worldbody.add('body', name='arm')
+        >>> hand = arm.add('body', name='hand')
+        >>> model.find_all('body') == [arm, hand]
+        True
+        >>> model.worldbody.find_all('body', immediate_children_only=True) == [arm]
+        True
         """
         here = Target(self._alive()._model, self._node)
-        return [view(*found) for found in finding.every(here, tag, immediate_children_only)]
+        every = finding.every(here, tag, immediate_children_only)
+        return [view(*found) for found in every if not exclude_attachments or found.model is here.model]
+
+    def enter_scope(self, prefix: str) -> RootElement | None:
+        """The model that is attached under a prefix, `gripper` or `arm/gripper/`; None where there is none.
+
+        In it everything is found by its own name: `root.enter_scope('gripper').find('joint', 'left')`.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> arm.enter_scope('gripper') is gripper
+        True
+        """
+        model = self._alive()._model
+        found = finding.attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
+        return None if found is None else cast("RootElement", view(found, found.unit.root))
 
     def all_children(self) -> list[Element]:
-        """The children in their order, those of its own model only."""
+        """The children in their order, those of its own model only.
+
+        >>> from composer import mjcf
+        >>> arm = mjcf.RootElement().worldbody.add('body', name='arm')
+        >>> children = [arm.add('joint'), arm.add('geom', size=[1])]
+        >>> arm.all_children() == children
+        True
+        """
         return [view(self._model, node) for node in self._alive()._node.iterchildren("*")]
 
     # -- attributes ------------------------------------------------------------------------------------------
 
     def get(self, attribute: str, default: Any = None) -> Any:
-        """The value of an attribute; `default` where it is not set or such elements do not have it."""
+        """The value of an attribute; `default` where it is not set or such elements do not have it.
+
+        >>> from composer import mjcf
+        >>> arm = mjcf.RootElement().worldbody.add('body', name='arm', pos=[0, 0, 1])
+        >>> arm.get('pos'), arm.get('quat'), arm.get('mass', 'bodies have none')
+        (array([0., 0., 1.]), None, 'bodies have none')
+        """
         known = attribute_of(self._kind, attribute)
         value = None if known is None else self._read(known)
         return default if value is None else value
 
     def get_attributes(self) -> dict[str, Any]:
-        """All attributes that are set, by their Python names."""
+        """All attributes that are set, by their Python names.
+
+        >>> from composer import mjcf
+        >>> mjcf.RootElement().worldbody.add('geom', name='ball', size=[1]).get_attributes()
+        {'name': 'ball', 'size': array([1.])}
+        """
         known = self._kind.attributes
         return {spoken(str(name)): self._read(known[str(name)]) for name in self._node.keys()}  # noqa: SIM118
 
     def set_attributes(self, **attributes: object) -> None:
-        """Set several attributes, all or none: a fault in one raises `MjcfError` and changes nothing."""
+        """Set several attributes, all or none: a fault in one raises `MjcfError` and changes nothing.
+
+        >>> from composer import mjcf
+        >>> ball = mjcf.RootElement().worldbody.add('geom', size=[1])
+        >>> ball.set_attributes(name='ball', size=[2], rgba=[1, 0, 0, 1])
+        >>> ball
+        <geom size="2" name="ball" rgba="1 0 0 1"/>
+        """
         self._write(attributes)
 
     def _read(self, attribute: Attribute) -> Any:
@@ -252,42 +378,61 @@ class Element:
         edit.write(self._model, self._node, checked)
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
+        if name.startswith("_"):
             raise AttributeError(name)
         attribute = attribute_of(self._kind, name)
         if attribute is not None:
             return self._read(attribute)
         tag = name.rstrip("_")
-        child = self._kind.children.get(tag)
-        if child is None:
-            raise unknown_attribute(self._kind, name, children=True)
+        if tag not in self._kind.children:
+            raise unknown_attribute(self._kind, name, [each for each in dir(type(self)) if each[0] != "_"])
+        return self._children(tag)
+
+    def _children(self, tag: str) -> Any:
+        child = self._kind.children[tag]
         self._alive()
-        own = self._kind.tag
-        if own == "mujoco":
-            return view(self._model, self._model.section(tag))
+        if always_there(self._kind, child):
+            at_top = self._kind.tag == "mujoco"
+            node = self._model.section(tag) if at_top else self._model.only_child(self._node, tag)
+            return view(self._model, node)
         if child.max_count != 1:
-            return [view(self._model, node) for node in self._node.iterchildren(tag)]
-        if own in HOLDS_ONE_OF_EACH:
-            return view(self._model, self._model.only_child(self._node, tag))
-        node = next(self._node.iterchildren(tag), None)
-        return None if node is None else view(self._model, node)
+            return ElementList(tag, (view(self._model, node) for node in self._node.iterchildren(tag)))
+        found = next(self._node.iterchildren(tag), None)
+        return None if found is None else view(self._model, found)
 
     def __setattr__(self, name: str, value: object) -> None:
-        found = getattr(type(self), name, None)
-        if isinstance(found, property):
+        member = getattr(type(self), name, None)
+        if isinstance(member, property):
+            if member.fset is None:
+                raise self._cannot_set(name)
             object.__setattr__(self, name, value)
-        elif self._kind.children.get(name.rstrip("_")) is not None and attribute_of(self._kind, name) is None:
-            raise failure(
-                "wrong-type",
-                f"`{name}` of {self._described()} is an element and cannot be set",
-                call_site(),
-                help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
-            )
+        elif name.rstrip("_") in self._kind.children and attribute_of(self._kind, name) is None:
+            self._refuse_child(name)
         else:
             self._write({name: value})
 
+    def _cannot_set(self, name: str) -> MjcfError:
+        hidden = attribute_of(self._kind, name) is not None
+        return failure(
+            "wrong-type",
+            f"`{name}` of {self._described()} cannot be set",
+            call_site(),
+            help=f"`set_attributes({name}=…)` sets the attribute of that name, `get('{name}')` reads it"
+            if hidden
+            else None,
+            kind=MjcfAttributeError,
+        )
+
+    def _refuse_child(self, name: str) -> None:
+        raise failure(
+            "wrong-type",
+            f"`{name}` of {self._described()} is an element and cannot be set",
+            call_site(),
+            help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
+        )
+
     def __delattr__(self, name: str) -> None:
-        self._write({name: None})
+        setattr(self, name, None)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Element:
         raise failure(
@@ -307,16 +452,26 @@ class Element:
         return reduced(self)
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *map(spoken, self._kind.attributes), *self._kind.children})
+        kind = self._kind
+        attributes, children = map(spoken, kind.attributes), map(spoken, kind.children)
+        found = {*super().__dir__(), *attributes, *children}
+        return sorted(found if kind.path in HOSTS else found - {"attach"})
 
     def __repr__(self) -> str:
         attributes = "".join(f' {name!s}="{value!s}"' for name, value in self._node.items())
         return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
 
+    def __str__(self) -> str:
+        """The element and all below it in its own model, as MJCF text; comments say where models are attached."""
+        from composer.mjcf.text import text
+
+        return text(self._model, self._node)
+
     def _repr_html_(self) -> str:
-        """The element and what is below it in its own model, for notebooks."""
-        text = etree.tostring(self._node, encoding="unicode", pretty_print=True, with_tail=False)
-        return f"<pre>{html.escape(text)}</pre>"
+        """The element as a tree that opens and closes, for notebooks."""
+        from composer.mjcf.html import page
+
+        return page(self)
 
     # -- for this package ------------------------------------------------------------------------------------
 
@@ -326,15 +481,10 @@ class Element:
 
     @property
     def _kind(self) -> ElementType:
-        kind = self._known_kind
-        if kind is None:
-            kind = kind_of(self._node)
-            object.__setattr__(self, "_known_kind", kind)
-        return kind
+        return kind_of(self._node)
 
     def _take_out(self) -> None:
-        """Note that the node leaves the model; to be called while it is still there."""
-        object.__setattr__(self, "_known_kind", self._kind)
+        """Note that the node leaves the model."""
         object.__setattr__(self, "_removed", True)
 
     def _child_kind(self, tag: str) -> ElementType:
@@ -355,7 +505,26 @@ class Element:
 def view(model: Model, node: Node) -> Element:
     """The one Element of a node."""
     found = model.views.get(node)
-    return model.views.setdefault(node, Element(model, node)) if found is None else found
+    return model.views.setdefault(node, class_of(kind_of(node))(model, node)) if found is None else found
+
+
+@cache
+def class_of(kind: ElementType) -> type[Element]:
+    """The class of the elements of a kind: `Element` with a property for each attribute and child, documented."""
+    inside = {
+        **members(kind, taken=dir(Element)),
+        "__slots__": (),
+        "__module__": Element.__module__,
+        "_kind": kind,
+    }
+    return type(class_name(kind), (Element,), inside)
+
+
+def checked(element: object) -> Element:
+    """An argument that has to be an element of a model."""
+    if not isinstance(element, Element):
+        raise failure("wrong-type", f"expects an element, got `{type(element).__name__}`", call_site())
+    return element._alive()
 
 
 def _targets(attributes: Mapping[str, object]) -> dict[str, object]:

@@ -22,6 +22,10 @@ class MjcfAttributeError(MjcfError, AttributeError):
     """An attribute that elements of this tag do not have; `hasattr` and `getattr` with a default know it."""
 
 
+class MjcfKeyError(MjcfError, KeyError):
+    """A name that no element of a list has."""
+
+
 class MjcfWarning(UserWarning):
     """Something about a model that was settled as asked, and that its author may want to know."""
 

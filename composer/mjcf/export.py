@@ -8,10 +8,12 @@ from pathlib import Path
 
 from composer.diagnostics.sink import Sink
 from composer.link.linking import Policy
+from composer.mjcf.arguments import as_path
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfError, failure, raise_errors
 from composer.mjcf.flat import flatten, tell
+from composer.mjcf.model import Model
 from composer.mjcf.root import RootElement
 from composer.tree.write import write
 
@@ -30,9 +32,17 @@ def export_with_assets(
     moved there when it is complete, the model last.
     `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError`, also for files that are missing
     or cannot be written.
+
+    >>> import tempfile
+    >>> from composer import mjcf
+    >>> out = Path(tempfile.mkdtemp())
+    >>> mjcf.export_with_assets(mjcf.RootElement('arm'), out)
+    >>> print((out / 'model.xml').read_text())
+    <mujoco model="arm"/>
+    <BLANKLINE>
     """
+    out = as_path("out_dir", out_dir)
     files = _files(model, model_filename, conflict)
-    out = Path(out_dir)
     from composer.bundle.output_error import OutputError, unwritable
     from composer.bundle.staging import parents, real, sibling
 
@@ -70,14 +80,22 @@ def export_with_assets_as_zip(
     The bytes do not depend on clock, place or system. MuJoCo looks for `model.xml`, or the stem of the zip
     and `.xml`: `model_filename` is one of these. An older zip is replaced in one step or stays. Raises
     `MjcfError`.
+
+    >>> import tempfile
+    >>> from composer import mjcf
+    >>> file = Path(tempfile.mkdtemp()) / 'arm.zip'
+    >>> mjcf.export_with_assets_as_zip(mjcf.RootElement('arm'), file)
+    >>> mjcf.from_zip(file).model
+    'arm'
     """
     from composer.bundle.archive import write_archive
     from composer.bundle.bundle import Bundle
     from composer.bundle.output_error import OutputError
 
+    out = as_path("zip_path", zip_path)
     files = _files(model, model_filename, conflict)
     try:
-        write_archive(Bundle(files, model_filename), Path(zip_path), os.environ)
+        write_archive(Bundle(files, model_filename), out, os.environ)
     except OutputError as error:
         raise _output_failure(error) from error
 
@@ -112,6 +130,23 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[st
         ) from None
     tell(flat)
     return files
+
+
+def bundle_paths(model: Model) -> dict[bytes | Path, str]:
+    """The path of each file in an export, by where its bytes are, or by the bytes. Raises `MjcfError`."""
+    from composer.bundle.collect import collect
+
+    flat = flatten(model, "warning")
+    sink = Sink()
+    collect(flat.unit, flat.files, sink)
+    raise_errors(sink)
+    found: dict[bytes | Path, str] = {}
+    for use in flat.files:
+        path = str(use.element.get(use.attribute))
+        found.setdefault(Path(use.source), path)
+        if use.content is not None:
+            found.setdefault(use.content, path)
+    return found
 
 
 def _check_is_model(model: object) -> None:

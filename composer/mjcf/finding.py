@@ -8,14 +8,15 @@ from composer.mjcf import traversal
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.misspelled import unknown_tag
-from composer.mjcf.model import Target
+from composer.mjcf.model import Model, Target
 from composer.tree.kinds import Query, kind_of, query, section_of, tags_of
 from composer.tree.names import WORLD
 
 
 def first(here: Target, tag: str, name: str | None) -> Target | None:
     """See `Element.find`: the first match below `here`, or the one of that name."""
-    wanted = _query(here, tag)
+    from_root = _is_root(here)
+    wanted = _query(here, tag, from_root)
     if name is None:
         return next(_matches(here, wanted), None)
     if not isinstance(name, str):
@@ -24,24 +25,33 @@ def first(here: Target, tag: str, name: str | None) -> Target | None:
         found = here.model.lookup(namespace, name)
         if found is None:
             continue
-        fits = kind_of(found.node).path in wanted.paths or (namespace, name) == ("body", WORLD)
-        if fits and (_is_root(here) or traversal.is_below(here, found)):
+        fits = kind_of(found.node).path in wanted.paths or (name == WORLD and namespace == "body")
+        if fits and (from_root or traversal.is_below(here, found)):
             return found
     return None
 
 
 def every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Target]:
     """See `Element.find_all`."""
-    wanted = _query(here, tag)
+    wanted = _query(here, tag, _is_root(here))
     return traversal.children(*here, wanted) if immediate_children_only else _matches(here, wanted)
+
+
+def attached(model: Model, prefix: str) -> Model | None:
+    """See `Element.enter_scope`; `prefix` ends in the separator."""
+    for attachment, rest in model.split(prefix):
+        found = attached(attachment.child, rest) if rest else attachment.child
+        if found is not None:
+            return found
+    return None
 
 
 def _matches(here: Target, wanted: Query) -> Iterator[Target]:
     return traversal.from_root(here.model, wanted) if _is_root(here) else traversal.below(*here, wanted)
 
 
-def _query(here: Target, tag: str) -> Query:
-    wanted = query(tag, None if _is_root(here) else section_of(here.node)) if isinstance(tag, str) else None
+def _query(here: Target, tag: str, from_root: bool) -> Query:
+    wanted = query(tag, None if from_root else section_of(here.node)) if isinstance(tag, str) else None
     if wanted is None or not (wanted.paths or query(tag, None).paths):
         raise unknown_tag(tag, f"MJCF has no element `{tag}`", tags_of())
     return wanted

@@ -17,7 +17,8 @@ from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.text import render
 from composer.link.defaults import choose_classes
-from composer.link.link import finish, link
+from composer.link.key_layouts import layouts
+from composer.link.link import finish, link, link_alone
 from composer.link.linking import FileUse, Linking, Measure, Policy
 from composer.mjcf.asset import Asset
 from composer.mjcf.call_site import call_site
@@ -27,7 +28,7 @@ from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.mounting import Mounting
 from composer.tree.kinds import HOLDS_ONE_OF_EACH
 from composer.tree.unit import Unit
-from composer.tree.write import write
+from composer.tree.write import to_text
 
 # The linker speaks to the writers of recipes; this is what a Python user can do.
 _RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
@@ -61,10 +62,13 @@ def copied(model: Model) -> Unit:
     return unit
 
 
-def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied) -> Flat:
+def flatten(
+    model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied, *, check_keys: bool = True
+) -> Flat:
     """The composition below a model, linked. Raises `MjcfError` with what is wrong with it.
 
-    `copy` makes the units that are linked, of every model one.
+    `copy` makes the units that are linked, of every model one. With `check_keys` the keys of a model that nothing
+    hangs on are laid out, too, only to tell those that do not fit.
     """
     if conflict not in get_args(Policy):
         words = ", ".join(f"`{word}`" for word in get_args(Policy))
@@ -78,37 +82,48 @@ def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copi
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         _prune(unit.root)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
-    choose_classes(linking)
-    mounting.add_joints(linking)
-    link(linking)
-    if not sink.has_errors:
-        finish(linking)
+    if not mounting.parts and not model.names.repeated:
+        if check_keys:
+            layouts(linking)
+        link_alone(linking)
+        if check_keys:
+            finish(linking)
+    else:
+        choose_classes(linking)
+        mounting.add_joints(linking)
+        link(linking)
+        if not sink.has_errors:
+            finish(linking)
+        mounting.clear_up()
+        _prune(linking.base.root)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
-    mounting.clear_up()
-    _prune(linking.base.root)
     return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)))
 
 
 def tell(flat: Flat) -> None:
     """Issue what was settled as Python warnings, at the line that asked for the output."""
-    place = call_site()
     for each in flat.warnings:
+        place = call_site()
         warnings.warn_explicit(render(each), MjcfWarning, place.file, place.line)
 
 
 def text(model: Model, conflict: Policy) -> str:
     """See `RootElement.to_xml_string`."""
-    flat = flatten(model, conflict)
+    flat = flatten(model, conflict, check_keys=False)
     name_files(flat)
     tell(flat)
-    return write(flat.unit.root).decode()
+    return to_text(flat.unit.root)
 
 
 def name_files(flat: Flat) -> None:
-    """Write the names that `contents` has into the model."""
+    """Write the names that `contents` has into the model; the linker's paths will do where no file name repeats."""
+    bases = {use.path.rpartition("/")[2].lower() for use in flat.files}
+    if len(bases) == len(flat.files):
+        return
     for use, name in _told_apart(flat.files):
-        use.element.set(use.attribute, name)
+        if name != use.path:
+            use.element.set(use.attribute, name)
 
 
 def assets(model: Model) -> dict[str, bytes]:
@@ -137,16 +152,17 @@ def _prune(root: Node) -> None:
     """Leave out what is empty because somebody only looked at it, and means nothing."""
     for section in list(root.iterchildren("*")):
         if section.tag in HOLDS_ONE_OF_EACH:
-            for child in reversed(list(section.iter("*"))):
-                parent = child.getparent()
-                if child is not section and parent is not None and _is_empty(child):
+            for child in reversed(list(section.iterdescendants("*"))):
+                if _is_empty(child):
+                    parent = child.getparent()
+                    assert parent is not None
                     parent.remove(child)
         if _is_empty(section):
             root.remove(section)
 
 
 def _is_empty(node: Node) -> bool:
-    return not len(node) and not node.attrib
+    return not len(node) and not node.keys()
 
 
 def _measure(sink: Sink) -> Measure:
@@ -164,10 +180,13 @@ def _told_apart(files: Iterable[FileUse]) -> Iterator[tuple[FileUse, str]]:
     """A path for each file such that no two have one file name; sub-models keep theirs."""
     taken: dict[str, str] = {}
     for use in files:
-        folder, base = posixpath.split(use.path)
+        folder, _, base = use.path.rpartition("/")
+        if not use.shared or taken.setdefault(base.lower(), use.path) == use.path:
+            yield use, use.path
+            continue
         stem, suffix = posixpath.splitext(base)
         number, name = 1, base
-        while use.shared and taken.setdefault(name.lower(), use.path) != use.path:
+        while taken.setdefault(name.lower(), use.path) != use.path:
             number += 1
             name = f"{stem}-{number}{suffix}"
         yield use, f"{folder}/{name}"

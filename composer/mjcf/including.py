@@ -14,12 +14,14 @@ from composer.diagnostics.sink import Sink
 from composer.grammar.number import items, parse_real
 from composer.mjcf.asset import Asset, Files, asset_of, place
 from composer.mjcf.attachment import AttachmentFrame
+from composer.mjcf.call_site import call_site
 from composer.mjcf.duplicate import duplicate
 from composer.mjcf.errors import raise_errors
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
 from composer.tree.files import NAMED_AFTER_FILE, file_attributes
 from composer.tree.name_index import own_name
+from composer.tree.names import word
 from composer.tree.settings import Settings
 
 _SETTINGS = ("compiler", "option", "size", "visual", "statistic")
@@ -96,6 +98,7 @@ def _check_settings(model: Model, source: Model, other: Model, sink: Sink) -> No
             sink.error(
                 "option-conflict",
                 f"`{'/'.join(path)}` has `{attribute}`, which is not the same in `{model.name}` and `{other.name}`",
+                call_site(),
                 notes=notes,
                 help="make the two agree, pass `override=True`, which takes what the other has, or `attach` the "
                 "other: an attached model keeps its own",
@@ -110,7 +113,8 @@ def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
             if taken is not None:
                 sink.error(
                     "class-clash" if namespace == "default" else "name-clash",
-                    f"both `{model.name}` and `{other.name}` have a {namespace} `{name}`",
+                    f"both `{model.name}` and `{other.name}` have {word(namespace, article=True)} `{name}`",
+                    call_site(),
                     notes=(
                         Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),
                         Note("the other is here", source.span(node)),
@@ -118,7 +122,12 @@ def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
                     help="rename one of the two, or `attach` the other",
                 )
     for attached in source.attachments.keys() & model.attachments.keys():
-        sink.error("name-clash", f"models called `{attached[:-1]}` are attached to both")
+        sink.error(
+            "name-clash",
+            f"models called `{attached[:-1]}` are attached to both",
+            call_site(),
+            help="give one of the two another name first: `child.model = '…'`",
+        )
 
 
 def _settings(root: Node) -> Iterator[_Setting]:

@@ -22,8 +22,9 @@ def check_references(model: Model, sink: Sink) -> None:
     itself, as the copies of a `replicate`, is let through.
     """
     for namespace, uses in model.names.uses.items():
+        declared = model.names.declared.get(namespace, {})
         for name, users in uses.items():
-            if model.lookup(namespace, name) is not None:
+            if name in declared or model.lookup(namespace, name) is not None:
                 continue
             heeded = [use for use in users if section_of(use[0]) != "default"]
             if not heeded or namespace == "key" or _may_be_generated(model, name):

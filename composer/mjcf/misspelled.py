@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.grammar import ElementType
+from composer.mjcf import elsewhere
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from composer.tree.kinds import spoken
@@ -21,14 +22,19 @@ def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
         message,
         call_site(),
         notes=(exists_note("element", names, written),),
-        help=f"did you mean `{near[0]}`?" if near else None,
+        help=elsewhere.TAGS.get(str(tag)) or (f"did you mean `{near[0]}`?" if near else None),
     )
 
 
-def unknown_attribute(kind: ElementType, name: str, *, children: bool = False) -> MjcfError:
-    """That elements of a kind have no such attribute, with what they do have; children too where they count."""
+def unknown_attribute(kind: ElementType, name: str, members: Iterable[str] = ()) -> MjcfError:
+    """That elements of a kind have no such attribute, with what they do have.
+
+    `members` are the names that something may be read by, where it is read: then children count too.
+    """
+    meant = list(members)
     known = sorted(map(spoken, kind.attributes))
-    tags = sorted(kind.children) if children else []
+    tags = sorted(map(spoken, kind.children)) if meant else []
+    other = elsewhere.ATTRIBUTES.get(name) if meant else None
     return failure(
         "unknown-attribute",
         f"`<{kind.tag}>` has no attribute `{name}`",
@@ -37,6 +43,6 @@ def unknown_attribute(kind: ElementType, name: str, *, children: bool = False) -
             exists_note("attribute", known, name),
             *([exists_note("element", tags, name)] if tags else ()),
         ),
-        help=did_you_mean(name, [*known, *tags]),
+        help=other or did_you_mean(name, [*known, *tags, *meant]),
         kind=MjcfAttributeError,
     )

@@ -12,10 +12,10 @@ from composer.link.linking import Joint, Linking, Part, Place
 from composer.link.numbers import joint_radians, read
 from composer.link.numbers import text as number_text
 from composer.link.placing import read_pose
-from composer.mjcf.duplicate import counterpart
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model
 from composer.tree.classes import MAIN, ORIENTATIONS, childclass_of
+from composer.tree.counterpart import counterpart
 from composer.tree.kinds import WORLD_SECTION
 from composer.tree.name_index import NameIndex
 from composer.tree.unit import Unit

@@ -10,28 +10,37 @@ from typing import IO
 
 from composer.bundle.bundle import MODEL
 from composer.diagnostics.sink import Sink
+from composer.mjcf.arguments import as_files, as_path
 from composer.mjcf.asset import Files
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure, raise_errors
 from composer.mjcf.intake import check_tree, one_of_each_section
 from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.root import RootElement
+from composer.mjcf.separators import escape_separators as escape_separators_of
 from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
 
 _TEXT = "<xml_string>"
 
 
-def from_path(path: str | os.PathLike[str]) -> RootElement:
-    """The model of an MJCF file.
+def from_path(path: str | os.PathLike[str], *, escape_separators: bool = False) -> RootElement:
+    r"""The model of an MJCF file.
 
     Its files resolve against its own folder and its compiler's, `<include>` is followed, as MuJoCo does.
+    Names with a `/` are names like others; with `escape_separators` they get a `\` in its place, so that
+    a `/` in a name means an attached model and nothing else.
     Raises `MjcfError` for a file that cannot be read, is not well-formed, is no MJCF, or has elements or
     attributes that MJCF does not have, all of them with file and line. Meshes and textures are not read.
+
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / 'ball.xml'
+    >>> _ = file.write_text('<mujoco><worldbody><geom name="ball" size="1"/></worldbody></mujoco>')
+    >>> from_path(file).find('geom', 'ball')
+    <geom name="ball" size="1"/>
     """
-    if not isinstance(path, str | os.PathLike):
-        raise failure("wrong-type", f"`path` expects a path, got `{type(path).__name__}`", call_site())
-    return _model(lambda sink: parse_file(Path(path), sink))
+    file = as_path("path", path)
+    return _model(lambda sink: parse_file(file, sink), escape_separators)
 
 
 def from_xml_string(
@@ -39,48 +48,80 @@ def from_xml_string(
     *,
     assets: Mapping[str, bytes] | None = None,
     base_dir: str | os.PathLike[str] | None = None,
+    escape_separators: bool = False,
 ) -> RootElement:
     """The model of MJCF text.
 
     `assets` has the bytes of files by the path that the model looks them up by (compiler folder included),
     or by bare file name; included files may be among them. What is not there is read from `base_dir`, by
-    default the working directory. Raises `MjcfError` as `from_path` does.
+    default the working directory. `escape_separators` is that of `from_path`. Raises `MjcfError` as
+    `from_path` does.
+
+    >>> model = from_xml_string('<mujoco><asset><mesh file="cube.stl"/></asset></mujoco>', assets={'cube.stl': b'...'})
+    >>> model.find('mesh', 'cube').file.contents
+    b'...'
     """
     if not isinstance(xml_string, str | bytes):
         raise failure(
             "wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site()
         )
-    files = Files(assets)
-    directory = Path(base_dir) if base_dir is not None else Path()
+    files = Files(as_files("assets", assets))
+    directory = as_path("base_dir", base_dir) if base_dir is not None else Path()
     return _model(
         lambda sink: parse_text(
             xml_string, sink, file=_TEXT, directory=directory, label=UNNAMED, contents=files
-        )
+        ),
+        escape_separators,
     )
 
 
-def from_file(file_object: IO[str] | IO[bytes]) -> RootElement:
+def from_file(file_object: IO[str] | IO[bytes], *, escape_separators: bool = False) -> RootElement:
     """The model of an open file, text or binary; its folder is that of `file_object.name` where there is one.
 
-    Raises `MjcfError` as `from_path` does.
+    `escape_separators` is that of `from_path`. Raises `MjcfError` as `from_path` does.
+
+    >>> import io
+    >>> from_file(io.StringIO('<mujoco model="arm"/>')).model
+    'arm'
     """
-    data = file_object.read()
+    if not callable(getattr(file_object, "read", None)):
+        raise failure(
+            "wrong-type",
+            f"`file_object` expects an open file, got `{type(file_object).__name__}`",
+            call_site(),
+            help="`from_path` takes the path of a file, `from_xml_string` text",
+        )
+    try:
+        data = file_object.read()
+    except (OSError, ValueError) as error:  # closed, or not open for reading
+        raise failure("file-unreadable", f"`file_object` cannot be read: {error}", call_site()) from None
     name = getattr(file_object, "name", None)
     if not isinstance(name, str):
-        return from_xml_string(data)
+        return from_xml_string(data, escape_separators=escape_separators)
     path = Path(name)
-    return _model(lambda sink: parse_text(data, sink, file=name, directory=path.parent, label=path.stem))
+    return _model(
+        lambda sink: parse_text(data, sink, file=name, directory=path.parent, label=path.stem),
+        escape_separators,
+    )
 
 
-def from_zip(path: str | os.PathLike[str]) -> RootElement:
+def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -> RootElement:
     """The model of a zip: a bundle of ours, an MJZ, or any zip with one model that no other in it names.
 
     Nothing is unpacked to disk. Files come from the zip alone. Raises `MjcfError` as `from_path` does, and
-    for a zip that leads out of itself or is larger than can be meant.
+    for a zip that leads out of itself or is larger than can be meant. `escape_separators` is that of
+    `from_path`.
+
+    >>> import tempfile
+    >>> from composer import mjcf
+    >>> file = Path(tempfile.mkdtemp()) / 'arm.zip'
+    >>> mjcf.export_with_assets_as_zip(mjcf.RootElement('arm'), file)
+    >>> from_zip(file).model
+    'arm'
     """
     from composer.bundle.read import ReadError, read
 
-    archive = Path(path)
+    archive = as_path("path", path)
     if archive.is_dir():
         raise failure("file-unreadable", f"`{archive}` is a folder, not a zip", call_site())
     try:
@@ -98,11 +139,12 @@ def from_zip(path: str | os.PathLike[str]) -> RootElement:
             directory=archive / folder,
             label=label,
             contents=Files(files),
-        )
+        ),
+        escape_separators,
     )
 
 
-def _model(parse: Callable[[Sink], Unit | None]) -> RootElement:
+def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
     sink = Sink()
     unit = parse(sink)
     raise_errors(sink)
@@ -110,4 +152,7 @@ def _model(parse: Callable[[Sink], Unit | None]) -> RootElement:
     check_tree(unit, sink)
     raise_errors(sink)
     one_of_each_section(unit)
-    return RootElement._of(Model(unit))
+    model = Model(unit)
+    if escape:
+        escape_separators_of(model)
+    return RootElement._of(model)

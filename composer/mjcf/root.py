@@ -74,6 +74,13 @@ class RootElement(Element):
 
         Where none is written it is the stem of the model's file, else `unnamed_model`. A new name must
         differ from those of the models attached to the same parent; references from there follow.
+
+        >>> arm, gripper = RootElement('arm'), RootElement('gripper')
+        >>> finger = gripper.worldbody.add('body', name='finger')
+        >>> frame = arm.attach(gripper)
+        >>> gripper.model = 'left'
+        >>> finger.full_identifier
+        'left/finger'
         """
         return self._model.name
 
@@ -82,23 +89,57 @@ class RootElement(Element):
         set_model_name(self._model, name)
 
     @property
+    def full_identifier(self) -> str:
+        """The prefix of all its names in the output of the whole composition; empty at the top.
+
+        >>> arm, gripper = RootElement('arm'), RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> gripper.full_identifier, arm.full_identifier
+        ('gripper/', '')
+        """
+        return self._model.full_prefix
+
+    @property
     def parent_model(self) -> RootElement | None:
-        """The root of the model that this one is attached to, or None."""
+        """The root of the model that this one is attached to, or None.
+
+        >>> arm, gripper = RootElement('arm'), RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> gripper.parent_model is arm, arm.parent_model is None
+        (True, True)
+        """
         hung = self._model.hung
         return None if hung is None else _root_of(hung.parent)
 
     @property
     def root_model(self) -> RootElement:
-        """The root of the whole composition; itself where it is not attached."""
+        """The root of the whole composition; itself where it is not attached.
+
+        >>> arm, gripper = RootElement('arm'), RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> gripper.root_model is arm.root_model is arm
+        True
+        """
         return _root_of(self._model.top)
 
     @property
     def attached_models(self) -> list[RootElement]:
-        """The roots of the models attached to this one, in the order in which they were."""
+        """The roots of the models attached to this one, in the order in which they were.
+
+        >>> arm, gripper = RootElement('arm'), RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> arm.attached_models == [gripper]
+        True
+        """
         return [_root_of(each.child) for each in self._model.attachments.values()]
 
     def attach(self, other: RootElement) -> Element:
-        """Hang a model in the world of this one; gives the attachment frame. See `Element.attach`."""
+        """Hang a model in the world of this one; gives the attachment frame. See `Element.attach`.
+
+        >>> cell, table = RootElement('cell'), RootElement('table')
+        >>> frame = cell.attach(table)
+        >>> frame.pos = [0, 0, 0.4]
+        """
         return attach(self._model, self._model.section(WORLD_SECTION), other)
 
     def detach(self) -> None:
@@ -106,6 +147,12 @@ class RootElement(Element):
 
         The attachment frame and its joints are gone; whatever in the parent refers to something here is
         told when the parent is written. Raises `MjcfError` where it is not attached.
+
+        >>> arm, gripper = RootElement('arm'), RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> gripper.detach()
+        >>> gripper.parent_model is None
+        True
         """
         detach(self._model)
 
@@ -117,6 +164,12 @@ class RootElement(Element):
         taken, where the two have different settings, or where a compiler setting or top default class of
         one would give the elements of the other another meaning. With `override` the settings that the
         other writes count. Keyframes come as they are: their lengths are those of the other alone.
+
+        >>> arm, tool = RootElement('arm'), RootElement('tool')
+        >>> hammer = tool.worldbody.add('body', name='hammer')
+        >>> arm.include_copy(tool)
+        >>> arm.find('body', 'hammer') is hammer, arm.find('body', 'hammer')
+        (False, <body name="hammer"/>)
         """
         from composer.mjcf.including import include_copy
 
@@ -134,13 +187,24 @@ class RootElement(Element):
         Files are named as in `assets`, so that `mujoco.MjModel.from_xml_string(root.to_xml_string(),
         root.assets)` compiles it; no file is read. Each attached model means what it means alone: its
         units, default classes and inertia rules are its own. Raises `MjcfError` with all faults: references
-        to nothing with everyone who refers, names that clash, what MuJoCo cannot have.
+        to nothing with everyone who refers, names that clash, what MuJoCo cannot have. Only the keys of a
+        model that nothing is attached to are not counted before it is compiled or exported.
 
         Of `option`, `visual` and `statistic` a model has one. Where an attached model writes a value that
         this one does not have, `conflict` says what happens: `error`; `warning`, this model's value stands;
         `merge`, they are combined as MuJoCo's own attach does (what is not written here is taken over; of
         two the smaller time step and tolerance, the larger number of iterations). The last two issue an
         `MjcfWarning` for each.
+
+        >>> model = RootElement('ball')
+        >>> ball = model.worldbody.add('geom', size=[0.1])
+        >>> print(model.to_xml_string())
+        <mujoco model="ball">
+          <worldbody>
+            <geom size="0.1"/>
+          </worldbody>
+        </mujoco>
+        <BLANKLINE>
         """
         from composer.mjcf.flat import text
 
@@ -151,6 +215,11 @@ class RootElement(Element):
 
         Later edits do not reach it. `conflict` is that of `to_xml_string`. Raises `MjcfError` with what is
         wrong with the model, at the place it comes from, also where it is MuJoCo that refuses it.
+
+        >>> model = RootElement('ball')
+        >>> ball = model.worldbody.add('geom', name='ball', size=[0.1])
+        >>> model.compile_model().bind(ball).size
+        array([0.1, 0. , 0. ])
         """
         from composer.mjcf.physics.physics import Physics
 
@@ -160,6 +229,11 @@ class RootElement(Element):
         """The model with everything attached to it as a `mujoco.MjSpec` of its own, its files in memory.
 
         `conflict` is that of `to_xml_string`. Raises `MjcfError`.
+
+        >>> model = RootElement('ball')
+        >>> ball = model.worldbody.add('geom', name='ball', size=[0.1])
+        >>> model.to_spec().geom('ball').name
+        'ball'
         """
         from composer.mjcf.physics.spec import to_spec
 
@@ -171,10 +245,22 @@ class RootElement(Element):
 
         No two end in the same file name, as MuJoCo goes by that alone. Raises `MjcfError` for files that
         cannot be read.
+
+        >>> from composer import mjcf
+        >>> model = RootElement('table')
+        >>> wood = model.asset.add('texture', name='wood', type='2d', file=mjcf.Asset(b'...', '.png', 'wood'))
+        >>> model.assets
+        {'assets/table/wood.png': b'...'}
         """
         from composer.mjcf.flat import assets
 
         return assets(self._model)
+
+    def _repr_html_(self) -> str:
+        """The model as a tree that opens and closes, with its picture where there is OpenGL, for notebooks."""
+        from composer.mjcf.html import page_with_picture
+
+        return page_with_picture(self)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> RootElement:
         """A copy with copies of everything attached, itself attached to nothing."""

@@ -11,9 +11,15 @@ from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_python, check_value, plain
 from composer.grammar.format import to_text
 from composer.grammar.number import items, parse_real
+from composer.tree.classes import ORIENTATIONS
 
 # Types of which text may be given as it stands in XML; of numbers too.
 _WRITTEN = ("bool", "keyword", "keywords", "references")
+# Where infinity has no meaning but makes every later number NaN; a range or a limit may be infinite.
+_FINITE = frozenset(
+    {"pos", "axis", "fromto", "size", "mass", "density", "diaginertia", "fullinertia", *ORIENTATIONS}
+    | {"scale", "vertex", "timestep", "gravity", "qpos", "qvel", "mpos", "mquat", "ref"}
+)
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
@@ -37,8 +43,8 @@ def encode(attribute: Attribute, value: object) -> str:
         text = "" if fault else to_text(attribute, value)
     if fault is not None:
         raise BadValue(fault)
-    if attribute.is_number and any(math.isnan(parse_real(item) or 0.0) for item in items(text)):
-        raise BadValue("expects numbers, got `nan`")
+    if attribute.is_number:
+        _check_finite(attribute, text)
     unwritable = _NOT_XML.search(text)
     if unwritable:
         raise BadValue(f"has the character {unwritable.group()!r}, which XML cannot hold")
@@ -67,6 +73,15 @@ def decode(attribute: Attribute, text: str) -> object:
         return array[0]
     array.flags.writeable = False
     return array
+
+
+def _check_finite(attribute: Attribute, text: str) -> None:
+    for item in items(text):
+        number = parse_real(item) or 0.0
+        if math.isnan(number):
+            raise BadValue("expects numbers, got `nan`")
+        if math.isinf(number) and attribute.name in _FINITE:
+            raise BadValue(f"expects finite numbers, got `{item}`")
 
 
 def _flat(attribute: Attribute, value: object) -> object:

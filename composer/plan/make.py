@@ -116,6 +116,7 @@ class _Planner:
             steps=steps,
             settled=frozenset(_settled(steps)),
             scope=concrete.scope if concrete else {},
+            variants=concrete.variants if concrete else {},
             checks=recipe.check,
         )
         self._checks(plan)

@@ -143,6 +143,8 @@ class Plan:
     checks: tuple[Check, ...] = ()
     scope: Mapping[str, Value] = field(default_factory=dict)
     """The parameters of the recipe and the chosen variants, by name."""
+    variants: Mapping[str, str] = field(default_factory=dict)
+    """The chosen variants alone."""
 
     @property
     def keyframes(self) -> tuple[WriteKeyframe, ...]:

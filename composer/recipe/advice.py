@@ -6,11 +6,11 @@ import math
 import re
 from collections.abc import Collection
 
+from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 from composer.grammar.format import number_text
 from composer.grammar.number import items, parse_real
-from composer.recipe.element import Angle
 from composer.recipe.shown import shown
 
 _WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false"}

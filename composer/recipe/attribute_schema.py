@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from composer.expr.angle import ANGLE_PATTERN
 from composer.grammar.attribute import Attribute
 from composer.grammar.number import INT_MAX, INT_MIN
-from composer.recipe.element import ANGLE_PATTERN
 from composer.recipe.reference import Schema, reference
 from composer.recipe.shown import shown
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.expr.angle import Angle
 from composer.expr.opening import is_template
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 from composer.recipe.angles import bare_angle
-from composer.recipe.element import Angle
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
 from composer.recipe.placing import ORIENTATIONS
 from composer.recipe.select import check_template, kinds_of, unknown_attribute

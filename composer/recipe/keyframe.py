@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
-from composer.recipe.element import Angle, Single
+from composer.recipe.element import Single
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.raw import path_of
 from composer.recipe.reader import Reader

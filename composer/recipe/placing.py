@@ -11,9 +11,10 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.recipe.angles import bare_angle
-from composer.recipe.element import Angle, Element, Single
+from composer.recipe.element import Element, Single
 from composer.recipe.fault import Fault, Path, Remark, refusal
 from composer.recipe.presence import lacks
 from composer.recipe.reader import Reader, label

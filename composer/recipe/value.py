@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_number, check_python, expected
 from composer.recipe.advice import instead, item_instead
-from composer.recipe.element import Angle, Value
+from composer.recipe.element import Value
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.text import is_unprintable, unprintable

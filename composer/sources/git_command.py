@@ -22,6 +22,9 @@ _PASSING = re.compile(
     re.IGNORECASE,
 )
 """What another try may get past."""
+_ADVICE = re.compile(
+    r"(hint|warning): |Please make sure you have the correct access|and the repository exists", re.I
+)
 
 
 class GitFailure(Exception):
@@ -124,5 +127,5 @@ def _last_line(said: str) -> str:
 def words_of(failure: GitFailure) -> tuple[str, ...]:
     """What git said, as notes: its errors, without the advice."""
     lines = [line.strip() for line in failure.said.splitlines() if line.strip()]
-    told = [line for line in lines if line.startswith(("fatal:", "error:", "remote:", "ssh:"))] or lines
+    told = [line for line in lines if not _ADVICE.match(line)] or lines
     return tuple(f"git said: {line}" for line in told[:3])

@@ -16,6 +16,7 @@ from composer.sources.error import SourceError
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
+from composer.sources.spdx import of_package
 
 if TYPE_CHECKING:
     # Costs as much as the rest of the room together: imported where a package is asked for.
@@ -88,7 +89,14 @@ def _found(reference: Reference, path: Path, root: Path) -> Source:
         version=owner.version if owner is not None else None,
         licences=licences,
         origin=Origin(reference.id, reference.kind, root),
+        licence=None if owner is None else _licence_of(owner),
     )
+
+
+def _licence_of(owner: Distribution) -> str | None:
+    told = owner.metadata
+    written = {name: (told.get_all(name) or [None])[0] for name in ("License-Expression", "License")}
+    return of_package(written["License-Expression"], written["License"], told.get_all("Classifier") or ())
 
 
 def _licences_of(owner: Distribution) -> Iterator[Path]:

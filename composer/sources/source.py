@@ -29,7 +29,7 @@ class Source:
     commit, of an archive its sha256. `licences` are the
     licence files that go with the model, sorted by name, and empty when none was found. `packages` are the
     folders that `package://NAME` stands for in URDF, where the recipe gives them. `origin` is what the file
-    belongs to, None for one that is named by its path.
+    belongs to, None for one that is named by its path. `licence` is what its package says, as an SPDX expression.
     """
 
     path: Path
@@ -40,6 +40,7 @@ class Source:
     licences: tuple[Path, ...] = ()
     packages: tuple[tuple[str, Path], ...] = ()
     origin: Origin | None = None
+    licence: str | None = None
 
     @property
     def format(self) -> Format:

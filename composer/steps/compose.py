@@ -16,12 +16,13 @@ from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.angles import model_angle
 from composer.link.files import add_file
+from composer.link.key_layouts import keys_of, remove_keys
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
 from composer.plan.member import Member
-from composer.plan.parts import BASE
+from composer.plan.parts import BASE, called
 from composer.plan.plan import AddElement, AppendElement, EditElements, Plan, SetDefault, SetSingleton
 from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
@@ -132,9 +133,7 @@ class Composer:
     def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
         """The plan of the parts that there are, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
-        self.context.sink.forgive(
-            step.prefix.removesuffix(plan.separator) for step in plan.parts if step not in kept
-        )
+        self.context.sink.forgive(called(step, plan.separator) for step in plan.parts if step not in kept)
         return replace(plan, parts=tuple(kept))
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
@@ -142,8 +141,7 @@ class Composer:
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
         if plan.base.keyframes == "none" and BASE not in plan.asked:
-            for section in list(base.root.iterchildren("keyframe")):
-                base.root.remove(section)
+            remove_keys(base)
         self.watch([base, *units], plan)
         making = Making(
             plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
@@ -187,7 +185,7 @@ class Composer:
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
         """From which part each element comes, before they are one model; a nested recipe has noted its own."""
         for step, unit in zip(plan.parts, units, strict=True):
-            name = step.prefix.removesuffix(plan.separator) or str(step.at[-1])
+            name = called(step, plan.separator)
             for node in unit.root.iter("*"):
                 inner = self.parts.get(node)
                 self.parts[node] = f"{name}/{inner}" if inner else name
@@ -257,8 +255,7 @@ def _edit(steps: Iterable[EditElements], of_keys: bool, editing: Editing) -> Non
 def _taken_out(linking: Linking) -> list[Node]:
     """The keys that the recipe writes, taken out of the model: edits come before them."""
     names = {key.name for key in linking.written_keys}
-    keys = [key for section in linking.base.root.iterchildren("keyframe") for key in section]
-    own = [key for key in keys if key.get("name") in names]
+    own = [key for key in keys_of(linking.base) if key.get("name") in names]
     for key in own:
         section = key.getparent()
         assert section is not None

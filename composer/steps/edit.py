@@ -8,6 +8,7 @@ from typing import Any
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
+from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_python
 from composer.grammar.format import to_text
@@ -18,7 +19,7 @@ from composer.link.names import may_be_generated
 from composer.plan.plan import EditElements
 from composer.recipe.angles import bare_angle
 from composer.recipe.edit_values import MASS
-from composer.recipe.element import Angle, Element
+from composer.recipe.element import Element
 from composer.recipe.fault import Fault, Path
 from composer.recipe.select import unknown_attribute
 from composer.recipe.subscript import attribute_and_index

@@ -14,13 +14,14 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.document.node import Scalar, find, locate
+from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.pose import quat_from_euler
-from composer.recipe.element import Angle, Element, Single, Value
+from composer.recipe.element import Element, Single, Value
 from composer.tree.classes import MAIN
 from composer.tree.line import line_of
 from composer.tree.origin import Origins

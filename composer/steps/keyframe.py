@@ -13,6 +13,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.document.node import find, locate
+from composer.expr.angle import Angle
 from composer.link import numbers
 from composer.link.key_layouts import final_layout
 from composer.link.layout import BLOCK, Layout, Slot
@@ -22,7 +23,7 @@ from composer.link.names import may_be_generated
 from composer.link.part_keys import part_keys
 from composer.plan.parts import parts_of
 from composer.plan.plan import Plan, WriteKeyframe
-from composer.recipe.element import Angle, Single
+from composer.recipe.element import Single
 from composer.recipe.keyframe import FROM, TIME, VECTORS, Entry
 from composer.recipe.shown import shown
 from composer.steps.elements import Making, in_radians, plain

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from composer.context import Context
 from composer.document.node import locate
-from composer.link.key_layouts import layouts
+from composer.link.key_layouts import layouts, remove_keys
 from composer.link.keyframes import keyframes
 from composer.link.linking import Linking, Measure
 from composer.link.subtree import Left
@@ -35,8 +35,7 @@ class OwnEdits:
         """Drop and edit; gives what was dropped, or None where something was wrong, which is told."""
         before = self.context.sink.error_count
         if self.wanted.keyframes == "none":
-            for section in list(self.unit.root.iterchildren("keyframe")):
-                self.unit.root.remove(section)
+            remove_keys(self.unit)
         linking = Linking(self.unit, [], self.context.sink, self.plan.separator, measure=self.measure)
         layouts(linking)
         editing = self._editing(linking)

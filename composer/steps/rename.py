@@ -44,6 +44,8 @@ def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
     for node, name in new.items():
         naming = naming_attribute(kind_of(node))
         assert naming is not None
+        if old := own_name(node, naming.name):
+            editing.making.origins.renamed.setdefault(node, []).append((old, name))
         node.set(naming.name, name)
     _follow(editing, following)
     for node in new:

@@ -8,8 +8,8 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
+from composer.expr.angle import Angle
 from composer.link.numbers import RADIANS_PER_DEGREE
-from composer.recipe.element import Angle
 from composer.recipe.fault import Path
 from composer.recipe.subscript import attribute_and_index
 from composer.steps.edit_values import Unusable, Values, attributes_scope, equal

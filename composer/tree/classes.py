@@ -13,7 +13,6 @@ from composer.grammar import GRAMMAR
 MAIN = "main"
 ORIENTATIONS = ("quat", "axisangle", "xyaxes", "zaxis", "euler")
 NESTED = ("body", "frame", "replicate")
-EQUALITIES = ("connect", "weld", "joint", "tendon", "flex", "flexvert", "flexstrain", "distance")
 
 
 @dataclass(slots=True)

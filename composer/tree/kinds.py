@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from keyword import iskeyword
 
 from lxml.etree import _Element as Node
 
@@ -56,9 +57,9 @@ def attribute_of(kind: ElementType, name: str) -> Attribute | None:
     return found
 
 
-def spoken(attribute: str) -> str:
-    """How Python code names an attribute."""
-    return _SPOKEN.get(attribute, attribute)
+def spoken(name: str) -> str:
+    """How Python code names an attribute or a child: `dclass`, `global_`."""
+    return _SPOKEN.get(name, f"{name}_" if iskeyword(name) else name)
 
 
 @cache

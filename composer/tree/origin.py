@@ -23,12 +23,13 @@ class Origins:
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies.
     `owners` holds the elements themselves, so that their identity is stable. `texts` has, by the name that messages
     use, where the text of a file is; it is read when a fault in that file is told. `settings` has the attributes that
-    a program has set, each with its line.
+    a program has set, each with its line. `renamed` has what edits renamed: the old and the new name, each time.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
     texts: dict[str, Path | bytes | str | SourceText | None] = field(default_factory=dict)
     settings: dict[Node, dict[str, Span]] = field(default_factory=dict)
+    renamed: dict[Node, list[tuple[str, str]]] = field(default_factory=dict)
 
     def own(self, element: Node, owner: str | Span | Place) -> None:
         self.owners[element] = owner
@@ -97,6 +98,7 @@ class Origins:
         self.owners.update(other.owners)
         self.texts.update(other.texts)
         self.settings.update(other.settings)
+        self.renamed.update(other.renamed)
 
     def carried(self, old: Node, new: Node) -> Origins:
         """The same knowledge for `new`, a deep copy of `old`."""
@@ -106,7 +108,10 @@ class Origins:
         settings = {
             copy: dict(self.settings[node]) for node, copy in _side_by_side(old, new) if node in self.settings
         }
-        return Origins(owners, self.texts, settings)
+        renamed = {
+            copy: list(self.renamed[node]) for node, copy in _side_by_side(old, new) if node in self.renamed
+        }
+        return Origins(owners, self.texts, settings, renamed)
 
     def text(self, file: str) -> SourceText | None:
         """The text of a file, read when it is first asked for; None where there is none to be had."""

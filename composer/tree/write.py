@@ -8,5 +8,9 @@ from lxml.etree import _Element as Node
 
 def write(root: Node) -> bytes:
     """The text of a `<mujoco>` tree: UTF-8, two spaces a level, one element a line, a final newline."""
-    text = etree.tostring(root, encoding="unicode", pretty_print=True)  # to bytes at once is slower in lxml
-    return text.encode()
+    return to_text(root).encode()  # to bytes at once is slower in lxml
+
+
+def to_text(root: Node) -> str:
+    """The same, not encoded."""
+    return etree.tostring(root, encoding="unicode", pretty_print=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from typing import Any
 
 from composer import engine
 from composer.context import Context
@@ -43,14 +44,14 @@ def run_checks(
     for recipe, check in Nested(plan).checks():
         own = replace(context, sink=Sink())
         if isinstance(check, Unchanged):
-            _unchanged(check, recipe, members, plan.separator, judge, own)
+            values = _unchanged(check, recipe, members, plan.separator, judge, own)
         else:
-            kept = _ask(check, recipe, members, session, own)
+            kept, values = _ask(check, recipe, members, session, own)
         for diagnostic in own.sink.diagnostics:
             context.sink.add(diagnostic)
         if hear is not None:
             told = tuple(own.sink.diagnostics)
-            hear(Outcome(recipe.part + check.name, check.word, _place(check, recipe), told))
+            hear(Outcome(recipe.part + check.name, check.word, _place(check, recipe), told, values))
         if not kept:
             break
 
@@ -61,8 +62,8 @@ def _place(check: Check, recipe: Nested) -> Span:
 
 def _ask(
     check: Check, recipe: Nested, members: Sequence[Member], session: engine.Session, context: Context
-) -> bool:
-    """A check on the compiled model, asked in the process that keeps it; whether it still does."""
+) -> tuple[bool, dict[str, Any]]:
+    """A check on the compiled model, asked in the process that keeps it; whether it still does, and what was found."""
     asked = {**asdict(check), "angle": recipe.plan.angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
     about = f"check `{recipe.part}{check.name}`"
     if check.word == "reachable" and asked["frame"] is None:
@@ -71,7 +72,7 @@ def _ask(
         )
         help = "move the check to the recipe around it"
         context.sink.error("check-failed", message, _place(check, recipe), help=help)
-        return True
+        return True, {}
     question = {"kind": check.word, "asked": asked, "scope": recipe.scope()}
     answer = engine.call(session, ask, [WHOLE], question)
     if not answer.ok:
@@ -79,13 +80,13 @@ def _ask(
         told = [Note("no check behind it was run")] if answer.crash else []
         message = f"{about}: {answer.error or answer.crash}"
         context.sink.error(code, message, _place(check, recipe), notes=told)
-        return not answer.crash
-    for finding in map(Finding.from_json, answer.value):
+        return not answer.crash, {}
+    for finding in map(Finding.from_json, answer.value["findings"]):
         path = (*check.at, check.word, *finding.at)
         span = locate(recipe.plan.document, path, key=not finding.at)
         told = [Note(note) for note in finding.notes]
         context.sink.error(finding.code, f"{about}: {finding.message}", span, notes=told, help=finding.help)
-    return True
+    return True, answer.value["values"]
 
 
 def _unchanged(
@@ -95,14 +96,16 @@ def _unchanged(
     separator: str,
     judge: Judge,
     context: Context,
-) -> None:
-    """The part as the outermost recipe calls it, each of its sources against itself alone."""
+) -> dict[str, Any]:
+    """The part as the outermost recipe calls it, each of its sources against itself alone; how many there are."""
     part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
     excused = [array for name in check.excepted for array in arrays_of(name)]
-    for member in of_part(members, part, separator):
+    found = of_part(members, part, separator)
+    for member in found:
         compared = judge.compare(member, excused)
         if not compared.ok:
             _tell(compared, recipe, check, context)
+    return {"parts": len(found)}
 
 
 def _tell(compared: Compared, recipe: Nested, check: Unchanged, context: Context) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
@@ -11,12 +12,15 @@ from composer.diagnostics.span import Span
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A check that ran: what the outermost recipe calls it (`left/reach`), its kind and place, and what it told."""
+    """A check that ran: what the outermost recipe calls it (`left/reach`), its kind and place, what it told,
+    and what it found.
+    """
 
     name: str
     kind: str
     span: Span
     told: tuple[Diagnostic, ...]
+    values: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def holds(self) -> bool:

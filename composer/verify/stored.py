@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.bundle.bundle import MANIFEST, Bundle
-from composer.bundle.manifest import Index, Manifest, Part, from_json, index_of
+from composer.bundle.holding import check_files, check_index, manifest_of
+from composer.bundle.manifest import Manifest, Part, index_of
 from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
 from composer.context import Context
-from composer.diagnostics.diagnostic import Note
 from composer.plan.member import Member
 from composer.pose import Pose
 from composer.sources.source import Source
@@ -23,8 +23,6 @@ from composer.verify.report import changed, notes
 
 if TYPE_CHECKING:
     from composer.engine import Compiled, Session
-
-_SHOWN = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +50,14 @@ def verify_stored(
         context.sink.error(error.code, error.message)
         return None
     shown = context.shown(path)
-    manifest = _manifest(bundle, shown, context)
+    manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
     if manifest is not None:
-        _files(bundle, manifest, shown, context)
+        check_files(bundle, manifest, shown, context.sink)
     compiled = _compiled(bundle, shown, context, session)
     if manifest is None or compiled is None:
         return Stored(bundle, manifest, compiled, ())
-    _index(manifest, compiled, shown, context)
+    if manifest.index is not None and compiled.index is not None:
+        check_index(manifest.index, index_of(compiled.index), shown, context.sink)
     inputs = Inputs(manifest, recipe, context)
     parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged)))
     for compared in parts:
@@ -70,46 +69,6 @@ def verify_stored(
             help="build it again with this version",
         )
     return Stored(bundle, manifest, compiled, parts)
-
-
-def _manifest(bundle: Bundle, shown: str, context: Context) -> Manifest | None:
-    if MANIFEST not in bundle.files:
-        context.sink.error(
-            "bundle-manifest", f"`{shown}` has no `{MANIFEST}`: there is nothing to hold it against"
-        )
-        return None
-    try:
-        return from_json(bundle.files[MANIFEST])
-    except ValueError as error:
-        said = str(error).splitlines()
-        context.sink.error(
-            "bundle-manifest",
-            f"the manifest of `{shown}` cannot be read",
-            notes=[Note(" ".join(line.split())) for line in said[:_SHOWN]],
-            help="a bundle of a newer mjcompose needs that version",
-        )
-        return None
-
-
-def _files(bundle: Bundle, manifest: Manifest, shown: str, context: Context) -> None:
-    listed = {file.path: file for file in manifest.files}
-    for path, file in listed.items():
-        if path not in bundle.files:
-            context.sink.error("bundle-changed", f"`{path}` is not in `{shown}`, and its manifest lists it")
-        elif bundle.digest(path) != file.sha256:
-            context.sink.error(
-                "bundle-changed",
-                f"`{path}` in `{shown}` is not the file that its manifest lists",
-                notes=[
-                    Note(f"expected sha256 {file.sha256}, {file.size} bytes"),
-                    Note(f"found sha256 {bundle.digest(path)}, {len(bundle.files[path])} bytes"),
-                ],
-            )
-    for path in bundle.files:
-        if path != MANIFEST and path not in listed:
-            context.sink.error(
-                "bundle-changed", f"`{path}` is in `{shown}`, and its manifest does not list it"
-            )
 
 
 def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) -> Compiled | None:
@@ -129,42 +88,6 @@ def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) ->
     message = f"`{shown}` does not compile: {' '.join(fault.message.split())}{what}"
     context.sink.error(verified.code, message)
     return None
-
-
-def _index(manifest: Manifest, compiled: Compiled, shown: str, context: Context) -> None:
-    """The order of joints, actuators, sensors and keys, and their addresses."""
-    if manifest.index is None or compiled.index is None:
-        return
-    actual = index_of(compiled.index)
-    for kind in Index.model_fields:
-        expected, found = (_plain(getattr(index, kind)) for index in (manifest.index, actual))
-        if expected == found:
-            continue
-        context.sink.error(
-            "bundle-manifest",
-            f"the {kind} of the compiled `{shown}` are not those of its manifest",
-            notes=[
-                Note(f"{kind} {number}: expected {a or 'nothing'}, found {b or 'nothing'}")
-                for number, (a, b) in enumerate(_both(expected, found))
-                if a != b
-            ][:_SHOWN],
-        )
-
-
-def _plain(entries: Sequence[object]) -> list[str]:
-    """Entries as text, without where they are written."""
-    return [
-        f"`{each}`" if isinstance(each, str) else each.model_dump_json(exclude={"origin"})  # type: ignore[attr-defined]
-        for each in entries
-    ]
-
-
-def _both(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[str | None, str | None]]:
-    for number in range(max(len(first), len(second))):
-        yield (
-            first[number] if number < len(first) else None,
-            second[number] if number < len(second) else None,
-        )
 
 
 def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compared]:

@@ -33,8 +33,8 @@ INDEX = engine.Index(
     ),
     actuators=(engine.Actuator("a", 0, 1, -1, 0), engine.Actuator("b", 1, 2, 0, 1)),
     sensors=(engine.Sensor("s", "framepos", 0, 3),),
-    keyframes=("home",),
-    cameras=("eye",),
+    keyframes=(engine.Keyframe("home", 0),),
+    cameras=(engine.Camera("eye", "world", 45, "deg", (4, 3)),),
     bodies=("world", "base", "link"),
 )
 
@@ -52,7 +52,7 @@ def manifest() -> Manifest:
         draws=(Draw(field="friction", element="cube0/box", attribute="friction[0]", value=0.7),),
         inputs=(Input(path="arm.xml", reference="./arm.xml", kind="path", sha256="1" * 64),),
         files=files_of(BUNDLE),
-        index=index_of(INDEX, {("joint", "turn"): "arm.xml:12"}),
+        index=index_of(INDEX, {("joint", 0): ("joint", "arm.xml:12")}),
         warnings=("mujoco-warning: careful",),
     )
 
@@ -78,7 +78,7 @@ def test_it_lists_the_files_but_not_itself() -> None:
 
 
 def test_the_index_says_where_things_are() -> None:
-    index = index_of(INDEX, {("joint", "turn"): "arm.xml:12"})
+    index = index_of(INDEX, {("joint", 0): ("joint", "arm.xml:12")})
     turn, free = index.joints
     assert (turn.qpos, turn.qpos_size, turn.dof, turn.dof_size) == (7, 1, 6, 1)
     assert turn.range == (-1.5, 1.5)
@@ -90,7 +90,8 @@ def test_the_index_says_where_things_are() -> None:
         (1, 2, 0, 1),
     ]
     assert (index.sensors[0].address, index.sensors[0].size) == (0, 3)
-    assert index.keyframes == ("home",)
+    assert [each.name for each in index.keyframes] == ["home"]
+    assert (turn.unit, turn.velocity_unit, free.unit) == ("rad", "rad/s", None)
 
 
 @pytest.mark.parametrize(

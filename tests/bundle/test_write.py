@@ -33,7 +33,7 @@ def test_a_folder_that_is_there_is_a_folder_whatever_its_name(tmp_path: Path) ->
     assert form_of(tmp_path / "arm.v2") is Form.FOLDER
 
 
-@pytest.mark.parametrize("out", ["arm.usd", "arm.yaml", "arm.tar.gz", "ur5e.v2"])
+@pytest.mark.parametrize("out", ["arm.glb", "arm.yaml", "arm.tar.gz", "ur5e.v2"])
 def test_other_names_are_refused_with_what_to_write(out: str, tmp_path: Path) -> None:
     with pytest.raises(OutputError) as caught:
         write(BUNDLE, tmp_path / out, environment={})

@@ -100,7 +100,34 @@ def test_warnings_stay_out_of_the_text(folder: Path) -> None:
 
 def test_mjb(folder: Path) -> None:
     assert run("build", "cell.yaml", "--no-verify", "-o", "cell.mjb").exit_code == 0
-    assert mujoco.MjModel.from_binary_path(str(folder / "cell.mjb")).nmesh == 1
+    compiled = folder / f"cell.mujoco-{mujoco.__version__}.mjb"
+    assert mujoco.MjModel.from_binary_path(str(compiled)).nmesh == 1
+    manifest = json.loads(compiled.with_suffix(".manifest.json").read_text())
+    assert [each["path"] for each in manifest["files"]] == [compiled.name]
+
+
+def test_the_name_of_an_mjb_says_where_the_version_goes(folder: Path) -> None:
+    assert run("build", "cell.yaml", "--no-verify", "-o", "v{mujoco}/cell.mjb").exit_code == 0
+    assert (folder / f"v{mujoco.__version__}" / "cell.mjb").is_file()
+
+
+def test_licences_are_shown(folder: Path) -> None:
+    done = run("build", "cell.yaml", "--licenses")
+    assert done.exit_code == 0 and "licence-missing" not in done.stderr
+    rows = [line.split() for line in done.stdout.splitlines()[-3:]]
+    assert rows[0] == ["part", "source", "licence", "file"]
+    assert rows[1][1:] == ["./models/arm.xml", "unknown", "models/LICENSE"]
+
+
+def test_parts_without_a_licence_are_told_at_once(folder: Path) -> None:
+    (folder / "models" / "LICENSE").unlink()
+    done = run("build", "cell.yaml")
+    assert done.exit_code == 0
+    assert done.stderr.count("licence-missing") == 1 and "`arm`, `tool`" in done.stderr
+    for name in ("arm", "tool"):
+        model = folder / "models" / f"{name}.xml"
+        model.write_text("<!-- SPDX-License-Identifier: CC0-1.0 -->\n" + model.read_text())
+    assert "licence" not in run("build", "cell.yaml").stderr
 
 
 def test_recipe_and_output_anywhere(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 import mujoco
 import pytest
 
+from composer.bundle.write import write
 from composer.context import Context
 from composer.diagnostics.text import render
 from composer.pipeline import build
@@ -110,7 +111,7 @@ def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
     subprocess.run(["bash", "-c", script], cwd=tmp_path, env=environment, check=True, timeout=240)
     assert (tmp_path / "build" / "model.zip").is_file()
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).nq == 1
-    assert mujoco.MjModel.from_binary_path(str(tmp_path / "model.mjb")).nq == 1
+    assert mujoco.MjModel.from_binary_path(str(tmp_path / f"model.mujoco-{mujoco.__version__}.mjb")).nq == 1
 
 
 def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
@@ -118,6 +119,9 @@ def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
     arm = (models / "arm6" / "arm6.xml").read_text().replace("assets", str(models / "arm6" / "assets"))
     tool = '<mujoco model="tool"><worldbody><body><geom size="0.01"/></body></worldbody></mujoco>'
     (tmp_path / "arm.xml").write_text(arm)
+    demo = build(ROOT / "recipes" / "demo.yaml", Context(folder=tmp_path))
+    assert demo is not None
+    write(demo.bundle, tmp_path / "build" / "demo.zip", environment={})
     (tmp_path / "gripper.xml").write_text(tool)
     for text in blocks("README.md", "python"):
         command = [sys.executable, "-c", text]

@@ -51,10 +51,14 @@ def test_every_table_of_names_is_an_attribute_of_the_model() -> None:
 def test_a_version_that_counts_no_actuators_apart_from_controls() -> None:
     old = SimpleNamespace(nq=0, nu=2, names=b"a\0b\0", name_actuatoradr=[0, 2], actuator_actadr=[-1, 0])
     old.actuator_actnum = [0, 1]
+    old.actuator_dyntype = [int(mujoco.mjtDyn.mjDYN_MUSCLE)] * 2
+    old.actuator_ctrllimited, old.actuator_ctrlrange = [1, 0], [[0, 2], [0, 0]]
+    old.actuator_actlimited = old.actuator_forcelimited = [0, 0]
     assert facts.sizes(old) == {"nq": 0, "nu": 2, "nactuator": 2}
-    assert facts._actuators(old) == [
-        {"name": "a", "ctrl": [0, 1], "act": [-1, 0]},
-        {"name": "b", "ctrl": [1, 1], "act": [0, 1]},
+    free = {"unit": "1", "act_range": None, "force_range": None}
+    assert facts._actuators(old, mujoco) == [
+        {"name": "a", "ctrl": [0, 1], "act": [-1, 0], "ctrl_ranges": [[0, 2]], **free},
+        {"name": "b", "ctrl": [1, 1], "act": [0, 1], "ctrl_ranges": [None], **free},
     ]
 
 

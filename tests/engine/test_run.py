@@ -89,16 +89,27 @@ def test_the_index_tells_every_address(tmp_path: Path, session: engine.Session) 
     assert turn.range == pytest.approx((-numpy.pi / 2, numpy.pi / 2))
     assert not index.joints[3].limited
     assert index.actuators == (
-        engine.Actuator("torque", ctrl_address=0, ctrl_size=1, act_address=-1, act_size=0),
-        engine.Actuator("servo", ctrl_address=1, ctrl_size=1, act_address=0, act_size=1),
+        engine.Actuator(
+            "torque", ctrl_address=0, ctrl_size=1, act_address=-1, act_size=0, unit="N m", ctrl_ranges=(None,)
+        ),
+        engine.Actuator(
+            "servo",
+            ctrl_address=1,
+            ctrl_size=1,
+            act_address=0,
+            act_size=1,
+            unit="m/s",
+            ctrl_ranges=(None,),
+            act_range=(-1, 1),
+        ),
     )
     assert index.sensors == (
-        engine.Sensor("where", "framepos", 0, 3),
-        engine.Sensor("effort", "jointactuatorfrc", 3, 1),
-        engine.Sensor("gap", "distance", 4, 1),
+        engine.Sensor("where", "framepos", 0, 3, "m"),
+        engine.Sensor("effort", "jointactuatorfrc", 3, 1, "N m"),
+        engine.Sensor("gap", "distance", 4, 1, "m", 1),
     )
-    assert index.keyframes == ("home", "")
-    assert index.cameras == ("eye",)
+    assert [each.name for each in index.keyframes] == ["home", ""]
+    assert [(each.name, each.unit) for each in index.cameras] == [("eye", "deg")]
     assert index.bodies == ("world", "base", "link", "tip")
 
 

@@ -57,3 +57,22 @@ def test_an_asset_has_contents_and_an_extension(arguments: tuple[bytes, str]) ->
 def test_only_a_file_can_be_an_asset(arm: mjcf.RootElement) -> None:
     with pytest.raises(mjcf.MjcfError, match="expects no file"):
         arm.worldbody.add("geom", name=mjcf.Asset(b"x", ".stl"))
+
+
+def test_its_path_in_a_bundle(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, folder: Path, tmp_path: Path
+) -> None:
+    twin = arm.asset.add(
+        "mesh", name="twin", file=mjcf.Asset((folder / "arm/meshes/shell.stl").read_bytes(), ".stl")
+    )
+    arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    shells = [arm.find("mesh", name).file for name in ("shell", "gripper/shell", "twin")]  # type: ignore[union-attr]
+    assert [shell.bundle_path for shell in shells] == [
+        "assets/arm/shell.stl",
+        "assets/gripper/shell.stl",
+        "assets/arm/shell.stl",
+    ], "equal bytes are stored once"
+    mjcf.export_with_assets(arm, tmp_path / "out")
+    for shell in shells:
+        assert (tmp_path / "out" / shell.bundle_path).read_bytes() == shell.contents
+    assert twin.file.bundle_path is not None and mjcf.Asset(b"x", ".stl").bundle_path is None

@@ -3,8 +3,10 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
+from lxml import etree
 
 from composer import mjcf
 from composer.mjcf import RootElement
@@ -67,9 +69,12 @@ def test_values_stand_on_the_elements(model: RootElement) -> None:
     assert model.find("actuator", "p").kp == 7
 
 
-def test_actuators_of_mixed_classes_are_left_as_they_are(model: RootElement) -> None:
+def test_of_mixed_classes_actuators_take_what_all_of_them_have(model: RootElement) -> None:
+    model.default.add("general", ctrlrange=[-2, 2], gainprm=[3])
     mjcf.commit_defaults(model)
-    assert model.find("actuator", "x").gear is None
+    x, p = model.find("actuator", "x"), model.find("actuator", "p")
+    assert x.gear.tolist() == [5] and x.ctrlrange.tolist() == p.ctrlrange.tolist() == [-2, 2]
+    assert p.kp is None
 
 
 def test_one_element_and_what_is_below_it(model: RootElement) -> None:
@@ -112,3 +117,38 @@ def test_robots(name: str, corpus: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         _same(mjcf.from_path(corpus / "models" / name))
+
+
+def _without_classes(model: RootElement) -> mujoco.MjModel:
+    root = etree.fromstring(model.to_xml_string().encode())
+    for section in root.findall("default"):
+        root.remove(section)
+    for node in root.iter("*"):
+        for attribute in ("class", "childclass"):
+            node.attrib.pop(attribute, None)
+    return mujoco.MjModel.from_xml_string(etree.tostring(root, encoding="unicode"), model.assets)
+
+
+@pytest.mark.slow
+def test_no_class_is_needed_afterwards(corpus: Path) -> None:
+    """What a class says of another tag's gains is an exception that none of these has."""
+    robots = ["franka_emika_panda/panda.xml", "wonik_allegro/left_hand.xml", "kuka_iiwa_14/iiwa14.xml"]
+    paths = [corpus / "models" / name for name in robots] + sorted(
+        (corpus / "feature-cases").glob("*/child.xml")
+    )
+    tried = 0
+    for path in paths:
+        try:
+            expected = mujoco.MjModel.from_xml_path(str(path))
+        except ValueError:
+            continue
+        model = mjcf.from_path(path)
+        mjcf.commit_defaults(model)
+        committed = mujoco.MjModel.from_xml_string(model.to_xml_string(), model.assets)
+        for found in (committed, _without_classes(model)):
+            for name in dir(expected):
+                value = getattr(expected, name)
+                if isinstance(value, np.ndarray) and "path" not in name and not name.startswith("_"):
+                    np.testing.assert_array_equal(value, getattr(found, name), f"{path} {name}")
+        tried += 1
+    assert tried > 50

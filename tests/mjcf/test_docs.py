@@ -24,7 +24,7 @@ def test_the_examples_of_the_page(
     mesh.write_bytes((folder / "gripper" / "shell.stl").read_bytes())
     monkeypatch.chdir(folder)
     examples = re.findall(r"```python\n(.*?)```", (repository / "docs" / "mjcf.md").read_text(), re.DOTALL)
-    assert len(examples) == 9
+    assert len(examples) == 11
     names: dict[str, object] = {}
     for example in examples:
         exec(compile(example, "docs/mjcf.md", "exec"), names)
@@ -35,6 +35,9 @@ def test_the_examples_of_the_page(
     assert physics.data.joint("gripper/right").qpos[0] == 0.02
     assert mujoco.MjModel.from_xml_path("out/model.xml").nsensor == 5
     told = capsys.readouterr().out.splitlines()
-    assert told[-5:] == [".stl", "True", told[-3], "left True", "hammer"]
+    last = told.index(".stl")
+    assert told[last + 1 : last + 5] == ["True", told[last + 2], "left True", "hammer"]
     assert told[2:5] == ["base default", "arm default", "fore default"]
-    assert told[-3].startswith("[0.01 0.02] ")
+    assert told[last + 2].startswith("[0.01 0.02] ")
+    assert told[last + 5] == '<body name="custom_body">'
+    assert told[-2:] == ["3 numbers; 0 0 0 where it is not set anywhere.", "['gravcomp']"]

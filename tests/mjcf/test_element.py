@@ -121,6 +121,10 @@ def test_insert_puts_a_child_before_another(body: mjcf.Element) -> None:
     middle = body.insert("site", position=1)
     zeroth = body.insert("geom", position=-3)
     assert body.all_children() == [zeroth, first, middle, last]
+    assert body.insert("geom", -1, name="2") is body.all_children()[3]
+    assert (
+        first.add("plugin") is not None and body.insert("body", 0).insert("geom", -1).parent is body.body[0]
+    )
     with pytest.raises(mjcf.MjcfError):
         body.insert("geom", "first")  # type: ignore[arg-type]
 
@@ -247,6 +251,17 @@ def test_children_cannot_be_assigned(body: mjcf.Element) -> None:
             setattr(element, name, 3)
 
 
+def test_what_is_not_an_attribute_cannot_be_set(body: mjcf.Element) -> None:
+    for name in ("tag", "parent", "root", "full_identifier"):
+        with pytest.raises(mjcf.MjcfError, match=f"`{name}` of `<body>` `b` cannot be set"):
+            setattr(body, name, None)
+    flex = body.add("flexcomp", name="f", type="grid", origin=[1, 0, 0])
+    with pytest.raises(mjcf.MjcfError, match=r"`set_attributes\(origin=…\)` sets the attribute"):
+        flex.origin = [2, 0, 0]
+    flex.set_attributes(origin=[2, 0, 0])
+    assert flex.get("origin").tolist() == [2, 0, 0] and flex.origin.file == __file__
+
+
 def test_the_origin_is_a_place_in_a_file_or_a_line_of_the_program(arm: mjcf.RootElement) -> None:
     joint = arm.find("joint", "shoulder")
     assert joint is not None and (joint.origin.file.endswith("arm.xml"), joint.origin.line) == (True, 14)
@@ -270,6 +285,20 @@ def test_the_origin_of_an_attribute(arm: mjcf.RootElement) -> None:
         joint.origin_of("armature")
     with pytest.raises(mjcf.MjcfError, match="did you mean `damping`"):
         joint.origin_of("dampin")
+
+
+def test_scopes_lead_to_attached_models(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
+    cell = mjcf.RootElement("cell")
+    cell.attach(arm)
+    frame = arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    assert cell.enter_scope("arm/gripper") is cell.enter_scope("arm/gripper/") is gripper
+    assert cell.worldbody.enter_scope("arm").enter_scope("gripper") is gripper  # type: ignore[union-attr]
+    assert cell.enter_scope("gripper") is arm.enter_scope("arm") is None
+    assert (gripper.full_identifier, cell.full_identifier) == ("arm/gripper/", "")
+    turn = frame.add("joint", name="turn")
+    own = arm.find_all("joint", exclude_attachments=True)
+    assert turn in own and len(own) == 3 and len(cell.find_all("joint")) == 5
+    assert cell.find_all("joint", exclude_attachments=True) == []
 
 
 def test_a_removed_element_is_of_no_use(body: mjcf.Element) -> None:
@@ -305,13 +334,3 @@ def test_a_value_in_a_file_that_mujoco_refuses_is_told_where_it_stands() -> None
 def test_attributes_and_children_are_completed(body: mjcf.Element) -> None:
     assert {"pos", "childclass", "geom", "add"} <= set(dir(body))
     assert "dclass" in dir(body.add("geom"))
-
-
-def test_a_notebook_shows_it_as_text() -> None:
-    model = mjcf.RootElement()
-    model.worldbody.add("body", name="b").add("geom", size=[1])
-    shown = model.find("body", "b")._repr_html_()
-    assert (
-        shown.startswith("<pre>&lt;body name=&quot;b&quot;&gt;\n")
-        and "&lt;geom size=&quot;1&quot;/&gt;" in shown
-    )

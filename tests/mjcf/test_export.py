@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import hashlib
 import os
 import zipfile
 from pathlib import Path
@@ -114,3 +115,71 @@ def test_conflicts_are_settled_as_asked(
     with pytest.warns(mjcf.MjcfWarning):
         mjcf.export_with_assets(both, tmp_path / "out", conflict="merge")
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).opt.timestep == 0.001
+
+
+def test_a_zip_comes_back_and_gives_the_same_bytes(both: mjcf.RootElement, tmp_path: Path) -> None:
+    mjcf.export_with_assets_as_zip(both, tmp_path / "first.zip")
+    again = mjcf.from_zip(tmp_path / "first.zip")
+    assert again.find("body", "gripper/palm") is not None
+    mjcf.export_with_assets_as_zip(again, tmp_path / "second.zip")
+    mjcf.export_with_assets_as_zip(mjcf.from_zip(tmp_path / "second.zip"), tmp_path / "third.zip")
+    second = mujoco.MjSpec.from_zip(str(tmp_path / "second.zip")).compile()
+    assert second.nmesh == 2 and second.nbody == both.compile_model().model.nbody
+    assert (tmp_path / "second.zip").read_bytes() == (tmp_path / "third.zip").read_bytes()
+
+
+def test_what_mujoco_writes_as_a_zip_is_read(both: mjcf.RootElement, tmp_path: Path) -> None:
+    spec = both.to_spec()
+    spec.compile()
+    if not hasattr(spec, "to_zip"):
+        pytest.skip("this MuJoCo writes no zips")
+    spec.to_zip(str(tmp_path / "robot.mjz"))
+    read = mjcf.from_zip(tmp_path / "robot.mjz")
+    assert read.compile_model().model.nmesh == 2
+    assert sorted(read.assets.values()) == sorted(both.assets.values())
+
+
+def test_what_dm_control_writes_is_read_from_a_zip_of_its_folder(folder: Path, tmp_path: Path) -> None:
+    """It writes files beside the model, named after their bytes."""
+    mesh = (folder / "arm" / "meshes" / "shell.stl").read_bytes()
+    name = f"shell-{hashlib.sha1(mesh).hexdigest()}.stl"
+    text = (
+        f'<mujoco model="arm"><asset><mesh name="gripper/shell" class="/" file="{name}"/></asset>'
+        '<default><default class="/"/><default class="gripper/"/></default>'
+        '<worldbody><body name="gripper/"><geom name="gripper/unnamed_geom_0" class="gripper/" type="mesh" '
+        'mesh="gripper/shell"/></body></worldbody></mujoco>'
+    )
+    for inner in ("", "arm/"):
+        path = tmp_path / f"{inner.strip('/') or 'flat'}.zip"
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr(f"{inner}arm.xml", text)
+            archive.writestr(f"{inner}{name}", mesh)
+        model = mjcf.from_zip(path)
+        assert model.compile_model().model.nmesh == 1
+        assert model.find("geom", "gripper/unnamed_geom_0").mesh.file.contents == mesh  # type: ignore[union-attr]
+
+
+def test_a_file_that_a_zip_lacks_is_told(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "z.zip", "w") as archive:
+        archive.writestr("model.xml", '<mujoco><asset><mesh name="m" file="a/m.stl"/></asset></mujoco>')
+    with pytest.raises(mjcf.MjcfError, match=r"z\.zip` has no file `a/m\.stl`"):
+        mjcf.from_zip(tmp_path / "z.zip").find("mesh", "m").file.contents  # type: ignore[union-attr]  # noqa: B018
+
+
+def test_files_that_vanish_are_told_and_the_model_stays(
+    both: mjcf.RootElement, folder: Path, tmp_path: Path
+) -> None:
+    text = both.to_xml_string()
+    (folder / "arm" / "meshes" / "shell.stl").unlink()
+    for attempt in (
+        lambda: mjcf.export_with_assets(both, tmp_path / "out"),
+        lambda: mjcf.export_with_assets_as_zip(both, tmp_path / "out.zip"),
+        lambda: both.assets,
+        both.compile_model,
+        lambda: both.find("mesh", "shell").file.contents,  # type: ignore[union-attr]
+    ):
+        with pytest.raises(mjcf.MjcfError, match=r"asset-missing.*shell\.stl") as caught:
+            attempt()
+        assert caught.value.diagnostics[0].span is not None
+    assert both.to_xml_string() == text
+    assert not (tmp_path / "out").exists() and not (tmp_path / "out.zip").exists()

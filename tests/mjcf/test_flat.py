@@ -9,6 +9,12 @@ import numpy as np
 import pytest
 
 from composer import mjcf
+from composer.diagnostics.sink import Sink
+from composer.link.defaults import choose_classes
+from composer.link.link import finish, link
+from composer.link.linking import Linking
+from composer.mjcf.flat import copied
+from composer.tree.write import to_text
 
 Compiled = Callable[[mjcf.RootElement], mujoco.MjModel]
 
@@ -99,6 +105,29 @@ def test_names_that_clash_in_a_source_are_told() -> None:
     model = mjcf.from_xml_string("<mujoco><worldbody><geom name='g'/>\n<geom name='g'/></worldbody></mujoco>")
     with pytest.raises(mjcf.MjcfError, match="the geom `g`") as caught:
         model.to_xml_string()
+    assert caught.value.diagnostics[0].span.line == 2  # type: ignore[union-attr]
+
+
+def test_a_model_that_nothing_hangs_on_is_as_the_linker_leaves_it(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement
+) -> None:
+    for model in (arm, gripper):
+        linking = Linking(copied(model._model), [], Sink())
+        choose_classes(linking)
+        assert link(linking)
+        finish(linking)
+        assert not linking.sink.diagnostics
+        assert model.to_xml_string() == to_text(linking.base.root)
+
+
+def test_keys_that_do_not_fit_are_told_when_the_model_is_compiled() -> None:
+    model = mjcf.from_xml_string(
+        "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody>\n"
+        "<keyframe><key name='k' qpos='0 0'/></keyframe></mujoco>"
+    )
+    assert 'qpos="0 0"' in model.to_xml_string()
+    with pytest.raises(mjcf.MjcfError, match="`qpos` of the key `k` has 2 numbers") as caught:
+        model.compile_model()
     assert caught.value.diagnostics[0].span.line == 2  # type: ignore[union-attr]
 
 

@@ -123,5 +123,5 @@ def test_attached_models_come_along(arm: RootElement, gripper: RootElement, comp
 
 
 def test_only_a_model_is_included(arm: RootElement) -> None:
-    with pytest.raises(MjcfError, match="what is included is a `RootElement`, got `Element`"):
+    with pytest.raises(MjcfError, match="what is included is a `RootElement`, got `Worldbody`"):
         arm.include_copy(arm.worldbody)  # type: ignore[arg-type]

@@ -153,5 +153,5 @@ def test_zips_that_cannot_be_read(tmp_path: Path) -> None:
     lost = mjcf.from_zip(
         _zip(tmp_path / "z.zip", {"model.xml": '<mujoco><asset><mesh file="x.stl"/></asset></mujoco>'})
     )
-    with pytest.raises(MjcfError, match="z.zip/x.stl"):
+    with pytest.raises(MjcfError, match="z.zip` has no file `x.stl`"):
         lost.assets  # noqa: B018

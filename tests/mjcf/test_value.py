@@ -59,6 +59,8 @@ def test_rows_are_joined_where_any_number_of_items_will_do() -> None:
         ("pos", np.zeros((3, 1)), "flat array, got one of shape (3, 1)"),
         ("pos", [0, 0, float("nan")], "got `nan`"),
         ("pos", "0 0 nan", "got `nan`"),
+        ("pos", [0, 0, float("inf")], "expects finite numbers, got `inf`"),
+        ("size", "-inf", "expects finite numbers, got `-inf`"),
         ("pos", np.array([1j, 0, 0]), "number"),
         ("pos", np.array(["a", "b", "c"]), "number"),
         ("mass", [1.0], "got a list of 1"),

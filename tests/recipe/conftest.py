@@ -99,28 +99,26 @@ class YamlServer:
 
     def completions(self, path: Path, text: str) -> list[dict[str, Any]]:
         """Open a file; what the server offers where the text has a `|`."""
-        before, after = text.split("|")
-        self._open(path, before + after)
-        place = {"line": before.count("\n"), "character": len(before) - before.rfind("\n") - 1}
-        document = {"uri": path.as_uri()}
-        offered: list[dict[str, Any]] = []
-        for _ in range(10):  # until the server has read the schema it offers nothing
-            result = self._request("textDocument/completion", {"textDocument": document, "position": place})
-            offered = result["items"]
-            if offered:
-                break
-            time.sleep(0.2)
+        found = self._at_bar("completion", path, text, lambda result: bool(result["items"]))
+        offered: list[dict[str, Any]] = found["items"]
         return offered
 
     def hover(self, path: Path, text: str) -> str:
         """Open a file; what the server shows where the text has a `|`."""
+        found = self._at_bar("hover", path, text, lambda result: result is not None)
+        return json.dumps(found, ensure_ascii=False)
+
+    def _at_bar(self, what: str, path: Path, text: str, is_said: Callable[[Any], bool]) -> Any:
         before, after = text.split("|")
         self._open(path, before + after)
         place = {"line": before.count("\n"), "character": len(before) - before.rfind("\n") - 1}
-        result = self._request(
-            "textDocument/hover", {"textDocument": {"uri": path.as_uri()}, "position": place}
-        )
-        return json.dumps(result, ensure_ascii=False)
+        asked = {"textDocument": {"uri": path.as_uri()}, "position": place}
+        latest = time.monotonic() + SECONDS
+        while True:  # until the server has read the schema it says nothing
+            result = self._request(f"textDocument/{what}", asked)
+            if is_said(result) or time.monotonic() > latest:
+                return result
+            time.sleep(0.2)
 
     def _open(self, path: Path, text: str) -> None:
         document = {"uri": path.as_uri(), "languageId": "yaml", "version": 1, "text": text}

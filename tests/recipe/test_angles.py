@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
+from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.recipe.angles import bare_angle
-from composer.recipe.element import Angle
 
 
 @pytest.mark.parametrize(

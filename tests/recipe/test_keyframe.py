@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from composer.recipe.element import Angle
+from composer.expr.angle import Angle
 from composer.recipe.recipe import Recipe
 
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
+from composer.expr.angle import Angle
 from composer.recipe.attach import Attachment
-from composer.recipe.element import Angle
 from composer.recipe.replicate import MAX_COPIES, Axis
 
 

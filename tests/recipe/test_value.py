@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
+from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
-from composer.recipe.element import Angle
 from composer.recipe.fault import Fault
 from composer.recipe.value import read_value
 

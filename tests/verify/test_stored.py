@@ -135,7 +135,7 @@ def test_files_too_few_and_too_many_are_told(folder: Path, check: Check) -> None
 
 def test_an_index_of_another_model_is_told(folder: Path, check: Check) -> None:
     def change(data: dict[str, Any]) -> None:
-        data["index"]["keyframes"] = ["away"]
+        data["index"]["keyframes"] = [{"name": "away", "time": 0}]
         data["index"]["joints"].reverse()
 
     _manifest(folder, change)

@@ -17,7 +17,7 @@ from composer.link.linking import Policy
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfError, failure
-from composer.mjcf.physics.binding import Binding, EmptyBinding, binding_of
+from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, binding_of
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
 from composer.mjcf.physics.order import compiled_kind
 from composer.mjcf.physics.rendering import Rendering
@@ -149,7 +149,8 @@ class Physics:
 
     def copy(self) -> Physics:
         """Physics of its own in the same state: neither the state nor the model is shared."""
-        twin = Physics(copy.deepcopy(self._model), copy.copy(self._data))
+        data = copy.deepcopy(self._data)
+        twin = Physics(data.model, data)
         twin._of_tree, twin._snapshots = self._of_tree, list(self._snapshots)
         return twin
 
@@ -159,6 +160,10 @@ class Physics:
     def __deepcopy__(self, memo: dict[int, Any]) -> Physics:
         memo[id(self)] = twin = self.copy()
         return twin
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled with its state, and without the tree: elements of any tree are then bound by name."""
+        return _restored, (self._data,)
 
     def render(
         self, height: int = 240, width: int = 320, camera: int | str | Element = -1
@@ -215,7 +220,7 @@ class Physics:
         kind = next(iter(kinds))
         ids = [self._found(each, kind) for each in elements]
         labels = [each._described() for each in elements]
-        binding = binding_of(kind)(kind, ids, labels, one, self._model, self._data)
+        binding = binding_of(kind, as_slice(ids) is not None)(kind, ids, labels, one, self._model, self._data)
         self._bindings[key] = binding
         return binding
 
@@ -296,3 +301,7 @@ class Physics:
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name}={getattr(self._model, name)}" for name in ("nq", "nv", "nu", "nbody"))
         return f"<Physics {sizes}, time={self.time:.6g}>"
+
+
+def _restored(data: Any) -> Physics:
+    return Physics(data.model, data)

@@ -54,6 +54,24 @@ def _cells(*arrays: str) -> Callable[[Model, int], int]:
     return number
 
 
+def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[Model, int], int]:
+    """What stands packed without a count: up to the next address of any of these arrays, or the end."""
+
+    def number(model: Model, index: int) -> int:
+        first = int(getattr(model, own)[index])
+        starts = [int(each) for array in addresses for each in getattr(model, array)]
+        return min([each for each in starts if each > first], default=int(getattr(model, size))) - first
+
+    return number
+
+
+def _plastic(own: str) -> Run:
+    return Run(
+        own,
+        _up_to_the_next(own, "nplastic", "jnt_plasticadr", "tendon_plasticadr", "flex_plasticadr"),
+    )
+
+
 def _corners(model: Model, index: int) -> int:
     return int(model.flex_elemnum[index]) * (int(model.flex_dim[index]) + 1)
 
@@ -70,6 +88,7 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
     "joint": {
         "nq": Run("jnt_qposadr", _of_joint(JOINT_POSITIONS)),
         "nv": Run("jnt_dofadr", _of_joint(JOINT_VELOCITIES)),
+        "nplastic": _plastic("jnt_plasticadr"),
     },
     "actuator": {
         "nu": Run("actuator_ctrladr", _counted("actuator_ctrlnum"), as_row=True),
@@ -80,6 +99,7 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
     "tendon": {
         "nwrap": Run("tendon_adr", _counted("tendon_num")),
         "nJten": Run("ten_J_rowadr", _counted("ten_J_rownnz")),
+        "nplastic": _plastic("tendon_plasticadr"),
     },
     "mesh": {
         "nmeshvert": Run("mesh_vertadr", _counted("mesh_vertnum")),
@@ -87,6 +107,7 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
         "nmeshtexcoord": Run("mesh_texcoordadr", _counted("mesh_texcoordnum")),
         "nmeshface": Run("mesh_faceadr", _counted("mesh_facenum")),
         "nmeshpoly": Run("mesh_polyadr", _counted("mesh_polynum")),
+        "nmeshgraph": Run("mesh_graphadr", _up_to_the_next("mesh_graphadr", "nmeshgraph", "mesh_graphadr")),
     },
     "hfield": {"nhfielddata": Run("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
     "texture": {"ntexdata": Run("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
@@ -103,6 +124,7 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
         "nflexelem": Run("flex_elemadr", _counted("flex_elemnum")),
         "nflexelemdata": Run("flex_elemdataadr", _corners),
         "nflexelemedge": Run("flex_elemedgeadr", _edges),
+        "nplastic": _plastic("flex_plasticadr"),
         "nflexshelldata": Run("flex_shelldataadr", _cells("flex_shellnum", "flex_dim")),
     },
     "numeric": {"nnumericdata": Run("numeric_adr", _counted("numeric_size"))},

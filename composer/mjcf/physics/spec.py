@@ -13,13 +13,19 @@ from composer.mjcf.model import Model
 from composer.mjcf.parse import from_xml_string
 from composer.mjcf.physics.compile import engine, refused
 from composer.mjcf.root import RootElement
-from composer.tree.write import write
+from composer.tree.write import to_text, write
 
 
 def from_spec(spec: Any) -> RootElement:
     """The model of a `mujoco.MjSpec`, as MuJoCo writes it out; files in its `assets` come along.
 
     MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
+
+    >>> import mujoco
+    >>> spec = mujoco.MjSpec()
+    >>> _ = spec.worldbody.add_body(name='arm')
+    >>> from_spec(spec).find('body', 'arm')
+    <body name="arm"/>
     """
     mujoco = engine()
     if not isinstance(spec, mujoco.MjSpec):
@@ -40,7 +46,7 @@ def to_spec(model: Model, conflict: Policy) -> Any:
     flat = flatten(model, conflict)
     name_files(flat)
     try:
-        spec = mujoco.MjSpec.from_string(write(flat.unit.root).decode(), assets=contents(flat))
+        spec = mujoco.MjSpec.from_string(to_text(flat.unit.root), assets=contents(flat))
     except (ValueError, mujoco.FatalError) as error:
         raise refused(error, write(flat.unit.root), flat) from None
     tell(flat)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.expr.angle import Angle
 from composer.recipe.checks.arrays import TAGS, attributes
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import NAME, Kind, mapping_schema
-from composer.recipe.element import Angle
 from composer.recipe.fault import Path, Remark
 from composer.recipe.reference import reference
 

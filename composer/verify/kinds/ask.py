@@ -21,10 +21,11 @@ KINDS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Finding]]] = {
 }
 
 
-def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> list[dict[str, Any]]:
-    """For `composer.engine.call`: what does not hold, as JSON data.
+def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
+    """For `composer.engine.call`: what does not hold and what was found, as JSON data.
 
     ``question`` has the `kind`, what the check asks for under `asked`, and the fields of a `Scope` under `scope`.
     """
     scope = Scope(mujoco, model, **question["scope"])
-    return [finding.to_json() for finding in KINDS[question["kind"]](scope, question["asked"])]
+    findings = [finding.to_json() for finding in KINDS[question["kind"]](scope, question["asked"])]
+    return {"findings": findings, "values": scope.values}

@@ -59,6 +59,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
                 message = f"`{asked['attr']}` of {tag} `{glob}` has {actual.size} numbers"
                 return [Finding(message, ("attr",), (f"the first is `{asked['attr']}[0]`",), "wrong-length")]
             actual = actual[asked["index"]][None]
+        scope.values[scope.written(tag, index)] = _plain(actual)
         expected = _expected(scope, tag, index, asked)
         if isinstance(expected, Finding):
             return [expected]
@@ -80,6 +81,13 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     more = [f"{other}: {value}" for other, _, value in wrong[1:_SHOWN]]
     more += [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
     return [failed(f"`{attr}` of {name} is {found}, not {wanted}", wanted, found, "value", more=more)]
+
+
+def _plain(numbers: Any) -> Any:
+    """One number or a list of them, as JSON has them; those of single precision without what that makes up."""
+    single = numbers.dtype == np.float32
+    found = [float(f"{each:.6g}") if single else each for each in numbers.tolist()]
+    return found[0] if len(found) == 1 else found
 
 
 def _value(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:

@@ -14,6 +14,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     for index, selector in enumerate(asked["selectors"]):
         tag, glob, expect = selector["tag"], selector["glob"], selector["expect"]
         matched = scope.matching(tag, glob)
+        scope.found(f"{tag} {glob}", len(matched))
         if len(matched) == expect or (expect is None and matched):
             continue
         count = "at least one" if expect is None else str(expect)

@@ -21,6 +21,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
             return [index]
         mass = float((model.body_subtreemass if word == "subtree" else model.body_mass)[index])
         what = f"`{asked[word]}`" if word == "body" else f"`{asked[word]}` with all below it"
+    scope.found("mass", mass)
     at = "range" if asked["value"] is None else "value"
     if asked["low"] <= mass <= asked["high"]:
         return []

@@ -7,7 +7,7 @@ from typing import Any
 
 from composer.tree.glob import matcher
 from composer.verify.kinds.finding import Finding, failed
-from composer.verify.kinds.scope import Scope
+from composer.verify.kinds.scope import SOLVED, Scope
 
 _SHOWN = 8
 
@@ -23,13 +23,20 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     _collide(scope, data)
     globs = [tuple(matcher(glob, scope.separator) for glob in pair) for pair in asked["exclude"]]
     deepest: dict[tuple[Side, Side], float] = {}
+    most = 0.0
     for contact in data.contact:
         pair = (_side(contact, 0), _side(contact, 1))
         depth = -float(contact.dist)
-        if depth <= asked["max"] or not all(scope.owns(*side) for side in pair):
+        if depth <= most and depth <= asked["max"]:
             continue
-        if not any(_excluded(scope, pair, one, other) for one, other in globs):
+        if not all(scope.owns(*side) for side in pair) or any(
+            _excluded(scope, pair, one, other) for one, other in globs
+        ):
+            continue
+        most = max(most, depth)
+        if depth > asked["max"]:
             deepest[pair] = max(depth, deepest.get(pair, 0.0))
+    scope.found("depth", most, SOLVED)
     if not deepest:
         return []
     ranked = sorted(deepest.items(), key=lambda item: -item[1])

@@ -8,7 +8,7 @@ import numpy as np
 
 from composer.verify.kinds.finding import Finding, failed
 from composer.verify.kinds.inverse_kinematics import STARTS, Solver
-from composer.verify.kinds.scope import Scope
+from composer.verify.kinds.scope import SOLVED, Scope
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
@@ -24,11 +24,13 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     solver = Solver(scope.mujoco, scope.model, data, site, target, asked["tolerance"])
     if not len(solver.chain):
         distance = solver.distance
+        scope.found("distance", distance, SOLVED)
         if distance <= asked["tolerance"]:
             return []
         more = ["no joint moves it, but for free joints, which stay where they are"]
     else:
         distance = solver.solve()
+        scope.found("distance", distance, SOLVED)
         if distance <= asked["tolerance"]:
             return []
         more = [f"{STARTS} starts were tried"]

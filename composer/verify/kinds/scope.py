@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,13 +14,17 @@ from composer.verify.links import links
 from composer.verify.matching import ON_BODIES
 from composer.verify.roster import Model, Roster
 
+SOLVED = 4
+"""The digits of what is simulated or solved for."""
+
 
 @dataclass
 class Scope:
     """The names of a recipe in a compiled model, in which each has `prefix` in front.
 
     `others` are prefixes of what is not the recipe's although it begins alike. `keys` stands before the names
-    of its keyframes; None where they were left out. `whole` is whether everything is its own.
+    of its keyframes; None where they were left out. `whole` is whether everything is its own. `values` is what a
+    check found, whether it holds or not.
     """
 
     mujoco: Any
@@ -30,6 +35,7 @@ class Scope:
     keys: str | None = ""
     whole: bool = True
     roster: Roster = field(init=False)
+    values: dict[str, Any] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         self.roster = Roster(self.model)
@@ -114,6 +120,11 @@ class Scope:
             return unknown("keyframe", key, self.names("key"), "key")
         self.mujoco.mj_resetDataKeyframe(self.model, data, index)
         return data
+
+    def found(self, name: str, value: float, digits: int = 9) -> None:
+        """Note what a check found. What is simulated or solved for has few `digits`, or it would differ by machine."""
+        exact = isinstance(value, int) or not math.isfinite(value)
+        self.values[name] = value if exact else float(f"{round(value, digits):.{digits}g}")
 
     @cached_property
     def joints(self) -> frozenset[int]:

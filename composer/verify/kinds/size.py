@@ -43,6 +43,8 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     found: list[Finding] = []
     for size, expected in asked["counts"].items():
         actual = count(scope, size)
+        if actual is not None:
+            scope.found(size, actual)
         if actual is not None and actual != expected:
             found.append(
                 failed(

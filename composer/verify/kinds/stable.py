@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from composer.verify.kinds.finding import Finding, failed
-from composer.verify.kinds.scope import Scope
+from composer.verify.kinds.scope import SOLVED, Scope
 
 _AT_THE_END = 0.1
 """The share of the time in which speeds are looked at."""
@@ -41,6 +41,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
             worst = int(speeds.argmax())
             if speeds[worst] > fastest:
                 fastest, at, dof = float(speeds[worst]), float(data.time), int(dofs[worst])
+    scope.found("speed", fastest, SOLVED)
     if fastest <= limit:
         return []
     joint = int(model.dof_jntid[dof])

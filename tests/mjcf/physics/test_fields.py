@@ -13,8 +13,6 @@ from composer.verify.roster import KINDS
 _OTHERWISE = {
     ("joint", "bodyid"),
     ("actuator", "moment"),
-    ("joint", "plastic"),
-    ("tendon", "plastic"),
     ("joint", "cdof"),
     ("joint", "cdof_dot"),
     ("tendon", "J_colind"),

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import copy
+import pickle
 from pathlib import Path
 
 import mujoco
@@ -89,6 +90,25 @@ def test_copies_share_nothing(root: RootElement, swing: Physics) -> None:
         assert swing.data.qpos[0] != 2 and swing.model.dof_damping[0] == 0
         twin.step()
         assert twin.time > swing.time
+
+
+def test_a_copy_has_one_model(swing: Physics) -> None:
+    for twin in (swing.copy(), pickle.loads(pickle.dumps(swing))):
+        assert twin.data.model is twin.model is not swing.model
+
+
+def test_a_pickle_is_model_and_state_and_binds_by_name(root: RootElement, swing: Physics) -> None:
+    swing.bind(root.find("joint", "hinge")).damping = 5
+    swing.step(3)
+    twin, other = pickle.loads(pickle.dumps((swing, root)))
+    assert (twin.time, twin.data.qpos[0]) == (swing.time, swing.data.qpos[0])
+    for tree in (root, other, mjcf.from_xml_string(PENDULUM)):
+        assert twin.bind(tree.find("joint", "hinge")).damping == [5]
+    twin.step()
+    swing.step()
+    assert twin.data.qpos[0] == swing.data.qpos[0]
+    twin.bind(other.find("joint", "hinge")).damping = 1
+    assert swing.model.dof_damping[0] == 5
 
 
 def test_binding_twice_gives_the_same(root: RootElement, swing: Physics) -> None:
@@ -224,5 +244,5 @@ def test_physics_of_mujocos_objects(root: RootElement) -> None:
 
 
 def test_only_a_model_is_compiled(root: RootElement) -> None:
-    with pytest.raises(MjcfError, match="what is compiled is a `RootElement`, got `Element`"):
+    with pytest.raises(MjcfError, match="what is compiled is a `RootElement`, got `Worldbody`"):
         Physics.from_mjcf_model(root.worldbody)  # type: ignore[arg-type]

@@ -75,5 +75,31 @@ def test_every_run_is_of_arrays_that_mujoco_has() -> None:
     for kind, runs in RUNS.items():
         assert kind in KINDS
         for size, run in runs.items():
+            if not hasattr(model, size):
+                assert size == "nplastic", "new in 4.0"
+                continue
             assert hasattr(model, run.first), run
             assert any(field.size == size for field in fields(kind).values()), size
+
+
+def test_what_stands_packed_without_a_count() -> None:
+    """MuJoCo's own views of the state of what has yielded agree; they are new in 4.0."""
+    if "plastic" not in fields("joint"):
+        pytest.skip("this MuJoCo has no plastic joints")
+    model = mjcf.from_xml_string(
+        '<mujoco><asset><mesh name="a" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>'
+        '<mesh name="b" vertex="0 0 0 2 0 0 0 2 0 0 0 2 2 2 2"/></asset><worldbody>'
+        '<body><joint name="j" springyield="0.1"/><joint name="k"/><geom size="1"/><geom type="mesh" mesh="a"/>'
+        '<body><joint name="l" type="ball" springyield="0.2"/><geom type="mesh" mesh="b"/></body></body>'
+        '</worldbody><tendon><fixed name="t" springyield="0.1"><joint joint="j" coef="1"/></fixed></tendon></mujoco>'
+    )
+    physics = model.compile_model()
+    for name, size in (("j", 1), ("k", 0), ("l", 4)):
+        bound = physics.bind(model.find("joint", name))
+        assert bound.plastic.shape == (size,)
+        assert not size or bound.plastic.tolist() == physics.data.joint(name).plastic.tolist()
+    tendon = physics.bind(model.find("tendon", "t"))
+    assert tendon.plastic.shape == physics.data.tendon("t").plastic.shape
+    first, second = (physics.bind(model.find("mesh", name)) for name in "ab")
+    assert [*first.graph, *second.graph] == physics.model.mesh_graph.tolist()
+    assert first.graph[0] == 4 and second.graph[0] == 5  # it begins with the number of vertices

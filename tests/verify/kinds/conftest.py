@@ -39,7 +39,7 @@ def ask() -> Ask:
         question = {"kind": read.word, "asked": asked, "scope": scope}
         return [
             Finding.from_json(each)
-            for each in ask_in_child(mujoco, mujoco.MjModel.from_xml_string(xml), question)
+            for each in ask_in_child(mujoco, mujoco.MjModel.from_xml_string(xml), question)["findings"]
         ]
 
     return ask

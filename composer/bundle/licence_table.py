@@ -1,0 +1,58 @@
+"""The licences of a plan's parts, as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from composer.bundle.assemble import sources
+from composer.context import Context
+from composer.plan.plan import Plan
+from composer.sources.spdx import UNKNOWN, licence_of
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One part: the model reference, its licence as an SPDX expression, None where it is not known, and the files."""
+
+    part: str
+    source: str
+    licence: str | None
+    files: tuple[str, ...]
+
+    @property
+    def has_none(self) -> bool:
+        """Whether nothing at all says what the licence is; a text that is not recognised is one."""
+        return self.licence is None and not self.files
+
+
+def licence_rows(plan: Plan, context: Context) -> list[Row]:
+    """A row for each part, the base by the name of its file. Reads the licence files and the heads of the models."""
+    return [
+        Row(label, source.reference, licence_of(source), tuple(map(context.shown, source.licences)))
+        for label, source in sources(plan)
+    ]
+
+
+def licence_table(rows: Iterable[Row]) -> str:
+    """The rows under their headings, in columns."""
+    lines = [("part", "source", "licence", "file")]
+    lines += [(row.part, row.source, row.licence or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
+    widths = [max(len(line[column]) for line in lines) for column in range(3)]
+    return "\n".join(
+        "  ".join([*(text.ljust(width) for text, width in zip(line, widths, strict=False)), line[3]])
+        for line in lines
+    )
+
+
+def tell_unlicensed(rows: Iterable[Row], context: Context) -> None:
+    """Warn of the parts without a licence, all at once."""
+    bare = [row for row in rows if row.has_none]
+    if not bare:
+        return
+    names = ", ".join(f"`{row.part}`" for row in bare)
+    context.sink.warning(
+        "licence-missing",
+        f"nothing says under which licence {names} may be passed on",
+        help="put a `LICENSE` beside the model, or `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top",
+    )

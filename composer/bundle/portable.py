@@ -1,0 +1,84 @@
+"""Files as any machine may name them: from the recipe, or from what they were fetched or installed with."""
+
+from __future__ import annotations
+
+import os
+import posixpath
+from collections.abc import Iterable
+from pathlib import Path
+
+from composer.context import Context, as_text
+from composer.diagnostics.span import Span
+from composer.sources.origin import Origin
+from composer.sources.source import Source
+from composer.tree.unit import Unit
+
+_PINNED = ("git", "archive")
+"""Kinds of reference in which a `#` stands before the file."""
+
+
+class Portable:
+    """Names files of one composition, of the recipe at `recipe` and its `sources`."""
+
+    def __init__(self, recipe: Path, sources: Iterable[Source], model: Unit, context: Context) -> None:
+        self.folder = Path(os.path.realpath(recipe.parent))
+        self.sources = tuple(sources)
+        found = {each.origin.id: each.origin for each in self.sources if each.origin is not None}
+        self.origins = [(Path(os.path.realpath(each.root)), each) for each in found.values()]
+        self.context = context
+        self.texts = model.origins.texts
+        self.named: dict[str, str] = {}
+
+    def name(self, path: Path) -> str:
+        """The name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
+
+        What is neither below the recipe nor belongs to something fetched is named from the reference of the model
+        that it goes with, as the recipe writes that.
+        """
+        real = Path(os.path.realpath(path))
+        if (origin := self.origin_of(real)) is not None:
+            root, known = origin
+            inside = real.relative_to(root).as_posix()
+            return as_text(f"{known.id}{'#' if known.kind in _PINNED else '/'}{inside}")
+        if real.is_relative_to(self.folder):
+            return as_text(real.relative_to(self.folder).as_posix())
+        return as_text(self._beside(real))
+
+    def origin_of(self, real: Path) -> tuple[Path, Origin] | None:
+        """What a file was fetched or installed with; the innermost where folders lie in one another."""
+        around = [each for each in self.origins if real.is_relative_to(each[0])]
+        return max(around, key=lambda each: len(str(each[0])), default=None)
+
+    def place(self, span: Span) -> str:
+        """A place in a source or a recipe, as FILE:LINE."""
+        if span.file not in self.named:
+            self.named[span.file] = self.name(self.path(span.file))
+        return f"{self.named[span.file]}:{span.line}"
+
+    def text(self, message: str) -> str:
+        """A message with the files that it names called so."""
+        for shown in sorted(self.texts, key=len, reverse=True):
+            if shown in message:
+                message = message.replace(shown, self.name(self.path(shown)))
+        return message
+
+    def texts_on_disk(self) -> list[Path]:
+        """The models and recipes that the composition was read from, as far as they are files."""
+        return [path for shown in self.texts if (path := self.path(shown)).is_file()]
+
+    def path(self, shown: str) -> Path:
+        """The file that messages call so."""
+        return self.context.folder / shown
+
+    def _beside(self, real: Path) -> str:
+        """From the nearest model that a path names, through that path."""
+        near: tuple[int, str] | None = None
+        for source in self.sources:
+            if source.origin is None:
+                start = os.path.realpath(source.path.parent)
+                way = Path(os.path.relpath(real, start)).as_posix()
+                written = source.reference.replace("\\", "/")
+                candidate = posixpath.normpath(posixpath.join(posixpath.dirname(written), way))
+                if near is None or way.count("../") < near[0]:
+                    near = (way.count("../"), candidate)
+        return real.name if near is None else near[1]

@@ -1,0 +1,64 @@
+"""A bundle as USD, by the converter that the extra `usd` installs."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from composer import engine
+from composer.bundle.bundle import Bundle
+from composer.bundle.output_error import OutputError, unwritable
+from composer.bundle.staging import staged_file, write_files
+
+SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+
+
+def write_usd(
+    bundle: Bundle,
+    out: Path,
+    tell: Callable[[str], None],
+    *,
+    limits: engine.Limits | None = None,
+    session: engine.Session | None = None,
+) -> None:
+    """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
+
+    `tell` hears what the converter warns about, such as elements that USD has no place for. Raises OutputError; then an
+    older `out` is untouched.
+    """
+    if session is None:
+        with engine.Session(limits) as own:
+            write_usd(bundle, out, tell, session=own)
+            return
+    from composer.engine.usd import export_usd
+
+    with staged_file(out) as stage:
+        try:
+            with tempfile.TemporaryDirectory(prefix="mjcompose-", ignore_cleanup_errors=True) as folder:
+                write_files(bundle, Path(folder))
+                target = Path(folder) / f"usd-output{out.suffix.lower()}"
+                exported = export_usd(Path(folder) / bundle.model, target, session)
+                if target.is_file():
+                    stage.write_bytes(target.read_bytes())
+        except OSError as error:
+            raise unwritable("a temporary folder", error) from error
+        if exported.missing is not None:
+            raise OutputError(
+                "usd-missing",
+                f"writing `{out.name}` needs the Python package `mujoco-usd-converter`: {exported.missing}",
+                'run `pip install "mjcompose[usd]"` in an environment with Python 3.12 or older',
+            )
+        if exported.error is not None:
+            raise OutputError(
+                "output-unwritable", f"cannot write `{out}`: {' '.join(exported.error.split())}"
+            )
+        if exported.textures:
+            raise OutputError(
+                "output-kind",
+                f"one USD layer cannot hold the {len(exported.textures)} textures of the model,"
+                f" such as `{exported.textures[0]}`",
+                f"write a package, which holds them: `{out.with_suffix('.usdz')}`",
+            )
+    for warning in exported.warnings:
+        tell(warning)

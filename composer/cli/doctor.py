@@ -1,0 +1,122 @@
+"""`mjcompose doctor`: what this installation is and can do."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from pathlib import Path
+
+import click
+
+from composer.cli.reporting import FINDINGS
+
+_CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3")
+_EXTRAS = {
+    "mujoco-menagerie": ("menagerie", "`menagerie:` references"),
+    "robot_descriptions": (None, "`descriptions:` references"),
+    "mujoco-usd-converter": ("usd", "USD as an output"),
+}
+_MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What was found; `fine` is None where something is not there that not everybody needs."""
+
+    what: str
+    found: str
+    fine: bool | None = True
+
+
+@click.command()
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(as_json: bool) -> None:
+    """Say what this installation is and can do. The exit code is 1 if something is missing that every build needs."""
+    findings = [*_installed(), *_mujoco(), _git(), _store(), *_extras()]
+    if as_json:
+        click.echo(json.dumps([asdict(each) for each in findings], indent=2))
+    else:
+        width = max(len(each.what) for each in findings)
+        for each in findings:
+            mark = {True: "ok", None: "--", False: "!!"}[each.fine]
+            click.echo(f"{mark}  {each.what:{width}}  {each.found}")
+    sys.exit(FINDINGS if any(each.fine is False for each in findings) else 0)
+
+
+def _installed() -> Iterator[Finding]:
+    from composer.version import __version__
+
+    yield Finding("mjcompose", f"{__version__}, Python {platform.python_version()}, {platform.platform()}")
+    others = sorted(set(metadata.packages_distributions().get("composer", [])) - {"mjcompose"})
+    if others:
+        named = ", ".join(f"`{name}`" for name in others)
+        yield Finding(
+            "package composer", f"is installed by {named} too: have them in environments of their own", False
+        )
+    for name in _CORE:
+        version = _version(name)
+        yield Finding(name, version or "is not installed", version is not None)
+
+
+def _mujoco() -> Iterator[Finding]:
+    """MuJoCo's version and its renderer, both in a process of their own."""
+    from composer import engine
+    from composer.engine.pictures import pictures
+
+    with tempfile.TemporaryDirectory(prefix="mjcompose-") as made, engine.Session(rendering=True) as session:
+        folder = Path(made)
+        (folder / "model.xml").write_text(_MODEL, encoding="utf-8")
+        compiled = engine.compile(folder, keep="model", session=session)
+        if not compiled.ok:
+            yield Finding("mujoco", compiled.error or str(compiled.crash), False)
+            return
+        yield Finding("mujoco", str(compiled.mujoco_version))
+        answer = engine.call(session, pictures, ["model", "model"], made)
+    said = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
+    yield Finding("OpenGL", f"none: {said}" if said else "renders", None if said else True)
+
+
+def _git() -> Finding:
+    found = shutil.which("git")
+    if found is None:
+        return Finding("git", "is not there: `git+…` references and `diff REV:path` need it", None)
+    said = subprocess.run([found, "--version"], capture_output=True, text=True, check=False).stdout.strip()
+    return Finding("git", said.removeprefix("git version "))
+
+
+def _store() -> Finding:
+    from composer.sources.error import SourceError
+    from composer.sources.store import Store
+
+    try:
+        store = Store.of(os.environ)
+        size = sum(entry.size for entry in store.entries())
+    except SourceError as error:
+        return Finding("store", str(error), False)
+    return Finding("store", f"{store.folder}, {size / 1e6:.1f} MB")
+
+
+def _extras() -> Iterator[Finding]:
+    for name, (extra, use) in _EXTRAS.items():
+        version = _version(name)
+        package = name if extra is None else f'"mjcompose[{extra}]"'
+        yield Finding(
+            name,
+            version or f"is not installed; it is for {use}: pip install {package}",
+            True if version else None,
+        )
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None

@@ -1,0 +1,89 @@
+"""MJCF to USD by `mujoco-usd-converter`, in the child process. The package is an extra."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from composer.engine.run import call
+from composer.engine.session import Session
+
+_WARNING = re.compile(r"^Warning: in \S+ at line \d+ of .*? -- (.*)$", re.MULTILINE)
+_OWN_AFFAIRS = re.compile(r"deprecated")
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """How an export went: `missing` is set where the converter cannot be imported, `error` where it failed.
+
+    `textures` are images that stand beside a layer and that a package holds; `warnings` is what the converter says.
+    """
+
+    missing: str | None = None
+    error: str | None = None
+    textures: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def export_usd(model: Path, out: Path, session: Session) -> Exported:
+    """Write `out`, whose suffix says whether it is text (`.usda`), binary, or a package with textures (`.usdz`).
+
+    A layer that has textures beside it is not written. Never raises for what the model holds.
+    """
+    answer = call(session, export, (), {"model": str(model.absolute()), "out": str(out.absolute())})
+    if not answer.ok:
+        return Exported(error=answer.error)
+    return Exported(
+        answer.value["missing"], None, tuple(answer.value["textures"]), tuple(answer.value["warnings"])
+    )
+
+
+def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
+    """Runs in the child."""
+    told: dict[str, Any] = {"missing": None, "textures": [], "warnings": []}
+    try:
+        converter = import_module("mujoco_usd_converter")
+        usd, packing = import_module("pxr.Usd"), import_module("pxr.UsdUtils")
+    except ImportError as error:
+        return told | {"missing": str(error)}
+    out = Path(argument["out"])
+    with tempfile.TemporaryDirectory(prefix="mjcompose-usd-") as folder, _standard_error() as log:
+        layer = converter.Converter(layer_structure=False).convert(argument["model"], folder).path
+        textures = sorted(path.name for path in Path(folder).glob("*/*"))
+        suffix = out.suffix.lower()
+        if suffix == ".usdz":
+            if not packing.CreateNewUsdzPackage(layer, str(out)):
+                raise OSError(f"USD could not pack {out.name}")
+        elif not textures:
+            stage = usd.Stage.Open(layer)  # kept, for its layer dies with it
+            stage.GetRootLayer().Export(str(out))
+        warnings = [text for text in _WARNING.findall(log()) if not _OWN_AFFAIRS.search(text)]
+    return told | {
+        "textures": textures if suffix != ".usdz" else [],
+        "warnings": list(dict.fromkeys(warnings)),
+    }
+
+
+@contextlib.contextmanager
+def _standard_error() -> Iterator[Any]:
+    """What is printed on standard error inside the block, as a function that gives it; USD's C++ prints there."""
+    kept = os.dup(2)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 2)
+
+        def read() -> str:
+            file.seek(0)
+            return file.read().decode("utf-8", "replace")
+
+        try:
+            yield read
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)

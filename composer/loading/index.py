@@ -1,0 +1,146 @@
+"""Where everything is in a compiled model, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
+
+from composer.bundle.manifest import Actuator, Joint
+from composer.bundle.manifest import Index as Listed
+from composer.loading.numbers import Lookup, Numbers
+from composer.loading.vector import UNLIMITED, Entry, Vector
+
+_FREE = {"qpos": ("m", "m", "m", *["quaternion"] * 4), "qvel": (*["m/s"] * 3, *["rad/s"] * 3)}
+
+
+class Index:
+    """The vectors and the elements of a model by name, so that no program writes an order down.
+
+    `qpos`, `qvel`, `ctrl`, `act` and `sensordata` say where things are in the vectors of that name; `camera`, `key`,
+    `joint`, `actuator`, `sensor`, `body`, `geom`, `site` and `tendon` have the numbers of elements. `qvel` serves every
+    vector of `nv` numbers: `qacc`, `qfrc_applied`, ….
+    """
+
+    def __init__(self, listed: Listed, names: Callable[[str], Sequence[str]], separator: str = "/") -> None:
+        """`names` gives the names of a kind in the order of the model."""
+        self._listed, self._names, self._separator = listed, names, separator
+
+    @cached_property
+    def qpos(self) -> Vector:
+        """Positions of joints: rad, m, and quaternions (w x y z)."""
+        return self._vector("qpos", "joint", [_position(joint) for joint in self._listed.joints])
+
+    @cached_property
+    def qvel(self) -> Vector:
+        """Velocities of joints: rad/s, m/s. MuJoCo limits none."""
+        return self._vector("qvel", "joint", [_velocity(joint) for joint in self._listed.joints])
+
+    @cached_property
+    def ctrl(self) -> Vector:
+        """Controls of actuators, with what they are limited to."""
+        entries = [
+            Entry(
+                each.name,
+                each.ctrl,
+                (each.unit,) * each.ctrl_size,
+                tuple(pair or UNLIMITED for pair in each.ranges),
+                origin=each.origin,
+            )
+            for each in self._listed.actuators
+        ]
+        return self._vector("ctrl", "actuator", entries)
+
+    @cached_property
+    def act(self) -> Vector:
+        """Activations of those actuators that have some."""
+        entries = list(_activations(self._listed.actuators))
+        return self._vector("act", "actuator with activation", entries)
+
+    @cached_property
+    def sensordata(self) -> Vector:
+        """What sensors measure; limits are their cutoff."""
+        entries = [
+            Entry(
+                each.name,
+                each.address,
+                (each.unit,) * each.size,
+                ((-each.cutoff, each.cutoff) if each.cutoff is not None else UNLIMITED,) * each.size,
+                origin=each.origin,
+            )
+            for each in self._listed.sensors
+        ]
+        return self._vector("sensordata", "sensor", entries)
+
+    @cached_property
+    def camera(self) -> Numbers:
+        """Numbers of cameras."""
+        return self._numbers("camera")
+
+    @cached_property
+    def key(self) -> Numbers:
+        """Numbers of keyframes, for `mj_resetDataKeyframe`."""
+        return self._numbers("key", "keyframe")
+
+    @cached_property
+    def joint(self) -> Numbers:
+        """Numbers of joints."""
+        return self._numbers("joint")
+
+    @cached_property
+    def actuator(self) -> Numbers:
+        """Numbers of actuators."""
+        return self._numbers("actuator")
+
+    @cached_property
+    def sensor(self) -> Numbers:
+        """Numbers of sensors."""
+        return self._numbers("sensor")
+
+    @cached_property
+    def body(self) -> Numbers:
+        """Numbers of bodies; `world` is 0."""
+        return self._numbers("body")
+
+    @cached_property
+    def geom(self) -> Numbers:
+        """Numbers of geoms."""
+        return self._numbers("geom")
+
+    @cached_property
+    def site(self) -> Numbers:
+        """Numbers of sites."""
+        return self._numbers("site")
+
+    @cached_property
+    def tendon(self) -> Numbers:
+        """Numbers of tendons."""
+        return self._numbers("tendon")
+
+    def _vector(self, name: str, kind: str, entries: Sequence[Entry]) -> Vector:
+        return Vector(name, kind, entries, self._separator)
+
+    def _numbers(self, kind: str, word: str | None = None) -> Numbers:
+        return Numbers(Lookup(word or kind, self._names(kind), self._separator))
+
+    def __repr__(self) -> str:
+        vectors = (self.qpos, self.qvel, self.ctrl, self.act, self.sensordata)
+        return f"<Index: {', '.join(f'{each.name} {each.size}' for each in vectors)}>"
+
+
+def _position(joint: Joint) -> Entry:
+    units = _FREE["qpos"] if joint.type == "free" else (joint.unit,) * joint.qpos_size
+    scalar = joint.qpos_size == 1  # the range of a ball joint is an angle, which is none of its numbers
+    limits = ((joint.range if joint.range and scalar else UNLIMITED),) * joint.qpos_size
+    return Entry(joint.name, joint.qpos, units, limits, joint.body, joint.origin)
+
+
+def _velocity(joint: Joint) -> Entry:
+    units = _FREE["qvel"] if joint.type == "free" else (joint.velocity_unit,) * joint.dof_size
+    return Entry(joint.name, joint.dof, units, (UNLIMITED,) * joint.dof_size, joint.body, joint.origin)
+
+
+def _activations(actuators: Sequence[Actuator]) -> Iterator[Entry]:
+    for each in actuators:
+        if each.act is not None:
+            limits = (each.act_range or UNLIMITED,) * each.act_size
+            yield Entry(each.name, each.act, (None,) * each.act_size, limits, origin=each.origin)

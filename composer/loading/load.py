@@ -1,0 +1,171 @@
+"""A bundle as a model in this process, with its manifest and an index of its names."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from composer.bundle.bundle import MANIFEST, Bundle
+from composer.bundle.holding import check_files, check_index, manifest_of
+from composer.bundle.manifest import Manifest, index_of
+from composer.bundle.mjb import manifest_beside
+from composer.bundle.read import ReadError, read
+from composer.bundle.staging import write_files
+from composer.diagnostics.sink import Sink
+from composer.loading.errors import BundleWarning, LoadError
+from composer.loading.index import Index
+
+Model: TypeAlias = Any
+"""A `mujoco.MjModel`, which has no types of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """A model, what it was made of, and where everything is in it; can be unpacked in this order.
+
+    `model` is a `mujoco.MjModel`.
+    """
+
+    model: Model
+    manifest: Manifest
+    index: Index
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.model, self.manifest, self.index))
+
+
+def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
+    """Load what `mjcompose build` wrote: a folder, a `.zip`, an `.mjz`, or an `.mjb` with the manifest beside it.
+
+        model, manifest, index = composer.load("build/cell.zip")
+        data = mujoco.MjData(model)
+        data.qpos[index.qpos["left/elbow"]] = 0.5
+
+    Files are held against the hashes of the manifest, and the addresses of the compiled model against its index;
+    what differs is an error, with `allow_changes` a warning. The index that is given is always that of the compiled
+    model. A model that another version of MuJoCo verified is loaded with a warning.
+
+    Raises LoadError; warns with BundleWarning.
+    """
+    import mujoco
+
+    path, shown, sink = Path(bundle), os.fspath(bundle), Sink()
+    is_binary = path.suffix.lower() == ".mjb" and not path.is_dir()
+    read_bundle = _read_binary(path) if is_binary else _read(path)
+    manifest = manifest_of(read_bundle.files.get(MANIFEST), shown, sink)
+    if manifest is None:
+        raise LoadError(sink.errors)
+    check_files(read_bundle, manifest, shown, sink)
+    _raise_or_warn(sink, allow_changes)
+    _check_version(manifest, mujoco.__version__, shown, is_binary)
+    with _on_disk(read_bundle) as file:
+        model = _compiled(mujoco, file, shown)
+    listed = _listed(mujoco, model)
+    if manifest.index is not None:
+        check_index(manifest.index, listed, shown, sink := Sink())
+        _raise_or_warn(sink, allow_changes)
+        listed = _with_places(listed, manifest)
+    from composer.engine import facts
+
+    return Loaded(model, manifest, Index(listed, partial(facts.names, model), manifest.separator))
+
+
+def _read(path: Path) -> Bundle:
+    try:
+        return read(path)
+    except ReadError as error:
+        raise _failure(error.code, error.message) from error
+
+
+def _read_binary(path: Path) -> Bundle:
+    files = {}
+    beside = manifest_beside(path)
+    for name, file in ((path.name, path), (MANIFEST, beside)):
+        try:
+            files[name] = file.read_bytes()
+        except FileNotFoundError as error:
+            if file is path:
+                raise _failure("file-not-found", f"there is no file `{path}`") from error
+            message = f"there is no `{beside}`, the manifest of `{path.name}`"
+            raise _failure("bundle-manifest", message, "keep the two together") from error
+        except OSError as error:
+            raise _failure("file-unreadable", f"cannot read `{file}`: {error.strerror or error}") from error
+    return Bundle(files, path.name)
+
+
+@contextmanager
+def _on_disk(bundle: Bundle) -> Iterator[Path]:
+    """The model's file in a folder with the others: the bytes that were checked, wherever they came from."""
+    with tempfile.TemporaryDirectory(prefix="mjcompose-", ignore_cleanup_errors=True) as folder:
+        write_files(bundle, Path(folder))
+        yield Path(folder) / bundle.model
+
+
+def _compiled(mujoco: Any, file: Path, shown: str) -> Model:
+    try:
+        if file.suffix.lower() == ".mjb":
+            return mujoco.MjModel.from_binary_path(str(file))
+        return mujoco.MjModel.from_xml_path(str(file))
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        said = " ".join(str(error).replace(str(file.parent), "").split())
+        raise _failure(
+            "mujoco-rejects", f"MuJoCo {mujoco.__version__} does not load `{shown}`: {said}"
+        ) from error
+
+
+def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool) -> None:
+    made_with = manifest.mujoco
+    if made_with == running:
+        return
+    if is_binary:
+        raise _failure(
+            "mujoco-rejects",
+            f"`{shown}` was compiled by MuJoCo {made_with}, and this is {running}: no other version reads it",
+            f"build it again, or install `mujoco=={made_with}`",
+        )
+    said = "was verified by no MuJoCo" if made_with is None else f"was verified by MuJoCo {made_with}"
+    message = f"`{shown}` {said}, and this is {running}"
+    warnings.warn(message, BundleWarning, stacklevel=3)
+
+
+def _listed(mujoco: Any, model: Model) -> Any:
+    from composer.engine import facts
+    from composer.engine.index import Index as Compiled
+
+    return index_of(Compiled.from_data(facts.index(model, mujoco)))
+
+
+def _with_places(listed: Any, manifest: Manifest) -> Any:
+    """The compiled index with what only the manifest knows: where things are written."""
+    assert manifest.index is not None
+    kept = {}
+    for kind in type(listed).model_fields:
+        ours, theirs = getattr(listed, kind), getattr(manifest.index, kind)
+        same = [each.name for each in ours] == [each.name for each in theirs]
+        kept[kind] = tuple(
+            each.model_copy(update={"origin": other.origin}) for each, other in zip(ours, theirs, strict=True)
+        ) if same else ours  # fmt: skip
+    return listed.model_copy(update=kept)
+
+
+def _raise_or_warn(sink: Sink, allowed: bool) -> None:
+    if not sink.has_errors:
+        return
+    if not allowed:
+        raise LoadError(sink.errors)
+    for each in sink.errors:
+        warnings.warn(each.message, BundleWarning, stacklevel=3)
+
+
+def _failure(code: str, message: str, help: str | None = None) -> LoadError:
+    sink = Sink()
+    sink.error(code, message, help=help)
+    return LoadError(sink.errors)

@@ -1,0 +1,115 @@
+"""The numbers of the elements of one kind, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeAlias, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.loading.errors import UnknownNameError
+from composer.tree.glob import is_glob, matcher
+
+Several: TypeAlias = tuple[str, ...] | list[str]
+Names: TypeAlias = str | Several
+"""One name or glob, or several of them."""
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownNameError:
+    """The error for a name, or a glob, that nothing has."""
+    known = [each for each in known if each]
+    return UnknownNameError(
+        [
+            Diagnostic(
+                "unknown-name",
+                f"the model has no {kind} `{name}`",
+                notes=(exists_note(kind, known, name),),
+                help=did_you_mean(name, known),
+            )
+        ]
+    )
+
+
+class Lookup:
+    """Names of one kind in the order of the model, and what a name or a glob means among them.
+
+    `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice. A name that is there is itself, whatever is
+    in it.
+    """
+
+    def __init__(self, kind: str, names: Sequence[str], separator: str) -> None:
+        self.kind = kind
+        self.names = tuple(names)
+        self.separator = separator
+        self._rows: dict[str, int] = {}
+        for row, name in enumerate(self.names):
+            if name:
+                self._rows.setdefault(name, row)
+
+    def row(self, name: str) -> int | None:
+        """The row of one name; None for a glob. Raises UnknownNameError."""
+        found = self._rows.get(name)
+        if found is None and not is_glob(name):
+            raise unknown(self.kind, name, self._rows)
+        return found
+
+    def rows(self, names: Names) -> list[int]:
+        """The rows of all of them, in their order; a glob has the order of the model."""
+        found: list[int] = []
+        for name in [names] if isinstance(names, str) else names:
+            row = self.row(name)
+            if row is not None:
+                found.append(row)
+                continue
+            fits = matcher(name, self.separator)
+            matched = [row for known, row in self._rows.items() if fits(known)]
+            if not matched:
+                raise unknown(self.kind, name, self._rows)
+            found += matched
+        return found
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._rows
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rows)
+
+
+class Numbers:
+    """The number of each element of a kind, as `mjModel` counts them: `index.camera["overview"]`.
+
+    One name gives an int; several names, or a glob, give an array of shape (n,).
+    """
+
+    def __init__(self, lookup: Lookup) -> None:
+        self._lookup = lookup
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names in the order of the model; unnamed elements are ""."""
+        return self._lookup.names
+
+    @overload
+    def __getitem__(self, names: str) -> int: ...
+    @overload
+    def __getitem__(self, names: Several) -> NDArray[np.intp]: ...
+    def __getitem__(self, names: Names) -> int | NDArray[np.intp]:
+        """Raises UnknownNameError. (A glob is typed as a name is: an int; it gives an array.)"""
+        if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
+            return row
+        return np.array(self._lookup.rows(names), dtype=np.intp)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._lookup
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._lookup)
+
+    def __len__(self) -> int:
+        return len(self._lookup.names)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} × {self._lookup.kind}>"

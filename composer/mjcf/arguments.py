@@ -1,0 +1,34 @@
+"""Arguments of the wrong type, told like every other fault."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import MjcfError, failure
+
+
+def as_path(argument: str, value: object) -> Path:
+    """An argument that has to be a path."""
+    if isinstance(value, str | os.PathLike):
+        return Path(value)
+    raise _expects(argument, "a path", type(value).__name__)
+
+
+def as_files(argument: str, value: object) -> dict[str, bytes]:
+    """An argument that has to be the bytes of files by path, or None."""
+    if not isinstance(value, Mapping | None):
+        raise _expects(argument, "bytes by path", type(value).__name__)
+    found: dict[str, bytes] = {}
+    for name, content in (value or {}).items():
+        if not isinstance(name, str) or not isinstance(content, bytes):
+            got = f"{type(content).__name__}` by `{type(name).__name__}"
+            raise _expects(argument, "bytes by path", got)
+        found[name] = content
+    return found
+
+
+def _expects(argument: str, what: str, got: str) -> MjcfError:
+    return failure("wrong-type", f"`{argument}` expects {what}, got `{got}`", call_site())

@@ -1,0 +1,89 @@
+"""The elements of one tag below another: a list, and by name a dictionary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, SupportsIndex, overload
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import MjcfKeyError, failure
+
+if TYPE_CHECKING:
+    from composer.mjcf.element import Element
+
+
+class ElementList(Sequence["Element"]):
+    """What `body.geom` is: the elements by number or by name, as they were when it was asked for.
+
+    `del` and `clear()` take elements out of the model. Elements are added by `add` and `insert` of the
+    element that they stand in.
+
+    >>> from composer import mjcf
+    >>> world = mjcf.RootElement().worldbody
+    >>> ball = world.add('geom', name='ball', size=[0.1])
+    >>> world.geom['ball'] is world.geom[0] is ball
+    True
+    >>> del world.geom['ball']
+    >>> world.geom
+    []
+    """
+
+    __slots__ = ("_elements", "tag")
+
+    def __init__(self, tag: str, elements: Iterable[Element]) -> None:
+        """For use by this package."""
+        self.tag = tag
+        self._elements = tuple(elements)
+
+    @overload
+    def __getitem__(self, index: SupportsIndex | str) -> Element: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Element]: ...
+    def __getitem__(self, index: SupportsIndex | str | slice) -> Element | list[Element]:
+        """By number, by the name in the element's own model, or several.
+
+        Raises `MjcfError`, also a `KeyError`, where nothing has the name.
+        """
+        if isinstance(index, slice):
+            return list(self._elements[index])
+        if not isinstance(index, str):
+            return self._elements[index]
+        for element in self._elements:
+            if element.name == index:
+                return element
+        names = self._ipython_key_completions_()
+        unnamed = Note(f"none of the {len(self)} elements here has a name: take them by number")
+        raise failure(
+            "unknown-name",
+            f"there is no {self.tag} `{index}` here",
+            call_site(),
+            notes=(exists_note(self.tag, names, index) if names or not self else unnamed,),
+            help=did_you_mean(index, names),
+            kind=MjcfKeyError,
+        )
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [element.name for element in self._elements if element.name]
+
+    def __delitem__(self, index: SupportsIndex | str | slice) -> None:
+        """Take an element out of the model, or several. See `Element.remove`."""
+        found = self[index]
+        for element in found if isinstance(found, list) else [found]:
+            element.remove()
+
+    def clear(self) -> None:
+        """Take them all out of the model."""
+        del self[:]
+
+    def __len__(self) -> int:
+        return len(self._elements)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ElementList | list) and list(self) == list(other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return repr(list(self._elements))

@@ -1,0 +1,126 @@
+"""What elements of one kind have, as members of a Python class: attributes and children with their docstrings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from composer.grammar import ElementType
+from composer.grammar.attribute import Attribute
+from composer.grammar.check import SHOWN_KEYWORDS, expected
+from composer.grammar.format import to_text
+from composer.tree.kinds import HOLDS_ONE_OF_EACH, ROOT, spoken
+
+
+def always_there(kind: ElementType, child: ElementType) -> bool:
+    """Whether a child is made when it is first asked for: sections, and what a setting has one of."""
+    return kind.tag == ROOT or (child.max_count == 1 and kind.tag in HOLDS_ONE_OF_EACH)
+
+
+def class_name(kind: ElementType) -> str:
+    """The name of the class: `Geom`, `EqualityJoint`."""
+    return "".join(word.capitalize() for word in re.split(r"[/_]", kind.path))
+
+
+def members(kind: ElementType, taken: Iterable[str]) -> dict[str, Any]:
+    """A property for each attribute and each child, but none by a name that is `taken`, and the class docstring."""
+    found: dict[str, Any] = {}
+    for tag, child in kind.children.items():
+        found[spoken(tag)] = property(_child(tag), _refuse(tag), _refuse(tag), _of_child(kind, child))
+    for attribute in kind.attributes.values():
+        found[spoken(attribute.name)] = property(
+            _getter(attribute), _setter(attribute.name), _deleter(attribute.name), of_attribute(attribute)
+        )
+    for name in taken:
+        found.pop(name, None)
+    return {**found, "__doc__": of_element(kind)}
+
+
+def of_element(kind: ElementType) -> str:
+    """What an element is, with its attributes and children by name."""
+    named_first = sorted(kind.attributes.values(), key=lambda each: (not each.declares, each.name != "class"))
+    attributes = {spoken(each.name): each for each in named_first}
+    lines = [f"`<{kind.tag}>`: {kind.doc}." if kind.doc else f"`<{kind.tag}>`."]
+    if attributes:
+        lines += ["", "Attributes:", *(f"    {name}: {_first(each)}" for name, each in attributes.items())]
+    if kind.children:
+        lines += ["", f"Children: {', '.join(map(spoken, kind.children))}."]
+    return "\n".join(lines)
+
+
+def of_attribute(attribute: Attribute) -> str:
+    """What an attribute means, what it takes, what holds where it is not set, and in which versions it exists.
+
+    >>> from composer.grammar import GRAMMAR
+    >>> print(of_attribute(GRAMMAR.element('geom').attributes['friction']))
+    sliding, spinning (m) and rolling (m) friction
+    <BLANKLINE>
+    1 to 3 numbers; 1 0.005 0.0001 where it is not set anywhere.
+    """
+    return f"{attribute.doc}\n\n{'; '.join(_remarks(attribute))}.".strip()
+
+
+def _first(attribute: Attribute) -> str:
+    return f"{attribute.doc or attribute.name} [{_takes(attribute)}]"
+
+
+def _remarks(attribute: Attribute) -> Iterator[str]:
+    yield _takes(attribute)
+    if attribute.required:
+        yield "it must be set"
+    elif attribute.default is not None:
+        yield f"{to_text(attribute, attribute.default)} where it is not set anywhere"
+    if attribute.since is not None:
+        yield f"since MuJoCo {attribute.since}"
+    if attribute.until is not None:
+        yield f"up to MuJoCo {attribute.until}"
+
+
+def _takes(attribute: Attribute) -> str:
+    if attribute.refers_by is not None:
+        return f"an element of the kind that `{attribute.refers_by}` says, or its name"
+    if attribute.refers is not None:
+        what = {"default": "default class"}.get(attribute.refers, attribute.refers.removeprefix("attached:"))
+        several = attribute.type == "references"
+        return f"elements of the kind {what}, or their names" if several else f"a {what}, or its name"
+    if attribute.type == "file":
+        return "a file name, or an `Asset`"
+    if attribute.type in ("keyword", "keywords"):
+        shown = attribute.keywords[:SHOWN_KEYWORDS]
+        words = ", ".join(f"'{word}'" for word in shown) + (
+            ", …" if len(shown) < len(attribute.keywords) else ""
+        )
+        return words if attribute.type == "keyword" else f"some of {words}"
+    if attribute.type == "bool":
+        return "True or False"
+    return expected(attribute)
+
+
+def _of_child(kind: ElementType, child: ElementType) -> str:
+    what = f"{child.doc}\n\n" if child.doc else ""
+    if always_there(kind, child):
+        return f"{what}An element that is always there."
+    if child.max_count == 1:
+        return f"{what}An element, or None where there is none: `add('{child.tag}', …)` makes it."
+    return f"{what}The elements of this tag, in their order: `add('{child.tag}', …)` makes more."
+
+
+def _getter(attribute: Attribute) -> Callable[[Any], Any]:
+    return lambda element: element._read(attribute)
+
+
+def _setter(name: str) -> Callable[[Any, object], None]:
+    return lambda element, value: element._write({name: value})
+
+
+def _deleter(name: str) -> Callable[[Any], None]:
+    return lambda element: element._write({name: None})
+
+
+def _child(tag: str) -> Callable[[Any], Any]:
+    return lambda element: element._children(tag)
+
+
+def _refuse(tag: str) -> Callable[..., None]:
+    return lambda element, value=None: element._refuse_child(tag)

@@ -1,0 +1,136 @@
+"""Which licence a model has, as an SPDX identifier: from what its files say, or from the package it came with."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+
+from composer.sources.source import Source
+
+UNKNOWN = "unknown"
+"""What a licence is called that is not known; no SPDX identifier is."""
+
+_LARGEST = 1 << 20
+_DECLARED = re.compile(
+    r"SPDX-License-Identifier:\s*([A-Za-z0-9.+() -]+?)\s*(?:-->|\*/|[\"'<]|$)", re.MULTILINE
+)
+_HEAD = 4096
+
+_PHRASES: tuple[tuple[str, str], ...] = (
+    ("Apache-2.0", r"apache license,? version 2\.0"),
+    ("MPL-2.0", r"mozilla public license,? version 2\.0"),
+    ("AGPL-3.0-only", r"gnu affero general public license version 3"),
+    ("LGPL-3.0-only", r"gnu lesser general public license version 3"),
+    ("LGPL-2.1-only", r"gnu lesser general public license version 2\.1"),
+    ("GPL-3.0-only", r"gnu general public license version 3"),
+    ("GPL-2.0-only", r"gnu general public license version 2"),
+    ("EPL-2.0", r"eclipse public license - v ?2\.0"),
+    ("BSL-1.0", r"boost software license - version 1\.0"),
+    ("CC-BY-NC-ND-4.0", r"attribution-noncommercial-noderivatives 4\.0"),
+    ("CC-BY-NC-SA-4.0", r"attribution-noncommercial-sharealike 4\.0"),
+    ("CC-BY-NC-4.0", r"attribution-noncommercial 4\.0"),
+    ("CC-BY-ND-4.0", r"attribution-noderivatives 4\.0"),
+    ("CC-BY-SA-4.0", r"attribution-sharealike 4\.0"),
+    ("CC-BY-4.0", r"attribution 4\.0"),
+    ("CC-BY-3.0", r"attribution 3\.0"),
+    ("CC0-1.0", r"cc0 1\.0 universal"),
+    ("Zlib", r"altered source versions must be plainly marked as such"),
+    ("Unlicense", r"free and unencumbered software released into the public domain"),
+    ("ISC", r"permission to use, copy, modify, and/?(?:or)? distribute this software for any purpose with or"),
+    ("MIT", r"permission is hereby granted, free of charge, to any person obtaining a copy .{0,400}restriction"),
+)  # fmt: skip
+"""What a licence says and no other does; of several the one whose words come first in the text."""
+
+_BSD = r"redistribution and use in source and binary forms, with or without modification"
+_BSD_3 = r"neither the name of .{1,200} may be used to endorse or promote"
+_BSD_4 = r"all advertising materials mentioning features"
+
+
+@lru_cache(maxsize=64)
+def identify(text: str) -> str | None:
+    r"""The SPDX identifier of a licence's text, None where it is not one of the common ones. No I/O.
+
+    A line `SPDX-License-Identifier: …` counts before the text itself.
+
+    >>> identify("The MIT License\n\nPermission is hereby granted, free of charge, to any person\n"
+    ...          "obtaining a copy of this software, to deal in it without restriction")
+    'MIT'
+    """
+    declared = _DECLARED.search(text)
+    if declared is not None:
+        return declared[1]
+    plain = " ".join(re.sub(r"[\s#*/;]+", " ", text.casefold().replace("licence", "license")).split())
+    found: list[tuple[int, str]] = []
+    for name, phrase in _PHRASES:
+        if (match := re.search(phrase, plain)) is not None:
+            found.append((match.start(), name))
+    if (match := re.search(_BSD, plain)) is not None:
+        clauses = "BSD-4-Clause" if re.search(_BSD_4, plain) else "BSD-3-Clause"
+        found.append((match.start(), clauses if re.search(_BSD_3, plain) else "BSD-2-Clause"))
+    return min(found)[1] if found else None
+
+
+def licence_of(source: Source) -> str | None:
+    """The licence of a model as an SPDX expression, None where nothing tells.
+
+    The model file itself comes first (`SPDX-License-Identifier`), then the licence files that go with it, then the
+    package. Licence files that say different things are joined by AND.
+    """
+    if (declared := _DECLARED.search(_text(source.path, _HEAD))) is not None:
+        return declared[1]
+    named = sorted(
+        {name for path in source.licences if (name := identify(_text(path, _LARGEST))) is not None}
+    )
+    if named:
+        return " AND ".join(f"({each})" if " OR " in each and len(named) > 1 else each for each in named)
+    return source.licence if not source.licences else None
+
+
+def _text(path: Path, size: int) -> str:
+    try:
+        with path.open("rb") as file:
+            return file.read(size).decode("utf-8", "replace")
+    except OSError:
+        return ""
+
+
+_CLASSIFIERS = {
+    "Apache Software License": "Apache-2.0",
+    "MIT License": "MIT",
+    "MIT No Attribution License (MIT-0)": "MIT-0",
+    "ISC License (ISCL)": "ISC",
+    "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0",
+    "GNU General Public License v2 (GPLv2)": "GPL-2.0-only",
+    "GNU General Public License v3 (GPLv3)": "GPL-3.0-only",
+    "CC0 1.0 Universal (CC0 1.0) Public Domain Dedication": "CC0-1.0",
+}
+_WRITTEN = {
+    "apache 2.0": "Apache-2.0",
+    "apache-2.0": "Apache-2.0",
+    "apache license 2.0": "Apache-2.0",
+    "apache license, version 2.0": "Apache-2.0",
+    "mit": "MIT",
+    "mit license": "MIT",
+    "bsd-3-clause": "BSD-3-Clause",
+    "bsd-2-clause": "BSD-2-Clause",
+    "isc": "ISC",
+    "mpl-2.0": "MPL-2.0",
+}
+
+
+def of_package(expression: str | None, written: str | None, classifiers: Iterable[str]) -> str | None:
+    """What the metadata of a package says: its `License-Expression`, `License`, or classifiers. No I/O.
+
+    >>> of_package(None, "Apache 2.0", [])
+    'Apache-2.0'
+    """
+    if expression:
+        return expression
+    if written and (named := _WRITTEN.get(written.strip().casefold()) or identify(written)):
+        return named
+    for classifier in classifiers:
+        if (named := _CLASSIFIERS.get(classifier.rpartition(" :: ")[2])) is not None:
+            return named
+    return None

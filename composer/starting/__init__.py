@@ -1,0 +1,1 @@
+"""What a newcomer starts from: a recipe, or a repository with everything around it."""

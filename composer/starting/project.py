@@ -1,0 +1,49 @@
+"""A repository for models: recipes, lock, parts, checks before a commit and in CI, and a README."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+
+from composer.starting.recipe import yaml_name
+from composer.version import __version__
+
+# Where each template goes. In the templates PROJECT, MODEL, VERSION and MUJOCO stand for what is given.
+_FILES = {
+    "README.md": "README.md",
+    "gitignore": ".gitignore",
+    "requirements.txt": "requirements.txt",
+    "pre-commit-config.yaml": ".pre-commit-config.yaml",
+    "workflow.yml": ".github/workflows/models.yml",
+    "recipe.yaml": "recipes/MODEL.yaml",
+    "pendulum.xml": "models/pendulum/pendulum.xml",
+    "pendulum_license": "models/pendulum/LICENSE",
+}
+_ACTION = ".github/actions/mjcompose/action.yml"
+
+
+def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
+    """The files of a project by their paths in it. `model` is the name of its first model, `schema` that of recipes."""
+    package = resources.files(__package__)
+    given = {"PROJECT": title, "VERSION": __version__, "MUJOCO": mujoco}
+    files = {
+        _filled(path, {"MODEL": model}): _filled(
+            package.joinpath("project", name).read_text(encoding="utf-8"),
+            {**given, "MODEL": yaml_name(model) if name == "recipe.yaml" else model},
+        )
+        for name, path in _FILES.items()
+    }
+    return {**files, _ACTION: _action(), "recipes/recipe.schema.json": schema}
+
+
+def _filled(text: str, given: Mapping[str, str]) -> str:
+    for name, value in given.items():
+        text = text.replace(name, value)
+    return text
+
+
+def _action() -> str:
+    """The GitHub action: beside this file in an installed package, at the top of a clone."""
+    installed = Path(__file__).with_name("action.yml")
+    return (installed if installed.exists() else Path(__file__).parents[2] / "action.yml").read_text("utf-8")

@@ -1,0 +1,29 @@
+from __future__ import annotations
+
+import json
+from importlib import metadata
+
+import pytest
+from cli.shell import run
+
+
+def test_a_working_installation_is_said_to_be_one() -> None:
+    result = run("doctor")
+    assert result.exit_code == 0, result.stdout
+    told = {line[4:].split()[0]: line[:2] for line in result.stdout.splitlines()}
+    assert {told[name] for name in ("mjcompose", "mujoco", "numpy", "store")} == {"ok"}
+
+
+def test_another_package_of_the_same_name_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(metadata, "packages_distributions", lambda: {"composer": ["mjcompose", "composer"]})
+    result = run("doctor")
+    assert result.exit_code == 1
+    assert "is installed by `composer` too" in result.stdout
+
+
+def test_what_not_everybody_needs_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "")
+    result = run("doctor", "--json")
+    found = {each["what"]: each for each in json.loads(result.stdout)}
+    assert result.exit_code == 0
+    assert found["git"]["fine"] is None and "need it" in found["git"]["found"]

@@ -1,0 +1,174 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import composer
+from composer.bundle.mjb import manifest_beside, with_version
+from composer.bundle.write import write
+from composer.context import Context
+from composer.loading.load import Loaded
+from composer.pipeline import build
+
+MODEL = """<mujoco model="{name}">
+  <worldbody>
+    <geom size="0.1"/>
+    <body name="base">
+      <joint name="turn" axis="0 0 1" range="-90 90"/>
+      <geom size="0.1"/>
+      <camera name="eye" fovy="50"/>
+    </body>
+  </worldbody>
+  <actuator><position name="turn" joint="turn" kp="5" ctrlrange="-1 1"/></actuator>
+  <sensor><framepos name="where" objtype="body" objname="base"/></sensor>
+</mujoco>"""
+RECIPE = """recipe: 1
+name: cell
+attach:
+  left: {model: ./arm.xml}
+  right: {model: ./arm.xml, pos: [1, 0, 0], joint: free}
+keyframe:
+  bent: {qpos: {left/turn: 0.5rad}}
+check: {weight: {mass: {range: [0.1, 100]}}}
+"""
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the same model as `cell/`, `cell.zip`, `cell.mjz` and `cell.mjb`."""
+    folder = tmp_path_factory.mktemp("load")
+    (folder / "arm.xml").write_text(MODEL.format(name="arm"))
+    (folder / "cell.yaml").write_text(RECIPE)
+    built = build(folder / "cell.yaml", Context(folder=folder))
+    assert built is not None
+    for name in ("cell/", "cell.zip", "cell.mjz", "cell.mjb"):
+        write(built.bundle, f"{folder}/{name}", environment={})
+    return folder
+
+
+@pytest.fixture
+def cell(written: Path, tmp_path: Path) -> Path:
+    """The folder form, to be changed."""
+    loaded = tmp_path / "cell"
+    with zipfile.ZipFile(written / "cell.zip") as archive:
+        archive.extractall(loaded)
+    return loaded
+
+
+def change(cell: Path, key: str, value: Any) -> None:
+    file = cell / "manifest.json"
+    data = json.loads(file.read_text())
+    data[key] = value(data[key]) if callable(value) else value
+    file.write_text(json.dumps(data))
+
+
+@pytest.mark.parametrize("name", ["cell", "cell.zip", "cell.mjz", "cell.mjb"])
+def test_every_form_gives_the_same(written: Path, name: str) -> None:
+    model, manifest, index = composer.load(written / name)
+    assert isinstance(model, mujoco.MjModel)
+    assert manifest.name == "cell"
+    assert model.nq == index.qpos.size == 9
+    assert manifest.checks[0].values == {"mass": pytest.approx(model.body_mass.sum())}
+
+
+def test_positions_are_where_mujoco_has_them(written: Path) -> None:
+    loaded = composer.load(written / "cell.zip")
+    model, index = loaded.model, loaded.index
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, index.key["bent"])
+    assert data.qpos[index.qpos["left/turn"]] == data.joint("left/turn").qpos[0] == 0.5
+    assert list(data.qpos[index.qpos["right/"]]) == list(data.joint("right/").qpos)
+    mujoco.mj_forward(model, data)
+    assert list(data.sensordata[index.sensordata["right/where"]]) == [1, 0, 0]
+    assert index.camera["right/eye"] == model.camera("right/eye").id
+    assert index.body["left/base"] == model.body("left/base").id
+
+
+def test_origins_units_and_limits_come_along(written: Path) -> None:
+    index = composer.load(written / "cell.zip").index
+    assert index.qpos.origin("left/turn") == "arm.xml:5"
+    assert index.qpos.units("right/") == ("m", "m", "m", *["quaternion"] * 4)
+    assert index.qpos.limits("left/turn").tolist() == [[-np.pi / 2, np.pi / 2]]
+    assert index.ctrl.units() == ("rad", "rad")
+    assert index.ctrl.limits().tolist() == [[-1, 1], [-1, 1]]
+
+
+def test_a_batch_is_indexed_like_one(written: Path) -> None:
+    index = composer.load(written / "cell.zip").index
+    batch = np.arange(5 * 9).reshape(5, 9)
+    assert batch[..., index.qpos["left/turn"]].shape == (5,)
+    assert batch[..., index.qpos["right/"]].shape == (5, 7)
+    assert batch[..., index.qpos["left/turn", "right/turn"]].tolist() == batch[:, [0, 8]].tolist()
+
+
+def test_a_file_that_was_changed_is_an_error(cell: Path) -> None:
+    model = cell / "model.xml"
+    model.write_text(model.read_text().replace('kp="5"', 'kp="6"'))
+    with pytest.raises(composer.LoadError, match="`model.xml` in .* is not the file that its manifest lists"):
+        composer.load(cell)
+    with pytest.warns(composer.BundleWarning, match="is not the file"):
+        loaded = composer.load(cell, allow_changes=True)
+    assert loaded.model.actuator("left/turn").gainprm[0] == 6
+
+
+def test_an_index_of_another_model_is_an_error(cell: Path) -> None:
+    change(cell, "index", lambda index: {**index, "joints": index["joints"][::-1]})
+    with pytest.raises(
+        composer.LoadError, match="the joints of the compiled .* are not those of its manifest"
+    ):
+        composer.load(cell)
+    with pytest.warns(composer.BundleWarning):
+        assert composer.load(cell, allow_changes=True).index.qpos["left/turn"] == 0
+
+
+def test_another_mujoco_is_told(cell: Path) -> None:
+    change(cell, "mujoco", "3.1.0")
+    with pytest.warns(
+        composer.BundleWarning, match=rf"verified by MuJoCo 3\.1\.0, and this is {mujoco.__version__}"
+    ):
+        assert isinstance(composer.load(cell), Loaded)
+
+
+def test_an_mjb_of_another_mujoco_is_an_error(written: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "cell.mjb"
+    copy.write_bytes((written / "cell.mjb").read_bytes())
+    with pytest.raises(composer.LoadError, match="the manifest of `cell.mjb`"):
+        composer.load(copy)
+    manifest = json.loads(manifest_beside(written / "cell.mjb").read_text())
+    manifest_beside(copy).write_text(json.dumps({**manifest, "mujoco": "3.1.0"}))
+    with pytest.raises(composer.LoadError, match=r"compiled by MuJoCo 3\.1\.0"):
+        composer.load(copy)
+
+
+@pytest.mark.parametrize("name", ["nowhere", "nowhere.zip", "nowhere.mjb"])
+def test_what_is_not_there_is_told(tmp_path: Path, name: str) -> None:
+    with pytest.raises(composer.LoadError, match="there is no file") as caught:
+        composer.load(tmp_path / name)
+    assert caught.value.diagnostics[0].code == "file-not-found"
+
+
+def test_a_manifest_is_needed(cell: Path) -> None:
+    (cell / "manifest.json").unlink()
+    with pytest.raises(composer.LoadError, match="has no `manifest.json`"):
+        composer.load(cell)
+
+
+def test_the_version_stands_in_the_name_once() -> None:
+    assert with_version("a.mujoco-4.0.0.mjb", "4.0.0") == "a.mujoco-4.0.0.mjb"
+    assert with_version("a.mjb").endswith(f"{mujoco.__version__}.mjb")
+
+
+def test_importing_composer_imports_nothing_heavy() -> None:
+    code = "import sys, composer; print({'mujoco', 'numpy', 'pydantic', 'lxml', 'yaml'} & set(sys.modules))"
+    root = Path(composer.__file__).parents[1]
+    command = [sys.executable, "-c", code]
+    shown = subprocess.run(command, capture_output=True, text=True, check=True, cwd=root)
+    assert shown.stdout.strip() == "set()"

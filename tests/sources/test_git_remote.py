@@ -1,0 +1,124 @@
+"""git over https and ssh, as from another machine: a server on the loopback, and a login that stays here."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import ssl
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from composer.sources import SourceError, resolve
+from composer.sources.fetching import Fetching
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
+
+
+def fetch(reference: str, environment: dict[str, str]) -> Any:
+    return resolve(reference, relative_to=Path(), environment=environment, fetching=Fetching())
+
+
+class _GitHandler(BaseHTTPRequestHandler):
+    """Hands what is asked to `git http-backend`, as web servers do."""
+
+    root: Path
+
+    def _answer(self) -> None:
+        path, _, query = self.path.partition("?")
+        length = int(self.headers.get("Content-Length", 0))
+        own = {
+            "GIT_PROJECT_ROOT": str(self.root), "GIT_HTTP_EXPORT_ALL": "1", "REQUEST_METHOD": self.command,
+            "PATH_INFO": path, "QUERY_STRING": query, "CONTENT_TYPE": self.headers.get("Content-Type", ""),
+            "CONTENT_LENGTH": str(length), "HTTP_CONTENT_ENCODING": self.headers.get("Content-Encoding", ""),
+            "GIT_PROTOCOL": self.headers.get("Git-Protocol", ""), "GIT_CONFIG_COUNT": "1",
+            "GIT_CONFIG_KEY_0": "safe.directory", "GIT_CONFIG_VALUE_0": "*",
+        }  # fmt: skip
+        done = subprocess.run(
+            ["git", "http-backend"], input=self.rfile.read(length), capture_output=True,
+            env={**os.environ, **own}, check=True, timeout=60,
+        )  # fmt: skip
+        head, _, body = done.stdout.partition(b"\r\n\r\n")
+        headers = dict(line.split(": ", 1) for line in head.decode().split("\r\n"))
+        self.send_response(int(headers.pop("Status", "200").split()[0]))
+        for name, value in headers.items():
+            self.send_header(name, value)
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    do_GET = do_POST = _answer  # noqa: N815
+
+    def log_message(self, format: str, *arguments: object) -> None:
+        pass
+
+
+@pytest.fixture
+def https(tmp_path: Path, robots: Any) -> Iterator[tuple[str, dict[str, str]]]:
+    """The address of a server that has the repository `robots`, and what makes git trust its certificate."""
+    if shutil.which("openssl") is None:
+        pytest.skip("needs openssl for a certificate")
+    certificate, key = tmp_path / "certificate.pem", tmp_path / "key.pem"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost",
+         "-addext", "subjectAltName=DNS:localhost", "-keyout", key, "-out", certificate],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    handler = type("Handler", (_GitHandler,), {"root": robots.folder.parent})
+    server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(certificate, key)
+    server.socket = context.wrap_socket(server.socket, server_side=True)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"https://localhost:{server.server_port}/robots/.git", {"GIT_SSL_CAINFO": str(certificate)}
+    server.shutdown()
+    server.server_close()
+
+
+@pytest.mark.parametrize("revision", ["v1", "main"])
+def test_https(
+    https: tuple[str, dict[str, str]], robots: Any, own_environment: dict[str, str], revision: str
+) -> None:
+    url, trust = https
+    source = fetch(f"git+{url}@{revision}#arm/arm.xml", {**own_environment, **trust})
+    assert source.version == robots.git("rev-parse", f"{revision}^{{commit}}")
+    assert source.path.read_text() == (robots.folder / "arm" / "arm.xml").read_text()
+
+
+def test_a_certificate_that_nobody_trusts_is_refused(
+    https: tuple[str, dict[str, str]], own_environment: dict[str, str]
+) -> None:
+    with pytest.raises(SourceError) as caught:
+        fetch(f"git+{https[0]}@v1#arm/arm.xml", own_environment)
+    assert caught.value.code == "source-fetch"
+    assert "certificate" in " ".join(caught.value.notes).lower()
+
+
+def test_ssh(tmp_path: Path, robots: Any, own_environment: dict[str, str]) -> None:
+    """What ssh would run on the other machine is run here; its arguments are host and command."""
+    login = tmp_path / "login"
+    login.write_text(
+        f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\nfor command; do :; done\nexec sh -c "$command"\n'
+    )
+    login.chmod(0o755)
+    environment = {**own_environment, "GIT_SSH_COMMAND": str(login), "GIT_SSH_VARIANT": "simple"}
+    source = fetch(f"git+ssh://git@robots.example{robots.folder}@v1#arm/arm.xml", environment)
+    assert source.version == robots.git("rev-parse", "v1^{commit}")
+    assert "git@robots.example git-upload-pack" in (tmp_path / "asked").read_text()
+
+
+def test_an_ssh_login_that_is_refused_is_told(tmp_path: Path, own_environment: dict[str, str]) -> None:
+    login = tmp_path / "login"
+    login.write_text("#!/bin/sh\necho 'git@robots.example: Permission denied (publickey).' >&2\nexit 255\n")
+    login.chmod(0o755)
+    environment = {**own_environment, "GIT_SSH_COMMAND": str(login), "GIT_SSH_VARIANT": "simple"}
+    with pytest.raises(SourceError) as caught:
+        fetch("git+ssh://git@robots.example/arms@v1#arm.xml", environment)
+    assert caught.value.code == "source-fetch"
+    assert "Permission denied (publickey)" in " ".join(caught.value.notes), caught.value.notes

@@ -1,0 +1,164 @@
+"""A new project works as it stands: its commands, its hooks and its GitHub action."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
+DEFAULTS = {name: each["default"] for name, each in ACTION["inputs"].items()}
+
+
+@pytest.fixture(scope="module")
+def shell(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """An environment in which `mjcompose` is this project's, and `gh` writes down what it is told."""
+    tools = tmp_path_factory.mktemp("tools")
+    scripts = {
+        "mjcompose": f'exec "{sys.executable}" -m composer "$@"',
+        "gh": f'printf "%s\\n" "$*" >> "{tools}/gh.log"; cat "${{5}}" >> "{tools}/gh.log"',
+    }
+    for name, script in scripts.items():
+        (tools / name).write_text(f"#!/bin/bash\n{script}\n", encoding="utf-8")
+        (tools / name).chmod(0o755)
+    known = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_NOSYSTEM": "1"}
+    for who in ("AUTHOR", "COMMITTER"):
+        known |= {f"GIT_{who}_NAME": "a", f"GIT_{who}_EMAIL": "a@example.org"}
+    path = f"{tools}{os.pathsep}{os.environ['PATH']}"
+    return {**os.environ, **known, "PATH": path, "PYTHONPATH": str(ROOT), "TOOLS": str(tools)}
+
+
+def sh(script: str, folder: Path, environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["bash", "-eo", "pipefail", "-c", script],
+        cwd=folder, env=environment, text=True, capture_output=True, timeout=300, check=False,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def project(tmp_path: Path, shell: dict[str, str]) -> Path:
+    """A project in git, with a remote that is its own first state."""
+    made = sh("mjcompose new --project 'my arms'", tmp_path, shell)
+    assert made.returncode == 0, made.stderr
+    folder = tmp_path / "my arms"
+    commit = "git init --quiet -b main && git add -A && git commit --quiet -m first"
+    clone = f"git clone --quiet --bare . '{tmp_path}/origin' && git remote add origin '{tmp_path}/origin'"
+    assert sh(f"{commit} && {clone}", folder, shell).returncode == 0
+    return folder
+
+
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="the commands are of a POSIX shell"),
+    pytest.mark.skipif(shutil.which("git") is None, reason="there is no git"),
+]
+
+
+def test_the_commands_of_its_readme_run(project: Path, shell: dict[str, str]) -> None:
+    (commands,) = re.findall(
+        r"```sh\n(.*?)```", (project / "README.md").read_text(encoding="utf-8"), re.DOTALL
+    )
+    ran = sh(commands.replace("pip install", ": pip install"), project, shell)
+    assert ran.returncode == 0, ran.stderr
+    assert (project / "build" / "my_arms.zip").is_file()
+    assert "recipes/my_arms.yaml: ok, 1 check holds" in ran.stdout
+    assert sh("git status --porcelain", project, shell).stdout == ""
+
+
+def test_its_hooks_have_nothing_to_say(project: Path, shell: dict[str, str]) -> None:
+    (own,) = yaml.safe_load((project / ".pre-commit-config.yaml").read_text(encoding="utf-8"))["repos"]
+    for hook in [
+        *own["hooks"],
+        *yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8")),
+    ]:
+        assert re.search(hook["files"], "recipes/my_arms.yaml") and not re.search(hook["files"], "a.yaml")
+        ran = sh(f"{hook['entry']} recipes/my_arms.yaml", project, shell)
+        assert ran.returncode == 0, ran.stderr
+    assert sh("git status --porcelain", project, shell).stdout == ""
+
+
+def test_its_workflow_uses_inputs_that_the_action_has(project: Path) -> None:
+    workflow = yaml.safe_load((project / ".github/workflows/models.yml").read_text(encoding="utf-8"))
+    used = workflow["jobs"]["models"]["steps"][-1]
+    assert used["with"].keys() <= ACTION["inputs"].keys()
+    assert (project / used["uses"] / "action.yml").read_bytes() == (ROOT / "action.yml").read_bytes()
+    (requirement, mujoco) = (project / "requirements.txt").read_text(encoding="utf-8").splitlines()
+    assert requirement.startswith("mjcompose[menagerie]==") and mujoco.startswith("mujoco==")
+
+
+def step(name: str, **given: str) -> tuple[str, dict[str, str]]:
+    """The script of a step of the action, and its environment as GitHub would fill it in."""
+    (found,) = [each for each in ACTION["runs"]["steps"] if each["name"] == name]
+    context: dict[str, Any] = {f"inputs.{key}": value for key, value in {**DEFAULTS, **given}.items()}
+    context |= {"github.base_ref": "main", "github.event.number": "7", "github.token": "t"}
+    env = {
+        key: re.sub(r"\$\{\{ (.*?) \}\}", lambda match: context[match[1]], value)
+        for key, value in found["env"].items()
+    }
+    return found["run"], env
+
+
+def test_the_action_checks_and_builds(project: Path, shell: dict[str, str]) -> None:
+    for name in ("Check", "Build"):
+        script, env = step(name, options="--locked")
+        ran = sh(script, project, {**shell, **env})
+        assert ran.returncode == 0, ran.stderr
+    assert (project / "build" / "my_arms.zip").is_file()
+
+
+def test_the_action_tells_what_is_wrong(project: Path, shell: dict[str, str]) -> None:
+    recipe = project / "recipes" / "my_arms.yaml"
+    recipe.write_text(
+        recipe.read_text(encoding="utf-8").replace("pendulum/hinge", "pendulum/hing"), encoding="utf-8"
+    )
+    script, env = step("Check")
+    ran = sh(script, project, {**shell, **env})
+    assert ran.returncode == 1 and ran.stdout.startswith("::error file=recipes/my_arms.yaml,line=")
+
+
+def test_the_action_comments_on_what_changes(project: Path, shell: dict[str, str], tmp_path: Path) -> None:
+    script, env = step("Diff")
+    env |= {"GITHUB_OUTPUT": str(tmp_path / "output"), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary")}
+    log = Path(shell["TOOLS"], "gh.log")
+    assert sh(script, project, {**shell, **env}).returncode == 0
+    assert (tmp_path / "output").read_text() == "changed=false\n" and not log.exists()
+
+    part = project / "models" / "pendulum" / "pendulum.xml"
+    part.write_text(
+        part.read_text(encoding="utf-8").replace('damping="0.1"', 'damping="0.3"'), encoding="utf-8"
+    )
+    new = project / "recipes" / "new.yaml"
+    shutil.copy(project / "recipes" / "my_arms.yaml", new)
+    ran = sh(script, project, {**shell, **env})
+    assert ran.returncode == 0, ran.stderr
+    assert (tmp_path / "output").read_text().endswith("changed=true\n")
+    comment = log.read_text(encoding="utf-8")
+    assert comment.startswith("pr comment 7 --body-file")
+    assert "damping" in comment and "0.3" in comment and "new.yaml\n\nThis recipe is new" in comment
+    assert (tmp_path / "summary").read_text(encoding="utf-8") in comment
+
+
+def test_nothing_is_overwritten(project: Path, shell: dict[str, str]) -> None:
+    ran = sh("mjcompose new --project .", project, shell)
+    assert ran.returncode == 1 and "error[output-unwritable]" in ran.stderr and "README.md" in ran.stderr
+    assert sh("git status --porcelain", project, shell).stdout == ""
+
+
+def test_a_folder_that_has_other_things_keeps_them(tmp_path: Path, shell: dict[str, str]) -> None:
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "own.xml").write_text("<mujoco/>")
+    assert sh("mjcompose new --project .", tmp_path, shell).returncode == 0
+    assert (tmp_path / "models" / "own.xml").read_text() == "<mujoco/>"
+    assert (tmp_path / "README.md").is_file()
+
+
+def test_it_must_be_told_where(tmp_path: Path, shell: dict[str, str]) -> None:
+    ran = sh("mjcompose new --project", tmp_path, shell)
+    assert ran.returncode == 2 and "mjcompose new --project robots" in ran.stderr
