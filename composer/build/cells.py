@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from composer import engine
+from composer.build.samples import with_samples
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
@@ -17,15 +18,18 @@ from composer.plan.read import read_recipe
 from composer.steps.load import Library
 
 
-def cells_of(recipe: Path, context: Context) -> list[Cell]:
-    """The cells in their order, all names and values checked; faults go to the context's sink and give none."""
+def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = None) -> list[Cell]:
+    """What `--all` builds, in order, all names and values checked; faults go to the context's sink and give none.
+
+    These are the cells of the matrix, each with its samples where the recipe draws some.
+    """
     path = context.folder / recipe
     node = read_recipe(path, context)
     if not isinstance(node, Mapping):
         return []
     named = find(node, ("name",))
     name = named.text if isinstance(named, Scalar) else path.stem
-    return cells(node, name, context.sink)
+    return with_samples(node, cells(node, name, context.sink), name, given or {}, context.sink)
 
 
 def picked(every: Sequence[Cell], names: Iterable[str], sink: Sink) -> list[Cell]:
@@ -61,7 +65,7 @@ def build_cells(
         own = replace(context, sink=Sink())
         values = {**given, **cell.given}
         built = build(
-            recipe, own, given=values, name=cell.name, verified=verified, deduplicated=deduplicated,
+            recipe, own, given=values, name=cell.name, sample=cell.sample, verified=verified, deduplicated=deduplicated,
             session=session, library=library,
         )  # fmt: skip
         yield cell, own, built

@@ -35,9 +35,16 @@ if TYPE_CHECKING:
     "--all",
     "every",
     is_flag=True,
-    help="Build every cell of the recipe's matrix, or the one model that it is.",
+    help="Build every cell of the recipe's matrix and every sample, or the one model that it is.",
 )
-@click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
+@click.option(
+    "--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix, or this sample."
+)
+@click.option(
+    "--samples",
+    metavar="FILE",
+    help="The table of what was drawn, *.csv or *.parquet; with --all: samples.csv beside the models.",
+)
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
@@ -54,6 +61,7 @@ def command(
     variants: tuple[str, ...],
     every: bool,
     picks: tuple[str, ...],
+    samples: str | None,
     no_verify: bool,
     dedup: bool,
     licenses: bool,
@@ -81,7 +89,7 @@ def command(
         if every or picks:
             from composer.cli.build_cells import build_cells
 
-            sys.exit(build_cells(recipe, wanted, given, picks, context, session))
+            sys.exit(build_cells(recipe, wanted, given, picks, context, session, samples))
         progress(f"building {recipe}")
         sys.exit(build_one(recipe, wanted, given, context, session))
 
@@ -161,10 +169,14 @@ def _file_name(name: str) -> str:
 
 
 def _write(built: Built, out: str, kind: Form, context: Context, session: Session) -> None:
+    from composer.bundle.output_error import OutputError
     from composer.bundle.overwriting import check_is_no_source
     from composer.bundle.text_alone import write_text_alone
     from composer.bundle.write import Form, write
 
+    if built.composed.tabled and kind in (Form.TEXT, Form.MJB):
+        help = "write a folder or an archive, such as `-o build/{name}.zip`"
+        raise OutputError("output-kind", f"`{out}` has no room for the table of draws", help)
     if out != "-":
         check_is_no_source(context.folder / out, built.plan, built.composed.model, built.composed.files)
     if kind is Form.TEXT:

@@ -1,4 +1,4 @@
-"""`mjcompose build --all` and `--pick`: the cells of a recipe's matrix."""
+"""`mjcompose build --all` and `--pick`: the cells of a recipe's matrix, and the samples of what it draws."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import click
 
 from composer.build.cells import build_cells as built_cells
 from composer.build.cells import cells_of, picked
+from composer.build.sample_table import FILE, SampleTable
+from composer.bundle.output_error import OutputError
 from composer.cli.build import Wanted, build_one, put, say
 from composer.cli.counting import counting
 from composer.cli.reporting import FINDINGS, USAGE, report
@@ -26,13 +28,17 @@ def build_cells(
     picks: tuple[str, ...],
     context: Context,
     session: Session,
+    table: str | None = None,
 ) -> int:
-    """Build them one after another; what is at fault in several is told once. Gives the exit code."""
-    every = cells_of(recipe, context)
+    """Build them one after another; what is at fault in several is told once. Gives the exit code.
+
+    What was drawn goes to `table`; without one, beside the models where all are built.
+    """
+    every = cells_of(recipe, context, given)
     if not every and not context.sink.has_errors:
         if not picks:
             return build_one(recipe, wanted, given, context, session)
-        context.sink.error("missing-key", f"`{recipe}` has no `matrix`: it is one model",
+        context.sink.error("missing-key", f"`{recipe}` has neither `matrix` nor `randomize`: it is one model",
                            help="build it without `--pick`")  # fmt: skip
     chosen = picked(every, picks, context.sink) if picks else every
     for name in dict.fromkeys(name for cell in chosen for name in cell.given if name in given):
@@ -42,17 +48,41 @@ def build_cells(
         report(context, wanted.form)
         return USAGE if chosen and not picks else FINDINGS
     failed: list[str] = []
+    samples = SampleTable()
     running = built_cells(recipe, chosen, context, given, verified=wanted.verified,
                           deduplicated=wanted.deduplicated, session=session)  # fmt: skip
-    for cell, own, built in counting(running, len(chosen), lambda each: each[0].name):
-        target = None if built is None else put(built, wanted, own, session)
-        for diagnostic in own.sink.diagnostics:
-            context.sink.add(diagnostic)
-        if built is None or target is None or own.sink.has_errors:
-            failed.append(cell.name)
-        else:
-            say(built, target, wanted, own)
+    try:
+        for cell, own, built in counting(running, len(chosen), lambda each: each[0].name):
+            target = None if built is None else put(built, wanted, own, session)
+            for diagnostic in own.sink.diagnostics:
+                context.sink.add(diagnostic)
+            if built is None or target is None or own.sink.has_errors:
+                failed.append(cell.name)
+            else:
+                say(built, target, wanted, own)
+                if built.plan.randomize is not None and built.plan.randomize.emit == "models":
+                    samples.add(cell.name, cell.sample, built.composed.drawn)
+    finally:  # of an interrupted run too
+        _put_table(samples, table or (None if picks else _beside(wanted.out)), wanted.form, context)
     report(context, wanted.form)
     if failed and wanted.form == "text":
         click.echo(f"{len(failed)} of {len(chosen)} cells failed: {', '.join(failed)}", err=True)
-    return FINDINGS if failed else 0
+    return FINDINGS if failed or context.sink.has_errors else 0
+
+
+def _beside(out: str) -> str:
+    """The table in the folder in which every model has its own name."""
+    folder = out.partition("{name}")[0].rpartition("/")[0]
+    return f"{folder}/{FILE}" if folder or out.startswith("/") else FILE
+
+
+def _put_table(samples: SampleTable, path: str | None, form: str, context: Context) -> None:
+    if path is not None and samples.count:
+        try:
+            samples.write(context.folder / path)
+        except OutputError as error:
+            context.sink.error(error.code, error.message, help=error.help)
+        else:
+            if form == "text":
+                click.echo(f"wrote {path}: what was drawn for {samples.count} models")
+    samples.close()

@@ -24,11 +24,15 @@ MAX_CELLS = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One combination: its name, and the value of every axis of the matrix that it sets, by name."""
+    """One combination: its name, and the value of every axis of the matrix that it sets, by name.
+
+    `sample` counts the draws that are made for it; 0 has none.
+    """
 
     name: str
     given: dict[str, Node]
     span: Span
+    sample: int = 0
 
     def values(self) -> dict[str, Value | None]:
         return {name: plain(node) for name, node in self.given.items()}
