@@ -20,15 +20,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ReadRecipe:
-    """A recipe file that was read, merged over what it extends: all files of it, and what was found in them.
+    """A recipe file that was read, merged over what it extends, and what was found in it.
 
-    `extended` are all files but the first, each with the place that names it.
+    `extended` are the recipes that it extends, each with the place that names it.
     """
 
     node: Node | None
-    files: tuple[Path, ...]
     found: tuple[Diagnostic, ...]
-    extended: tuple[tuple[Source, Span], ...] = ()
+    extended: tuple[tuple[Source, Span], ...]
 
 
 @dataclass(slots=True)

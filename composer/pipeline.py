@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -47,33 +48,19 @@ def build(
     given: Given | None = None,
     name: str | None = None,
     sample: int = 0,
+    plan: Plan | None = None,
     library: Library | None = None,
     hear: Hear | None = None,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
     `given` are values of parameters and variants, `name` that of a cell of the matrix or of a sample, whose draws it
-    has; `library` has source files that
-    were read before; `hear` is told what came of each check. All that MuJoCo does is done in one process: that of
-    `session`, or one with `limits` that ends with the build.
+    has; a `plan` was made of them already. `library` has source files that were read before; `hear` is told what came
+    of each check. All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends with
+    the build.
     """
-    if session is None:
-        with engine.Session(limits) as own:
-            return build(
-                recipe, context, verified=verified, deduplicated=deduplicated, session=own,
-                given=given, name=name, sample=sample, library=library, hear=hear,
-            )  # fmt: skip
-    if (plan := plan_what_remains(recipe, context, given, name, sample)) is None:
-        return None
-    check_lock(plan, context)
-    composer = Composer(context, measure_with(context, session=session), session, library=library)
-    if (composed := composer.compose(plan)) is None:
-        return None
-    merged: Merged = {}
-    if deduplicated:
-        merged, files = _deduplicated(plan, composed)
-        composed = replace(composed, files=files)
-    if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+    plan = plan or plan_what_remains(recipe, context, given, name, sample)
+    if plan is None:
         return None
     checks: list[Checked] = []
 
@@ -82,9 +69,21 @@ def build(
         if hear is not None:
             hear(outcome)
 
-    compiled = _verified(plan, composed, bundle, context, session, merged, note) if verified else None
-    if composed.tabled and not context.sink.has_errors:
-        bundle = _with_table(plan, composed, bundle, compiled, context, session, deduplicated)
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session(limits))
+        check_lock(plan, context)
+        composer = Composer(context, measure_with(context, session=session), session, library=library)
+        if (composed := composer.compose(plan)) is None:
+            return None
+        merged: Merged = {}
+        if deduplicated:
+            merged, files = _deduplicated(plan, composed)
+            composed = replace(composed, files=files)
+        if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+            return None
+        compiled = _verified(plan, composed, bundle, context, session, merged, note) if verified else None
+        if composed.tabled and not context.sink.has_errors:
+            bundle = _with_table(plan, composed, bundle, compiled, context, session, deduplicated)
     if context.sink.has_errors:
         return None
     making = Making(

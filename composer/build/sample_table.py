@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -12,7 +12,6 @@ from composer.bundle.output_error import OutputError
 from composer.bundle.rows import write_rows
 from composer.bundle.staging import staged_file
 from composer.expr.value import Value
-from composer.plan.drawn import Drawn
 
 FILE = "samples.csv"
 _FIRST = ("model", "sample")
@@ -30,13 +29,12 @@ class SampleTable:
         self._columns: dict[str, type] = {}
         self.count = 0
 
-    def add(self, model: str, sample: int, drawn: Iterable[Drawn]) -> None:
-        """A row for a model that was built."""
-        row = dict(column for each in drawn for column in each.columns())
+    def add(self, model: str, sample: int, row: Mapping[str, Value]) -> None:
+        """The row of a model: its numbers by their columns."""
         for name, value in row.items():
             if self._columns.setdefault(name, _kind(value)) is not _kind(value):
                 self._columns[name] = str
-        self._rows.write(json.dumps([model, sample, row]) + "\n")
+        self._rows.write(json.dumps([model, sample, dict(row)]) + "\n")
         self.count += 1
 
     def write(self, path: Path) -> None:

@@ -33,9 +33,7 @@ def read_recipe(path: Path, context: Context) -> Node | None:
         own = replace(context, sink=Sink())
         extended: list[tuple[Source, Span]] = []
         node = _read(path, own, (), extended)
-        files = (path, *(source.path for source, _ in extended))
-        found = tuple(own.sink.diagnostics)
-        known = context.recipes[path] = ReadRecipe(node, files, found, tuple(extended))
+        known = context.recipes[path] = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended))
     for diagnostic in known.found:
         context.sink.add(diagnostic)
     return known.node

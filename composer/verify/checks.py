@@ -57,6 +57,11 @@ def run_checks(
             break
 
 
+def places(plan: Plan) -> dict[str, Span]:
+    """Where each check is written, by the name that its outcome has."""
+    return {recipe.part + check.name: _place(check, recipe) for recipe, check in Nested(plan).checks()}
+
+
 def _place(check: Check, recipe: Nested) -> Span:
     return locate(recipe.plan.document, (*check.at, check.word), key=True)
 

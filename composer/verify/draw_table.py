@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from composer import engine
-from composer.bundle.bundle import MODEL, Bundle
+from composer.bundle.bundle import DRAWS, MODEL, Bundle
 from composer.bundle.rows import write_rows
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
@@ -22,7 +22,6 @@ from composer.verify.compiles import CRASHES
 from composer.verify.parts import WHOLE
 from composer.verify.run_time import compare, resolve
 
-COLUMNS = "randomize.json"
 SAMPLES = "samples.csv"
 SAMPLE = "sample"
 """The name under which a session keeps the sample that a table is compared with."""
@@ -85,7 +84,7 @@ class DrawTable:
                 "what is drawn at run time does not reach everything that a build computes of it",
                 locate(self.plan.document, ("randomize", "emit")),
                 notes=(Note(f"of sample 1, these differ after mj_setConst: {listed}"),),
-                help=f"write `emit: models` where that matters; `{COLUMNS}` lists them too",
+                help=f"write `emit: models` where that matters; `{DRAWS}` lists them too",
             )
 
     def added(self, bundle: Bundle) -> Bundle:
@@ -106,7 +105,7 @@ class DrawTable:
         text = io.StringIO()
         write_rows(text, ["sample", *self.columns], self._rows(wanted.samples))
         described = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-        return bundle.with_files({COLUMNS: described.encode(), SAMPLES: text.getvalue().encode()})
+        return bundle.with_files({DRAWS: described.encode(), SAMPLES: text.getvalue().encode()})
 
     def _rows(self, samples: int) -> Iterator[list[Any]]:
         yield [0, *[None] * len(self.columns)]

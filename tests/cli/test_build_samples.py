@@ -167,3 +167,33 @@ def test_a_table_is_one_model(folder: Path) -> None:
     assert result.exit_code == 1 and "`ball.xml` has no room for the table of draws" in result.stderr
     result = run("build", "r.yaml", "-o", "other/", "--no-verify")
     assert result.exit_code == 1 and "only MuJoCo knows" in result.stderr
+
+
+def test_a_second_run_builds_nothing_and_has_the_same_table(folder: Path) -> None:
+    assert run("build", "r.yaml", "--all").exit_code == 0
+    first = (folder / "build" / "samples.csv").read_bytes()
+    (folder / "build" / "samples.csv").unlink()
+    again = run("build", "r.yaml", "--all", "--why")
+    assert again.exit_code == 0 and again.stdout.count("is up to date") == 4, again.output
+    assert (folder / "build" / "samples.csv").read_bytes() == first
+
+
+def test_a_known_table_is_not_lost_in_a_form_without_room(folder: Path) -> None:
+    (folder / "r.yaml").write_text(HEAD.replace("params: {size: 1}\n", "") + DRAWS.replace(
+        "    size: {param: size, scale: {uniform: [0.5, 2]}}\n", "").replace("  fields:", "  emit: table\n  fields:"))  # fmt: skip
+    assert run("build", "r.yaml").exit_code == 0
+    refused = run("build", "r.yaml", "-o", "ball.mjb")
+    assert refused.exit_code == 1 and "has no room for the table of draws" in refused.stderr
+    assert not list(folder.glob("*.mjb"))
+
+
+def test_the_name_of_a_cell_means_all_its_samples(folder: Path) -> None:
+    (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS)
+    told = run("plan", "r.yaml", "--json").stdout
+    cells = sorted({each["name"].rpartition("-s")[0] for each in json.loads(told)["cells"]})
+    assert len(cells) == 2
+    result = run("build", "r.yaml", "--pick", cells[0], "-o", "one/{name}.zip")
+    assert result.exit_code == 0, result.output
+    assert list(digests(folder / "one")) == [f"{cells[0]}-s000{n}.zip" for n in range(4)]
+    alone = run("build", "r.yaml", "--pick", cells[0], "-o", "one.zip")
+    assert alone.exit_code == 2 and "error[output-kind]" in alone.stderr and not (folder / "one.zip").exists()
