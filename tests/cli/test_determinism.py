@@ -34,11 +34,11 @@ def test_the_order_of_a_file_system(folder: Path, tmp_path: Path, monkeypatch: p
             target = other / path.relative_to(folder)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, target)
-    assert run("build", "cell.yaml", "-o", "out.zip").exit_code == 0
+    assert run("build", "--no-cache", "cell.yaml", "-o", "out.zip").exit_code == 0
     run("lock", "cell.yaml")
     monkeypatch.chdir(other)
     listed = _backwards(monkeypatch)
-    assert run("build", "cell.yaml", "-o", "out.zip").exit_code == 0
+    assert run("build", "--no-cache", "cell.yaml", "-o", "out.zip").exit_code == 0
     run("lock", "cell.yaml")
     assert listed
     assert (folder / "out.zip").read_bytes() == (other / "out.zip").read_bytes()
@@ -84,13 +84,15 @@ def _backwards(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def test_a_cell_is_the_same_alone_and_among_others(folder: Path) -> None:
     (folder / "cells.yaml").write_text(MATRIX)
-    assert run("build", "cells.yaml", "--all", "-o", "all/{name}.zip").exit_code == 0
+    assert run("build", "--no-cache", "cells.yaml", "--all", "-o", "all/{name}.zip").exit_code == 0
     names = sorted(path.stem for path in (folder / "all").iterdir())
     assert len(names) == 4
     for name in names:
-        assert run("build", "cells.yaml", "--pick", name, "-o", "alone/{name}.zip").exit_code == 0
+        assert (
+            run("build", "--no-cache", "cells.yaml", "--pick", name, "-o", "alone/{name}.zip").exit_code == 0
+        )
     turned = [word for name in reversed(names) for word in ("--pick", name)]
-    assert run("build", "cells.yaml", *turned, "-o", "turned/{name}.zip").exit_code == 0
+    assert run("build", "--no-cache", "cells.yaml", *turned, "-o", "turned/{name}.zip").exit_code == 0
     for name in names:
         expected = (folder / "all" / f"{name}.zip").read_bytes()
         assert (folder / "alone" / f"{name}.zip").read_bytes() == expected
@@ -112,10 +114,10 @@ def test_fetched_at_different_places_and_times(
         f"attach:\n  tool: {{model: '{robots.reference('main', 'arm/tool.xml')}', site: flange}}\n"
     )
     assert run("lock", "cell.yaml").exit_code == 0
-    assert run("build", "cell.yaml", "-o", "one.zip", "--locked").exit_code == 0
+    assert run("build", "--no-cache", "cell.yaml", "-o", "one.zip", "--locked").exit_code == 0
     robots.commit(**{"arm/tool.xml": TOOL.replace("0.01", "0.02")})
     done = process(
-        "build", "cell.yaml", "-o", "two.zip", "--locked",
+        "build", "--no-cache", "cell.yaml", "-o", "two.zip", "--locked",
         env=environment(MJCOMPOSE_CACHE=str(tmp_path / "two"), PYTHONHASHSEED="7", TZ="Asia/Tokyo"),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -136,7 +138,7 @@ def test_source_date_epoch_changes_times_alone(
     for epoch in (None, "1700000000", "0", "99999999999", "soon"):
         if epoch is not None:
             monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
-        result = run("build", "cell.yaml", "-o", out, "--no-verify")
+        result = run("build", "--no-cache", "cell.yaml", "-o", out, "--no-verify")
         assert result.exit_code in (0, 1), epoch
         if result.exit_code:
             assert "SOURCE_DATE_EPOCH" in result.stderr and epoch == "soon"

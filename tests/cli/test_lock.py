@@ -286,3 +286,14 @@ def test_parts_that_a_fetched_recipe_has_beside_it(work: Path) -> None:
     read = {each["path"] for each in manifest["read"]}
     assert {"tool.xml", f"{source}#tool.xml", f"{source}#arm/cell.yaml"} <= read
     assert not any("store" in path for path in read)
+
+
+def test_a_lock_has_what_draws_choose(work: Path) -> None:
+    (work / "other.xml").write_text(TOOL)
+    (work / "cell.yaml").write_text(
+        "recipe: 1\nbase: ./tool.xml\nparams: {what: {type: string, default: tool}}\n"
+        "attach: {p: {model: './${what}.xml'}}\n"
+        "randomize: {seed: 1, samples: 8, fields: {w: {param: what, choice: [tool, other]}}}\n"
+    )
+    assert run("lock", "cell.yaml").exit_code == 0
+    assert set(told(work)) == {"./tool.xml", "./other.xml"}
