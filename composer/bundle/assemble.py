@@ -49,6 +49,10 @@ if TYPE_CHECKING:
     from composer.engine import Compiled
 
 
+_OF_THE_LOCK = ("lock-stale", "source-changed")
+"""Warnings that say nothing of the model: it is the same with an old lock and without one."""
+
+
 def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
     """The bundle, still without its manifest; None where a file is missing."""
     before = context.sink.error_count
@@ -127,7 +131,11 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
             for each in making.checks
         ),
         index=index,
-        warnings=tuple(f"{each.code}: {portable.text(each.message)}" for each in context.sink.diagnostics),
+        warnings=tuple(
+            f"{each.code}: {portable.text(each.message)}"
+            for each in context.sink.diagnostics
+            if each.code not in _OF_THE_LOCK
+        ),
     )
     return with_manifest(bundle, manifest)
 

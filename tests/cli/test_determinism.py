@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import zipfile
@@ -122,6 +123,19 @@ def test_fetched_at_different_places_and_times(
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert (work / "one.zip").read_bytes() == (work / "two.zip").read_bytes()
+
+
+def test_a_lock_that_is_old_changes_no_model(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("build", "--no-cache", "cell.yaml", "-o", "one.zip").exit_code == 0
+    assert run("lock", "cell.yaml").exit_code == 0
+    lock = json.loads((folder / "cell.lock").read_text())
+    lock["sources"]["./models/arm.xml"]["files"]["models/arm.xml"] = "0" * 64
+    del lock["sources"]["./models/tool.xml"]
+    (folder / "cell.lock").write_text(json.dumps(lock))
+    monkeypatch.chdir(folder.parent)
+    result = run("build", "--no-cache", "cell/cell.yaml", "-o", "two.zip")
+    assert "warning[lock-stale]" in result.stderr and "warning[source-changed]" in result.stderr
+    assert (folder / "one.zip").read_bytes() == (folder.parent / "two.zip").read_bytes()
 
 
 @pytest.mark.parametrize("out", ["out.zip", "out.mjz", "out/"])

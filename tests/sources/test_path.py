@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from composer.sources import Source, SourceError, resolve
+from composer.sources import Source, SourceError
+from composer.sources.resolve import resolve
 
 
 @pytest.fixture
