@@ -151,7 +151,7 @@ class _Gathering:
     def _put(
         self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None
     ) -> None:
-        origin = self.fetching.around(main)
+        origin = (source and source.origin) or self.fetching.around(main)
         root = self.folder if origin is None else origin.root
         id = _local_id(_relative(main, root)) if origin is None else origin.id
         if files:

@@ -24,6 +24,7 @@ def resolve(
     source = _resolve(parse(reference), relative_to, environment, fetching)
     if source.origin is not None:
         fetching.origins[source.origin.id] = source.origin
+        fetching.first.setdefault(source.origin.id, source)
     return source
 
 
@@ -50,5 +51,8 @@ def _of_the_same(source: Source, relative_to: Path, fetching: Fetching) -> Sourc
     origin = fetching.around(relative_to)
     if origin is None or fetching.around(source.path) != origin:
         return source
-    licences = licence.find(source.path, origin.root)
-    return replace(source, version=origin.pin, licences=licences, origin=origin)
+    asked = fetching.first.get(origin.id, source)
+    return replace(
+        source, package=asked.package, version=asked.version, licence=asked.licence,
+        licences=licence.find(source.path, origin.root), origin=origin,
+    )  # fmt: skip

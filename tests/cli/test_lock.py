@@ -297,3 +297,16 @@ def test_a_lock_has_what_draws_choose(work: Path) -> None:
     )
     assert run("lock", "cell.yaml").exit_code == 0
     assert set(told(work)) == {"./tool.xml", "./other.xml"}
+
+
+def test_a_branch_and_a_tag_of_one_commit_are_two_sources(work: Path) -> None:
+    robots = work.parent / "robots"
+    git(robots, "tag", "v1")
+    ids = {f"git+file://{robots}@{revision}" for revision in ("main", "v1")}
+    main, tag = sorted(ids)
+    (work / "cell.yaml").write_text(
+        f"recipe: 1\nbase: {main}#arm/arm.xml\nattach:\n  tool: {{model: {tag}#tool.xml, site: flange}}\n"
+    )
+    assert run("lock", "cell.yaml").exit_code == 0
+    assert set(told(work)) == ids
+    assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
