@@ -52,7 +52,9 @@ def _of_the_same(source: Source, relative_to: Path, fetching: Fetching) -> Sourc
     if origin is None or fetching.around(source.path) != origin:
         return source
     asked = fetching.first.get(origin.id, source)
+    own = licence.find(source.path, origin.root)
+    of_the_whole = tuple(each for each in asked.licences if not each.is_relative_to(origin.root))
     return replace(
         source, package=asked.package, version=asked.version, licence=asked.licence,
-        licences=licence.find(source.path, origin.root), origin=origin,
+        licences=own or of_the_whole, origin=origin,
     )  # fmt: skip
