@@ -85,14 +85,32 @@ def _plans_of_cells(recipe: Path, context: Context) -> Iterator[Plan]:
     from composer.build.cells import cells_of
     from composer.plan.make import plan_what_remains
 
-    draws_parameters = False
+    drawn = _draws_may_choose(recipe, context)
     for cell in cells_of(recipe, context):
-        if cell.sample and not draws_parameters:
-            continue  # its sources are those of the nominal model, which comes before it
+        if cell.sample and not drawn:
+            continue  # its sources are those of the nominal model
         plan = plan_what_remains(recipe, context, cell.given, cell.name, cell.sample)
         if plan is not None:
-            draws_parameters = plan.randomize is not None and bool(plan.randomize.of_parameters)
             yield plan
+
+
+def _draws_may_choose(recipe: Path, context: Context) -> bool:
+    """Whether it depends on parameters which models there are; planning every sample takes its time."""
+    from composer.document.node import Mapping, Scalar, Sequence
+    from composer.plan.read import read_recipe
+
+    waiting = [read_recipe(context.folder / recipe, context)]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Sequence):
+            waiting += node.items
+        elif isinstance(node, Mapping):
+            for name, (_, value) in node.entries.items():
+                written = value.text if isinstance(value, Scalar) else ""
+                if name == "when" or (name in ("base", "model") and "${" in written):
+                    return True
+                waiting.append(value)
+    return False
 
 
 def _plans_of_variants(recipe: Path, context: Context) -> Iterator[Plan]:
