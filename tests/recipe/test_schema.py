@@ -295,7 +295,7 @@ def test_every_key_is_explained() -> None:
         ("attach: {left: {pos: [0, 0, 1], euler: null}, right: null}", True),
         ("keyframe: {home: {qpos: {elbow: null}}}", True),
         ("randomize: {samples: 3}", True),
-        ("sensor: {tip: {nose: 0.1}}", False),
+        ("sensor: {tip: {type: force, nose: 0.1}}", False),
         ("attach: {left: {pos: [0, 0]}}", False),
         ("randomize: {samples: many}", False),
     ],
