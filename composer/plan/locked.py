@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from importlib import metadata
 from pathlib import Path
 from typing import cast
 
@@ -204,6 +203,8 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 def _mujoco() -> str | None:
+    from importlib import metadata  # a build without a lock has no use for it
+
     try:
         return metadata.version("mujoco")
     except metadata.PackageNotFoundError:
