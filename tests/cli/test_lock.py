@@ -174,3 +174,8 @@ def test_lock_of_no_recipe(work: Path) -> None:
     assert result.exit_code == 1
     assert "did you mean `cell.yaml`?" in result.stderr
     assert not (work / "cel.lock").exists()
+
+
+def test_a_recipe_without_sources(work: Path) -> None:
+    (work / "cell.yaml").write_text("recipe: 1\nname: empty\n")
+    assert run("lock", "cell.yaml").stdout == "  no sources to pin\nwrote cell.lock\n"
