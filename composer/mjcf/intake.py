@@ -6,9 +6,13 @@ from functools import cache
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.grammar import GRAMMAR, ElementType
+from composer.tree.files import NAMED_AFTER_FILE
+from composer.tree.name_index import MAY_REPEAT, own_name
+from composer.tree.names import DECLARES, naming_table
 from composer.tree.unit import Unit
 
 _KEPT_APART = frozenset({"default"})  # a later section does not reach the classes of an earlier one
@@ -40,6 +44,20 @@ def check_tree(unit: Unit, sink: Sink) -> None:
                     _check_attributes(unit, child, _kind(tag, str(parent.tag)).children[child.tag], sink)
     if not GRAMMAR.root.attributes.keys() >= set(unit.root.keys()):
         _check_attributes(unit, unit.root, GRAMMAR.root, sink)
+
+
+def check_names(unit: Unit, sink: Sink) -> None:
+    """Tell every name that two elements have, where the second one stands."""
+    first: dict[tuple[str, str], Node] = {}
+    for section in unit.root.iterchildren("*"):
+        declaring = _declaring(str(section.tag))
+        for node in section.iterdescendants(*declaring) if declaring else ():
+            attribute, namespace = declaring[node.tag]
+            name = node.get(attribute)
+            if not name and node.tag in NAMED_AFTER_FILE:
+                name = own_name(node, attribute)
+            if name and first.setdefault((namespace, name), node) is not node:
+                _repeated_name(unit, node, attribute, namespace, name, first[namespace, name], sink)
 
 
 def one_of_each_section(unit: Unit) -> None:
@@ -80,6 +98,17 @@ def _table(section: str) -> _Row:
     }
 
 
+@cache
+def _declaring(section: str) -> dict[str, tuple[str, str]]:
+    """For each tag of a section that has names: the attribute, and the namespace."""
+    return {
+        tag: (attribute, namespace)
+        for tag, actions in naming_table(section).items()
+        for attribute, (kind, namespace) in actions.items()
+        if kind == DECLARES and namespace not in MAY_REPEAT
+    }
+
+
 def _kind(section: str, tag: str) -> ElementType:
     return GRAMMAR.section(section) if tag == section else GRAMMAR.within(section)[tag]
 
@@ -92,6 +121,19 @@ def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) ->
         unit.origins.span(node, unit.file),
         notes=(exists_note("element", sorted(parent.children), tag),),
         help=did_you_mean(tag, parent.children, "<{}>"),
+    )
+
+
+def _repeated_name(
+    unit: Unit, node: Node, attribute: str, namespace: str, name: str, first: Node, sink: Sink
+) -> None:
+    is_class = namespace == "default"
+    sink.error(
+        "class-clash" if is_class else "name-clash",
+        f"another {'default class' if is_class else namespace} is called `{name}` already",
+        unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file"),
+        notes=(Note(f"`<{first.tag}>` `{name}` is here", unit.origins.span(first, unit.file)),),
+        help="give one of the two another name",
     )
 
 
