@@ -11,17 +11,32 @@ from typing import TYPE_CHECKING
 from composer.diagnostics.sink import Sink
 
 if TYPE_CHECKING:
+    from composer.diagnostics.diagnostic import Diagnostic
+    from composer.document.node import Node
     from composer.sources.fetching import Fetching
+
+
+@dataclass(frozen=True, slots=True)
+class ReadRecipe:
+    """A recipe file that was read, merged over what it extends: all files of it, and what was found in them."""
+
+    node: Node | None
+    files: tuple[Path, ...]
+    found: tuple[Diagnostic, ...]
 
 
 @dataclass(slots=True)
 class Context:
-    """The environment variables, the folder that paths are shown from, where faults go, and how to fetch."""
+    """The environment variables, the folder that paths are shown from, where faults go, and how to fetch.
+
+    `recipes` is the memory of one run: the recipe files that it has read, none of which is read twice.
+    """
 
     sink: Sink = field(default_factory=Sink)
     environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
     folder: Path = field(default_factory=Path.cwd)
     fetching: Fetching | None = None
+    recipes: dict[Path, ReadRecipe] = field(default_factory=dict)
 
     def shown(self, path: Path) -> str:
         """A path as messages name it: from the user's folder where it is below that."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ from composer import engine
 from composer.bundle.assemble import Checked, Making, assemble, described
 from composer.bundle.bundle import Bundle
 from composer.context import Context
+from composer.document.node import locate
 from composer.plan.locked import check_lock
 from composer.plan.make import Given, plan_what_remains
 from composer.plan.plan import Plan
@@ -20,6 +22,7 @@ from composer.steps.measure import measure_with
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session
     from composer.link.dedup import Merged
+    from composer.link.linking import FileUse
     from composer.verify.outcome import Hear, Outcome
 
 
@@ -44,34 +47,20 @@ def build(
     session: Session | None = None,
     given: Given | None = None,
     name: str | None = None,
+    sample: int = 0,
+    plan: Plan | None = None,
     library: Library | None = None,
     hear: Hear | None = None,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
-    `given` are values of parameters and variants, `name` that of a cell of the matrix; `library` has source files that
-    were read before; `hear` is told what came of each check. All that MuJoCo does is done in one process: that of
-    `session`, or one with `limits` that ends with the build.
+    `given` are values of parameters and variants, `name` that of a cell of the matrix or of a sample, whose draws it
+    has; a `plan` was made of them already. `library` has source files that were read before; `hear` is told what came
+    of each check. All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends with
+    the build.
     """
-    if session is None:
-        with engine.Session(limits) as own:
-            return build(
-                recipe, context, verified=verified, deduplicated=deduplicated, session=own,
-                given=given, name=name, library=library, hear=hear,
-            )  # fmt: skip
-    if (plan := plan_what_remains(recipe, context, given, name)) is None:
-        return None
-    check_lock(plan, context)
-    composer = Composer(context, measure_with(context, session=session), session, library=library)
-    if (composed := composer.compose(plan)) is None:
-        return None
-    merged: Merged = {}
-    if deduplicated:
-        from composer.link.dedup import dedup
-
-        merged, files = dedup(composed.model, composed.files, plan.prefixes)
-        composed = replace(composed, files=files)
-    if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+    plan = plan or plan_what_remains(recipe, context, given, name, sample)
+    if plan is None:
         return None
     checks: list[Checked] = []
 
@@ -80,14 +69,35 @@ def build(
         if hear is not None:
             hear(outcome)
 
-    compiled = _verified(plan, composed, bundle, context, session, merged, note) if verified else None
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session(limits))
+        check_lock(plan, context)
+        composer = Composer(context, measure_with(context, session=session), session, library=library)
+        if (composed := composer.compose(plan)) is None:
+            return None
+        merged: Merged = {}
+        if deduplicated:
+            merged, files = _deduplicated(plan, composed)
+            composed = replace(composed, files=files)
+        if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+            return None
+        compiled = _verified(plan, composed, bundle, context, session, merged, note) if verified else None
+        if composed.tabled and not context.sink.has_errors:
+            bundle = _with_table(plan, composed, bundle, compiled, context, session, deduplicated)
     if context.sink.has_errors:
         return None
     making = Making(
-        plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), name
-    )
+        plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), name,
+        composed.drawn,
+    )  # fmt: skip
     bundle = described(bundle, making, context)
     return Built(plan, composed, bundle, compiled, merged)
+
+
+def _deduplicated(plan: Plan, composed: Composed) -> tuple[Merged, tuple[FileUse, ...]]:
+    from composer.link.dedup import dedup  # few builds need it
+
+    return dedup(composed.model, composed.files, plan.prefixes)
 
 
 def _verified(
@@ -108,3 +118,36 @@ def _verified(
     if compiled is not None:
         run_checks(plan, composed.members, session, context, merged, hear)
     return compiled
+
+
+def _with_table(
+    plan: Plan,
+    composed: Composed,
+    bundle: Bundle,
+    compiled: Compiled | None,
+    context: Context,
+    session: Session,
+    deduplicated: bool,
+) -> Bundle:
+    """The bundle with the table of what `randomize` draws, checked against one sample that is built."""
+    from composer.verify.draw_table import CODE, SAMPLE, DrawTable
+    from composer.verify.judged import judge
+
+    if compiled is None:
+        help = "build without `--no-verify`, or write `emit: models`"
+        span = locate(plan.document, ("randomize", "emit"))
+        context.sink.error(
+            CODE, "only MuJoCo knows where in the model the draws of a table go", span, help=help
+        )
+        return bundle
+    table = DrawTable(plan, composed.tabled, session, context)
+    if not table.fill():
+        return bundle
+    sample = Composer(context, measure_with(context, session=session), session).compose(plan.of_sample(1))
+    if sample is None:
+        return bundle
+    files = _deduplicated(plan, sample)[1] if deduplicated else sample.files
+    made = assemble(plan, sample.model, files, context)
+    if made is not None and judge(made, sample.model, context, session, keep=SAMPLE) is not None:
+        table.compare()
+    return table.added(bundle)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,6 +20,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         for mark in item.iter_markers("mujoco4"):
             item.add_marker(pytest.mark.skip(reason=f"MuJoCo 3: {mark.args[0]}"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """No test uses or fills the store of whoever runs it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MJCOMPOSE_CACHE", str(tmp_path_factory.mktemp("store")))
+        yield
 
 
 def _package(name: str) -> Path:

@@ -2,39 +2,47 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from composer import engine
+from composer.build.made import Made
+from composer.build.maker import Maker
+from composer.build.samples import sample_name, with_samples
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
-from composer.document.node import Mapping, Node, Scalar, find
+from composer.document.node import Mapping, Node, Scalar, find, to_python
 from composer.expand.matrix import Cell, cells
-from composer.pipeline import Built, build
 from composer.plan.read import read_recipe
-from composer.steps.load import Library
 
 
-def cells_of(recipe: Path, context: Context) -> list[Cell]:
-    """The cells in their order, all names and values checked; faults go to the context's sink and give none."""
+def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = None) -> list[Cell]:
+    """What `--all` builds, in order, all names and values checked; faults go to the context's sink and give none.
+
+    These are the cells of the matrix, each with its samples where the recipe draws some.
+    """
     path = context.folder / recipe
     node = read_recipe(path, context)
     if not isinstance(node, Mapping):
         return []
     named = find(node, ("name",))
     name = named.text if isinstance(named, Scalar) else path.stem
-    return cells(node, name, context.sink)
+    return with_samples(node, cells(node, name, context.sink), name, given or {}, context.sink)
 
 
 def picked(every: Sequence[Cell], names: Iterable[str], sink: Sink) -> list[Cell]:
-    """The cells of these names."""
+    """The cells of these names; that of a cell which is built as samples means all of them."""
     by_name = {cell.name: cell for cell in every}
     found: list[Cell] = []
     for name in names:
         if name in by_name:
             found.append(by_name[name])
+            continue
+        if samples := [each for each in every if each.name == sample_name(name, each.sample)]:
+            found += samples
             continue
         sink.error(
             "unknown-name",
@@ -46,22 +54,18 @@ def picked(every: Sequence[Cell], names: Iterable[str], sink: Sink) -> list[Cell
 
 
 def build_cells(
-    recipe: Path,
-    chosen: Iterable[Cell],
-    context: Context,
-    given: dict[str, Node],
-    *,
-    verified: bool,
-    deduplicated: bool,
-    session: engine.Session,
-) -> Iterator[tuple[Cell, Context, Built | None]]:
+    maker: Maker, chosen: Iterable[Cell], context: Context, given: dict[str, Node], session: engine.Session
+) -> Iterator[tuple[Cell, Context, Made | None]]:
     """Each cell with a context of its own, in which its faults are, and what came of it."""
-    library: Library = {}
     for cell in chosen:
         own = replace(context, sink=Sink())
-        values = {**given, **cell.given}
-        built = build(
-            recipe, own, given=values, name=cell.name, verified=verified, deduplicated=deduplicated,
-            session=session, library=library,
-        )  # fmt: skip
-        yield cell, own, built
+        values = {f"`{name}`": _text(node) for name, node in cell.given.items()}
+        question = maker.question(cell.name, {**values, "the sample": str(cell.sample)})
+        made, why = maker.recall(question, own)
+        if made is None:
+            made = maker.make(own, session, {**given, **cell.given}, cell.name, cell.sample, question, why)
+        yield cell, own, made
+
+
+def _text(node: Node) -> str:
+    return node.text if isinstance(node, Scalar) else json.dumps(to_python(node))

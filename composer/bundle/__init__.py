@@ -1,16 +1,20 @@
 """Bundles: a finished model as `{path: bytes}` with a manifest, and the forms it is written in.
 
-`write` never leaves half an output. The manifest is in `composer.bundle.manifest`, which alone imports
-pydantic.
+`composer.bundle.write` never leaves half an output. The manifest is in `composer.bundle.manifest`, which alone imports
+pydantic. What is not used is not imported.
 """
 
 from __future__ import annotations
 
-from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError
-from composer.bundle.licences import licence_files
-from composer.bundle.output_error import OutputError
-from composer.bundle.read import ReadError, ReadLimits, read
-from composer.bundle.write import Form, form_of, write
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError
+    from composer.bundle.form import Form, form_of
+    from composer.bundle.licences import licence_files
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.read import ReadError, ReadLimits
 
 __all__ = [
     "MANIFEST",
@@ -23,6 +27,19 @@ __all__ = [
     "ReadLimits",
     "form_of",
     "licence_files",
-    "read",
-    "write",
 ]
+
+_ROOMS = {
+    "bundle": ("MANIFEST", "MODEL", "Bundle", "BundleError"),
+    "form": ("Form", "form_of"),
+    "licences": ("licence_files",),
+    "output_error": ("OutputError",),
+    "read": ("ReadError", "ReadLimits"),
+}
+_HOME = {name: room for room, names in _ROOMS.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"composer.bundle.{_HOME[name]}"), name)

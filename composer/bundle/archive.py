@@ -1,8 +1,6 @@
 """A bundle as a zip, which is a valid MJZ: MuJoCo opens it as it is.
 
-The same bundle gives the same bytes, whatever the clock, the time zone, the umask or the folder. How much a
-file is packed depends on its name alone: MJCF and other text as far as is usual; meshes lightly, which for
-them is nearly as small and several times faster; images and archives, which are packed already, not at all.
+The same bundle gives the same bytes, whatever the clock, the time zone, the umask or the folder.
 (Packed bytes still depend on the zlib that Python was built with; `Bundle.sha256` does not.)
 """
 
@@ -10,17 +8,13 @@ from __future__ import annotations
 
 import time
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
 from composer.bundle.bundle import MODEL, Bundle
 from composer.bundle.output_error import OutputError
+from composer.bundle.packing import Packed, Packing, level_of, packed_now
 from composer.bundle.staging import staged_file
-
-_TEXT_LEVEL = 6
-_MESH_LEVEL = 1
-_TEXT = {".xml", ".json", ".txt", ".md", ".yaml", ".yml", ".csv", ".mtl", ""}
-_PACKED = {".png", ".jpg", ".jpeg", ".webp", ".ktx", ".zip", ".mjz", ".gz"}
 
 _FIRST_SECOND = 315532800  # 1980-01-01, the first day a zip can tell
 _LAST_SECOND = 4354819198  # 2107-12-31 23:59:58, the last
@@ -28,42 +22,58 @@ _UNIX = 3
 _MODE = 0o100644
 
 
-def write_archive(bundle: Bundle, out: Path, environment: Mapping[str, str]) -> None:
+def write_archive(
+    bundle: Bundle, out: Path, environment: Mapping[str, str], packing: Packing = packed_now
+) -> None:
     """Write the bundle as a zip to `out`: the model first, then the other files sorted by path.
 
     (Other XML files would come before the model: of several, `MjSpec.from_zip` takes the last.)
     All files are from 1980-01-01, or from SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises
     OutputError; then an older `out` is untouched.
     """
-    if bundle.model not in (MODEL, f"{out.stem}.xml"):
+    write_packed(bundle.files, bundle.model, out, environment, lambda path: packing(bundle, path))
+
+
+def write_packed(
+    paths: Iterable[str],
+    model: str,
+    out: Path,
+    environment: Mapping[str, str],
+    packed: Callable[[str], Packed],
+) -> None:
+    """The same for a bundle of which there are only its paths and how each file is packed."""
+    if model not in (MODEL, f"{out.stem}.xml"):
         raise OutputError(
             "output-kind",
-            f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{bundle.model}`",
-            f"name the archive `{PurePosixPath(bundle.model).stem}{out.suffix}`",
+            f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`",
+            f"name the archive `{PurePosixPath(model).stem}{out.suffix}`",
         )
     moment = _moment(environment.get("SOURCE_DATE_EPOCH"))
     with staged_file(out) as stage, zipfile.ZipFile(stage, "w") as archive:
-        for path in sorted(bundle.files, key=lambda path: _rank(path, bundle.model)):
+        for path in sorted(paths, key=lambda path: _rank(path, model)):
             info = zipfile.ZipInfo(path, moment)
             info.create_system = _UNIX
             info.external_attr = _MODE << 16
-            level = _level(path)
-            info.compress_type = zipfile.ZIP_DEFLATED if level else zipfile.ZIP_STORED
-            archive.writestr(info, bundle.files[path], compresslevel=level or None)
+            info.compress_type = zipfile.ZIP_DEFLATED if level_of(path) else zipfile.ZIP_STORED
+            _copy(archive, info, packed(path))
+
+
+def _copy(archive: zipfile.ZipFile, info: zipfile.ZipInfo, packed: Packed) -> None:
+    """Put what is packed already into the archive, which `ZipFile` itself has no way to do."""
+    assert archive.fp is not None
+    info.CRC, info.file_size, info.compress_size = packed.crc, packed.size, len(packed.data)
+    info.header_offset = archive.fp.tell()
+    archive.fp.write(info.FileHeader())
+    archive.fp.write(packed.data)
+    archive.filelist.append(info)
+    archive.NameToInfo[info.filename] = info
+    archive.start_dir = archive.fp.tell()
 
 
 def _rank(path: str, model: str) -> tuple[int, str]:
     if path == model:
         return 1, path
     return (0 if path.endswith(".xml") else 2), path
-
-
-def _level(path: str) -> int:
-    """How hard a file is packed, 0 for not at all."""
-    suffix = PurePosixPath(path).suffix.lower()
-    if suffix in _PACKED:
-        return 0
-    return _TEXT_LEVEL if suffix in _TEXT else _MESH_LEVEL
 
 
 def _moment(epoch: str | None) -> tuple[int, int, int, int, int, int]:

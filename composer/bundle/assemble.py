@@ -13,6 +13,7 @@ from composer.bundle.collect import collect
 from composer.bundle.licences import licence_files, licence_folder
 from composer.bundle.manifest import (
     Check,
+    Draw,
     Input,
     Manifest,
     Origin,
@@ -34,6 +35,7 @@ from composer.document.node import Sequence as List
 from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
+from composer.plan.drawn import Drawn
 from composer.plan.member import Member
 from composer.plan.plan import Plan
 from composer.sources.digest import sha256_of
@@ -87,6 +89,7 @@ class Making:
     merged: Merged
     checks: tuple[Checked, ...] = ()
     cell: str | None = None
+    drawn: tuple[Drawn, ...] = ()
 
 
 def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
@@ -109,6 +112,9 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
         cell=making.cell,
         variants=dict(plan.variants),
         params={name: value for name, value in plan.scope.items() if name not in plan.variants},
+        seed=plan.randomize.seed if plan.randomize else None,
+        sample=plan.sample if plan.randomize else None,
+        draws=tuple(_draw(each) for each in making.drawn),
         inputs=inputs,
         parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
         read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, portable)),
@@ -220,4 +226,15 @@ def _part(member: Member, number: int, renamed: Renamed) -> Part:
         changed=member.changed,
         obscure=member.obscure,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
+    )
+
+
+def _draw(drawn: Drawn) -> Draw:
+    return Draw(
+        field=drawn.field,
+        element=drawn.element,
+        attribute=drawn.attribute,
+        component=drawn.start,
+        operation=drawn.operation,
+        value=drawn.value,  # type: ignore[arg-type]  # vectors of vectors are not drawn
     )

@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 MODEL = "model.xml"
 MANIFEST = "manifest.json"
+DRAWS = "randomize.json"
 _DRIVE = re.compile(r"[A-Za-z]:")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from composer.bundle.assemble import sources
 from composer.context import Context
-from composer.plan.plan import Plan
-from composer.sources.spdx import UNKNOWN, licence_of
+
+if TYPE_CHECKING:
+    from composer.plan.plan import Plan
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +29,9 @@ class Row:
 
 def licence_rows(plan: Plan, context: Context) -> list[Row]:
     """A row for each part, the base by the name of its file. Reads the licence files and the heads of the models."""
+    from composer.bundle.assemble import sources  # what was built before needs none of this
+    from composer.sources.spdx import licence_of
+
     return [
         Row(label, source.reference, licence_of(source), tuple(map(context.shown, source.licences)))
         for label, source in sources(plan)
@@ -36,6 +40,8 @@ def licence_rows(plan: Plan, context: Context) -> list[Row]:
 
 def licence_table(rows: Iterable[Row]) -> str:
     """The rows under their headings, in columns."""
+    from composer.sources.spdx import UNKNOWN
+
     lines = [("part", "source", "licence", "file")]
     lines += [(row.part, row.source, row.licence or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
     widths = [max(len(line[column]) for line in lines) for column in range(3)]

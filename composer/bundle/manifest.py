@@ -216,12 +216,18 @@ class Check(_Part):
 
 
 class Draw(_Part):
-    """One value that `randomize` drew."""
+    """What `randomize` drew for one element, or for a parameter."""
 
-    field: str
-    element: str | None = Field(default=None, description="null for a parameter.")
-    attribute: str | None = None
-    value: float | int | str | tuple[float, ...]
+    field: str = Field(description="The name of the field in the recipe.")
+    element: str | None = Field(default=None, description="What the draw goes by; null for a parameter.")
+    attribute: str = Field(description="The attribute, or the parameter.")
+    component: int = Field(default=0, ge=0, description="Which number of the attribute the first one is.")
+    operation: Literal["set", "scale", "offset"] = Field(
+        description="Whether what was drawn is the value, a factor of it or added to it."
+    )
+    value: bool | int | float | str | tuple[bool | int | float | str, ...] = Field(
+        description="What was drawn; angles in radians, those of a parameter in its unit."
+    )
 
 
 class Manifest(_Part):
@@ -239,6 +245,7 @@ class Manifest(_Part):
     cell: str | None = Field(default=None, description="The cell of the recipe's matrix; null for none.")
     variants: dict[str, str] = Field(default={}, description="The chosen value of every variant.")
     params: dict[str, Any] = Field(default={}, description="The value of every parameter.")
+    seed: int | None = Field(default=None, description="Of the draws; null without `randomize`.")
     sample: int | None = Field(default=None, ge=0, description="The sample's number; 0 is the nominal model.")
     draws: tuple[Draw, ...] = ()
     inputs: tuple[Input, ...] = ()

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from composer.bundle.assemble import sources
 from composer.bundle.output_error import OutputError
 from composer.bundle.staging import real
-from composer.link.linking import FileUse
-from composer.plan.plan import Plan
-from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from composer.link.linking import FileUse
+    from composer.plan.plan import Plan
+    from composer.tree.unit import Unit
 
 
-def check_is_no_source(out: Path, plan: Plan, model: Unit, uses: Iterable[FileUse]) -> None:
+def check_is_no_source(out: Path, files: Iterable[Path]) -> None:
     """Refuse an output that is, or as a folder holds, a recipe, a model or an asset of this very build.
 
     Raises OutputError.
     """
     target = real(out)
-    for path in _read(plan, model, uses):
+    for path in files:
         source = real(path)
         if source == target:
             what = f"`{out}` is one of the files that this model is built from"
@@ -30,7 +32,10 @@ def check_is_no_source(out: Path, plan: Plan, model: Unit, uses: Iterable[FileUs
         raise OutputError("output-unwritable", what, "choose another output")
 
 
-def _read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
+def files_read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
+    """The recipes, models and assets that a model was made of."""
+    from composer.bundle.assemble import sources  # what was built before needs none of this
+
     yield from _recipes(plan)
     yield from (source.path for _, source in sources(plan))
     yield from (text for text in model.origins.texts.values() if isinstance(text, Path))
@@ -40,5 +45,5 @@ def _read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
 def _recipes(plan: Plan) -> Iterator[Path]:
     yield plan.path
     for part in (plan.base.model, *(part.model for part in plan.parts)):
-        if isinstance(part, Plan):
+        if isinstance(part, type(plan)):
             yield from _recipes(part)

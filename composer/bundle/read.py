@@ -74,7 +74,12 @@ def _read_folder(folder: Path, limits: ReadLimits) -> dict[str, bytes]:
             if len(sizes) > limits.files:
                 break
     _check_sizes(sizes, folder, limits)
-    return {path: (folder / path).read_bytes() for path in sizes}
+    files = {path: (folder / path).read_bytes() for path in sizes}
+    if b'"../assets/' not in files.get(MANIFEST, b""):
+        return files
+    from composer.bundle.shared import gathered  # which needs a tree
+
+    return gathered(files, folder)
 
 
 def _read_archive(file: Path, limits: ReadLimits) -> dict[str, bytes]:

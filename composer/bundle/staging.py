@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from composer.bundle.output_error import OutputError, unwritable
 
 def sibling(target: Path, purpose: str) -> Path:
     """A path beside `target`, on the same file system, that nobody uses."""
-    return target.with_name(f".{target.name}.{purpose}-{secrets.token_hex(6)}")
+    return target.with_name(f".{target.name}.{purpose}-{os.urandom(6).hex()}")
 
 
 @contextlib.contextmanager

@@ -7,14 +7,13 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from composer.bundle.output_error import OutputError
-from composer.bundle.staging import staged_file
 from composer.link.linking import FileUse
 from composer.tree.unit import Unit
 from composer.tree.write import write
 
 
-def write_text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes | None:
-    """Write the text to `out`; given back instead where that is `-`.
+def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes:
+    """The text for the output `out`, `-` for standard output.
 
     Files are named by paths from the folder of the output (from `folder` for `-`) to the sources, so that the text
     loads where it was written. Raises OutputError for what no file on disk holds.
@@ -36,12 +35,7 @@ def write_text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Pat
                 f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)",
             )
         use.element.set(use.attribute, path)
-    text = write(model.root)
-    if out == "-":
-        return text
-    with staged_file(target) as stage:
-        stage.write_bytes(text)
-    return None
+    return write(model.root)
 
 
 def _is_text(path: str) -> bool:

@@ -11,8 +11,6 @@ from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import staged_file, write_files
 
-SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
-
 
 def write_usd(
     bundle: Bundle,

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.choices import choice_options, chosen_values
+from composer.cli.caching import caching, caching_options
+from composer.cli.choices import choice_options, chosen_values, named_choices
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
 
 if TYPE_CHECKING:
-    from composer.bundle.write import Form
+    from composer.build.made import Made
+    from composer.build.maker import Maker
+    from composer.bundle.bundle import Bundle
+    from composer.bundle.form import Form
     from composer.context import Context
     from composer.document import Node
     from composer.engine import Session
-    from composer.pipeline import Built
 
 
 @click.command()
@@ -35,15 +41,25 @@ if TYPE_CHECKING:
     "--all",
     "every",
     is_flag=True,
-    help="Build every cell of the recipe's matrix, or the one model that it is.",
+    help="Build every cell of the recipe's matrix and every sample, or the one model that it is.",
 )
-@click.option("--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix.")
+@click.option(
+    "--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix, or this sample."
+)
+@click.option(
+    "--samples",
+    metavar="FILE",
+    help="The table of what was drawn, *.csv or *.parquet; with --all: samples.csv beside the models.",
+)
+@click.option("--shared-assets", is_flag=True, help="Keep the assets of all cells in one folder: with"
+              " -o 'DIR/{name}/' that is DIR/assets/.")  # fmt: skip
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--licenses", is_flag=True, help="Print the licence of every part.")
 @click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
+@caching_options
 @fetching_options
 @reporting_options
 def command(
@@ -54,36 +70,62 @@ def command(
     variants: tuple[str, ...],
     every: bool,
     picks: tuple[str, ...],
+    samples: str | None,
+    shared_assets: bool,
     no_verify: bool,
     dedup: bool,
     licenses: bool,
     timeout: float,
+    no_cache: bool,
+    why: bool,
     form: str,
     as_json: bool,
 ) -> None:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
+    from composer.build.maker import Maker
+    from composer.build.order import Order
     from composer.bundle.output_error import OutputError
     from composer.context import Context
-    from composer.engine import Limits, Session
 
     form = "json" if as_json else form
-    context = Context(fetching=fetching())
-    given = chosen_values(sets, set_files, variants, context)
+    how = fetching()
+    context = Context(fetching=how)
     try:
-        kind = kind_of_output(out, many=every or len(picks) > 1)
+        if shared_assets:
+            out, kind = _for_shared_assets(out, one=not every and not picks)
+        else:
+            kind = kind_of_output(out, many=every or len(picks) > 1)
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
-    if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    wanted = Wanted("build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form, licenses)
-    with Session(Limits(seconds=timeout)) as session:
-        if every or picks:
-            from composer.cli.build_cells import build_cells
+    wanted = Wanted(
+        "build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form, why, licenses
+    )
+    order = Order(
+        wanted.verified, dedup, wanted.text_beside(context.folder), named_choices(sets, set_files, variants, context),
+        how.locked, how.offline,
+    )  # fmt: skip
+    with caching(context, no_cache) as cache:
+        maker = Maker(recipe, order, cache, context, kind, partial(wanted.place, context.folder))
+        one = not every and not picks
+        reasons: tuple[str, ...] = ()
+        if one:
+            known, reasons = maker.recall(maker.question(), context)
+            if known is not None:
+                sys.exit(finish(known, maker, wanted, context, None))
+        given = chosen_values(sets, set_files, variants, context)
+        if context.sink.has_errors:
+            report(context, form)
+            sys.exit(USAGE)
+        from composer.engine import Limits, Session
 
-            sys.exit(build_cells(recipe, wanted, given, picks, context, session))
-        progress(f"building {recipe}")
-        sys.exit(build_one(recipe, wanted, given, context, session))
+        with Session(Limits(seconds=timeout)) as session:
+            if not one:
+                from composer.cli.build_cells import build_cells
+
+                sys.exit(build_cells(maker, wanted, given, picks, context, session, samples))
+            sys.exit(build_one(maker, wanted, given, context, session, reasons))
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,13 +137,33 @@ class Wanted:
     verified: bool
     deduplicated: bool
     form: str
+    why: bool = False
     licenses: bool = False
+
+    def target(self, name: str, mujoco: str | None) -> str:
+        """Where a model goes, by its name and the version of MuJoCo that compiled it."""
+        target = self.out.replace("{name}", _file_name(name))
+        if self.kind != "mjb":
+            return target
+        from composer.bundle.mjb import with_version
+
+        return with_version(target, mujoco)
+
+    def place(self, folder: Path, name: str, mujoco: str | None) -> Path | None:
+        """The same as a path; None for standard output."""
+        return None if self.out == "-" else Path(os.path.abspath(folder / self.target(name, mujoco)))
+
+    def text_beside(self, folder: Path) -> Path | None:
+        """The folder from which text alone names its files, where that is wanted."""
+        if self.kind != "text":
+            return None
+        return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
 
 
 def kind_of_output(out: str | None, many: bool) -> Form:
     """What OUT asks for; raises OutputError where that cannot be told, or `many` models would go to one place."""
+    from composer.bundle.form import Form, form_of
     from composer.bundle.output_error import OutputError
-    from composer.bundle.write import Form, form_of
 
     if out is None:
         return Form.ARCHIVE
@@ -112,46 +174,72 @@ def kind_of_output(out: str | None, many: bool) -> Form:
     return Form.TEXT if out == "-" else form_of(out)
 
 
-def build_one(
-    recipe: Path, wanted: Wanted, given: dict[str, Node], context: Context, session: Session
-) -> int:
-    from composer.pipeline import build
+_NO_SHARING = {
+    "archive": "a zip cannot refer to files outside of it",
+    "text": "text alone names the sources' own files, and none is copied",
+    "mjb": "MuJoCo's binary form has its assets in it",
+    "usd": "USD has meshes in its layers",
+}
 
-    built = build(
-        recipe,
-        context,
-        given=given,
-        verified=wanted.verified,
-        deduplicated=wanted.deduplicated,
-        session=session,
-    )
-    target = None if built is None else put(built, wanted, context, session)
+
+def _for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
+    """The output of models that share their assets, and its form; raises OutputError for what cannot be."""
+    from composer.bundle.form import Form
+    from composer.bundle.output_error import OutputError
+
+    out = "build/{name}/" if out is None else out
+    help = "write `--all -o 'build/{name}/'`"
+    if one:
+        raise OutputError("output-kind", "one model has nobody to share its assets with", help)
+    kind = kind_of_output(out, many=True)
+    if kind is not Form.FOLDER:
+        raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
+    if "{name}" in os.path.dirname(out.rstrip("/")):
+        raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
+    return out, Form.SHARED
+
+
+def build_one(
+    maker: Maker,
+    wanted: Wanted,
+    given: dict[str, Node],
+    context: Context,
+    session: Session,
+    why: tuple[str, ...],
+) -> int:
+    """Build the one model that the recipe is; gives the exit code."""
+    progress(f"building {maker.recipe}")
+    made = maker.make(context, session, given, question=maker.question(), why=why)
+    return finish(made, maker, wanted, context, session)
+
+
+def finish(made: Made | None, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> int:
+    """Write the model, and tell what there is to tell; gives the exit code."""
+    target = None if made is None else put(made, maker, wanted, context, session)
     report(context, wanted.form, err=wanted.out == "-")
-    if built is None or target is None or context.sink.has_errors:
+    if made is None or target is None or context.sink.has_errors:
         return FINDINGS
     if wanted.out != "-":
-        say(built, target, wanted, context)
-    elif built.merged:
-        click.echo(_merging(built), err=True)
+        say(made, target, wanted)
+    else:
+        for line in _remarks(made, wanted):
+            click.echo(line, err=True)
     return 0
 
 
-def put(built: Built, wanted: Wanted, context: Context, session: Session) -> str | None:
+def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> str | None:
     """Write a model where it is wanted; gives the place, or None where that cannot be, which is told."""
-    from composer.bundle.licence_table import licence_rows, tell_unlicensed
-    from composer.bundle.mjb import with_version
+    from composer.bundle.licence_table import tell_unlicensed
     from composer.bundle.output_error import OutputError
-    from composer.bundle.write import Form
 
-    target = wanted.out.replace("{name}", _file_name(built.plan.name))
-    if wanted.kind is Form.MJB:
-        target = with_version(target, built.compiled.mujoco_version if built.compiled else None)
+    target = wanted.target(made.name, made.mujoco)
     try:
-        _write(built, target, wanted.kind, context, session)
+        if not made.is_written:
+            maker.note_written(made, _write(made, target, maker, wanted, context, session))
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         return None
-    tell_unlicensed(licence_rows(built.plan, context), context)
+    tell_unlicensed(made.licences, context)
     return target
 
 
@@ -160,66 +248,125 @@ def _file_name(name: str) -> str:
     return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"
 
 
-def _write(built: Built, out: str, kind: Form, context: Context, session: Session) -> None:
-    from composer.bundle.overwriting import check_is_no_source
-    from composer.bundle.text_alone import write_text_alone
-    from composer.bundle.write import Form, write
+def _write(
+    made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
+) -> tuple[Path, ...]:
+    """Gives what was written elsewhere than to `out`."""
+    from composer.bundle.overwriting import check_is_no_source, files_read
 
+    built = made.built
+    if wanted.kind in ("text", "mjb", "usd") and made.bundle is not None:
+        _check_holds_all(made.bundle, out)
     if out != "-":
-        check_is_no_source(context.folder / out, built.plan, built.composed.model, built.composed.files)
-    if kind is Form.TEXT:
-        text = write_text_alone(built.composed.model, built.composed.files, out, context.folder)
-        if text is not None and sys.stdout is not None:
+        read: Iterator[Path] = map(Path, made.inputs)
+        if built is not None:
+            read = files_read(built.plan, built.composed.model, built.composed.files)
+        check_is_no_source(context.folder / out, read)
+    if wanted.kind == "text":
+        text = made.text
+        if built is not None:
+            from composer.bundle.text_alone import text_alone
+
+            text = text_alone(built.composed.model, built.composed.files, out, context.folder)
+            maker.keep_text(made, text, context)
+        assert text is not None
+        if out != "-":
+            from composer.bundle.staging import staged_file
+
+            with staged_file(context.folder / out) as stage:
+                stage.write_bytes(text)
+        elif sys.stdout is not None:
             sys.stdout.buffer.write(text)
             sys.stdout.buffer.flush()
-        return
+    elif wanted.kind == "folder with shared assets":
+        from composer.bundle.shared import write_shared
 
-    def lost(warning: str) -> None:
-        context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
+        assert made.bundle is not None
+        return write_shared(made.bundle, Path(os.path.abspath(context.folder / out)))
+    elif made.packed and made.record is not None:
+        from composer.bundle.archive import write_packed
 
-    write(built.bundle, out, environment=context.environment, session=session, tell=lost)
+        write_packed(made.packed, made.record.model, Path(out), context.environment, made.packed.__getitem__)
+    else:
+        from composer.bundle.write import write
+
+        def lost(warning: str) -> None:
+            context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
+
+        assert made.bundle is not None
+        write(
+            made.bundle, out, environment=context.environment, session=session, packing=maker.packing, tell=lost
+        )  # fmt: skip
+        if wanted.kind == "mjb":
+            from composer.bundle.mjb import manifest_beside
+
+            return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
+    return ()
 
 
-def say(built: Built, out: str, wanted: Wanted, context: Context) -> None:
-    """Tell what was written."""
+def _check_holds_all(bundle: Bundle, out: str) -> None:
+    """Refuse an output that has no room for a table of draws."""
+    from composer.bundle.bundle import DRAWS
+    from composer.bundle.output_error import OutputError
+
+    if DRAWS in bundle.files:
+        help = "write a folder or an archive, such as `-o build/{name}.zip`"
+        raise OutputError("output-kind", f"`{out}` has no room for the table of draws", help)
+
+
+def say(made: Made, out: str, wanted: Wanted) -> None:
     import json
 
-    from composer.bundle.licence_table import licence_rows, licence_table
-
-    rows = licence_rows(built.plan, context) if wanted.licenses else []
-    sizes = built.compiled.sizes if built.compiled else {}
+    sizes = made.sizes or {}
     if wanted.form == "json":
         told: dict[str, object] = {
             "output": out,
-            "name": built.plan.name,
-            "sha256": built.bundle.sha256,
+            "name": made.name,
+            "sha256": made.sha256,
             "sizes": dict(sizes),
         }
-        if built.merged:
-            told["merged"] = {kind: dict(names) for kind, names in built.merged.items()}
+        if made.merged:
+            told["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
         if wanted.licenses:
-            told["licences"] = [asdict(row) for row in rows]
+            told["licences"] = [asdict(row) for row in made.licences]
+        if wanted.why:
+            told["built"] = made.built is not None
+            told["why"] = list(made.why)
         click.echo(json.dumps(told))
         return
-    click.echo(f"wrote {out}")
+    click.echo(f"{out} is up to date" if made.is_written else f"wrote {out}")
     if sizes:
         counted = ", ".join(_count(*each) for each in (
             (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
         ))  # fmt: skip
-        click.echo(f"  {built.plan.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
+        click.echo(f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
     else:
         click.echo("  not verified: MuJoCo has not compiled it")
-    if built.merged:
-        click.echo(_merging(built))
-    click.echo(f"  contents sha256 {built.bundle.sha256}")
-    if rows:
-        click.echo(licence_table(rows))
+    for line in _remarks(made, wanted):
+        click.echo(line)
+    click.echo(f"  contents sha256 {made.sha256}")
+    if wanted.licenses and made.licences:
+        from composer.bundle.licence_table import licence_table
+
+        click.echo(licence_table(made.licences))
 
 
-def _merging(built: Built) -> str:
+def _remarks(made: Made, wanted: Wanted) -> Iterator[str]:
+    if made.merged:
+        yield _merging(made)
+    if wanted.why:
+        if made.built is not None:
+            yield from (f"  built: {line}" for line in made.why)
+        else:
+            yield from (
+                f"  not built again: {line}" for line in made.why or ("nothing that it depends on changed",)
+            )
+
+
+def _merging(made: Made) -> str:
     plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
     counts = ", ".join(
-        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in built.merged.items()
+        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in made.merged.items()
     )
     return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
 

@@ -1,9 +1,10 @@
-"""`mjcompose cache`: look at what was fetched, make it smaller, see that it is whole."""
+"""`mjcompose cache`: look at what was fetched and built, make it smaller, see that it is whole."""
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 import click
@@ -13,21 +14,28 @@ from composer.cli.reporting import FINDINGS, USAGE, report
 if TYPE_CHECKING:
     from composer.context import Context
     from composer.sources.error import SourceError
-    from composer.sources.store import Entry, Store
+    from composer.sources.store import Store
 
 
 @click.group()
 def command() -> None:
-    """Look after the store of what was fetched. MJCOMPOSE_CACHE names its folder, MJCOMPOSE_CACHE_SIZE its bound."""
+    """Look after the store of what was fetched and built.
+
+    MJCOMPOSE_CACHE names its folder, MJCOMPOSE_CACHE_SIZE its bound.
+    """
 
 
 @command.command()
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def info(as_json: bool) -> None:
     """Print where the store is, its size, and what is in it."""
+    from composer.sources.blobs import blobs
+
     store, _ = _store()
     entries = store.entries()
-    size = sum(entry.size for entry in entries)
+    built = list(blobs(store.folder))
+    size_built = sum(blob.size for blob in built)
+    size = sum(entry.size for entry in entries) + size_built
     if as_json:
         told = [
             {
@@ -40,10 +48,20 @@ def info(as_json: bool) -> None:
             for each in entries
         ]
         click.echo(
-            json.dumps({"folder": str(store.folder), "size": size, "limit": store.limit, "entries": told})
+            json.dumps(
+                {
+                    "folder": str(store.folder),
+                    "size": size,
+                    "limit": store.limit,
+                    "entries": told,
+                    "builds": {"size": size_built, "files": len(built)},
+                }
+            )
         )
         return
     click.echo(f"{store.folder}: {_bytes(size)} of at most {_bytes(store.limit)}, {_count(entries)}")
+    if built:
+        click.echo(f"  {_bytes(size_built):>9}  built models, {len(built)} files")
     for entry in reversed(entries):
         click.echo(f"  {_bytes(entry.size):>9}  {entry.kind} {entry.key[:12]}  {entry.origin}")
     if unfinished := store.unfinished():
@@ -77,12 +95,21 @@ def prune(size: str | None, everything: bool) -> None:
 @command.command()
 @click.option("--fix", is_flag=True, help="Remove what is damaged: it is fetched again when it is needed.")
 def verify(fix: bool) -> None:
-    """Hash every file in the store again, and tell what is damaged."""
+    """Hash every file in the store again, and tell what is damaged.
+
+    Damaged files of built models are removed: they are built again when they are needed.
+    """
     from composer.diagnostics.diagnostic import Note
+    from composer.sources.blobs import blobs, is_damaged
     from composer.sources.error import SourceError
 
     store, context = _store()
     entries = store.entries()
+    built = list(blobs(store.folder))
+    for blob in built:
+        if is_damaged(blob):
+            blob.path.unlink(missing_ok=True)
+            click.echo(f"removed {blob.path}: it was damaged")
     for entry in entries:
         if not (damage := store.damage(entry)):
             continue
@@ -102,7 +129,7 @@ def verify(fix: bool) -> None:
     report(context, "text")
     if context.sink.has_errors:
         sys.exit(FINDINGS)
-    click.echo(f"looked at {_count(entries)}")
+    click.echo(f"looked at {_count([*entries, *built])}")
 
 
 def _store() -> tuple[Store, Context]:
@@ -123,7 +150,7 @@ def _fail(error: SourceError, context: Context, code: int = FINDINGS) -> NoRetur
     sys.exit(code)
 
 
-def _count(entries: list[Entry]) -> str:
+def _count(entries: Sequence[object]) -> str:
     return "1 entry" if len(entries) == 1 else f"{len(entries)} entries"
 
 

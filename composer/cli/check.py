@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.choices import choice_options, chosen_values
+from composer.cli.caching import caching, no_cache_option
+from composer.cli.choices import choice_options, chosen_values, named_choices
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.junit import junit_option, suite_of, write_junit
 from composer.cli.reporting import FINDINGS, progress, report, reporting_options
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 @choice_options
 @click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo, nor run their checks.")
 @junit_option
+@no_cache_option
 @fetching_options
 @reporting_options
 def command(
@@ -31,6 +33,7 @@ def command(
     variants: tuple[str, ...],
     no_verify: bool,
     junit: str | None,
+    no_cache: bool,
     form: str,
     as_json: bool,
 ) -> None:
@@ -38,22 +41,31 @@ def command(
 
     Nothing is written but what --junit asks for.
     """
+    from composer.build.maker import Maker
+    from composer.build.order import Order
     from composer.context import Context
-    from composer.pipeline import build
 
     form = "json" if as_json else form
     wrong = False
     suites = []
     for recipe in recipes:
-        context = Context(fetching=fetching())
-        given = chosen_values(sets, set_files, variants, context)
-        progress(f"checking {recipe}")
+        how = fetching()
+        context = Context(fetching=how)
+        choices = named_choices(sets, set_files, variants, context)
+        order = Order(not no_verify, choices=choices, locked=how.locked, offline=how.offline)
         outcomes: list[Outcome] = []
-        built = build(recipe, context, given=given, verified=not no_verify, hear=outcomes.append)
+        with caching(context, no_cache) as cache:
+            maker = Maker(recipe, order, cache, context)
+            question = maker.question()
+            made, why = maker.recall(question, context, outcomes)
+            if made is None:
+                given = chosen_values(sets, set_files, variants, context)
+                progress(f"checking {recipe}")
+                made = maker.make(context, None, given, question=question, why=why, outcomes=outcomes)
         report(context, form, err=junit == "-")
-        wrong |= built is None
+        wrong |= made is None
         suites.append(suite_of(recipe, outcomes, context))
-        if built is not None and form == "text" and junit != "-":
+        if made is not None and form == "text" and junit != "-":
             click.echo(f"{recipe}: ok{_counted(outcomes)}")
     if junit is not None:
         context = Context()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,4 +58,22 @@ def chosen_values(
             found[name] = Scalar(text_of_value, span, text_of_value, False)
         elif (value := load(text_of_value, span.file, context.sink)) is not None:
             found[name] = value
+    return found
+
+
+def named_choices(
+    sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], context: Context
+) -> dict[str, str]:
+    """The same as text, by what a person calls it: what the build cache compares. Nothing is judged."""
+    from hashlib import sha256
+
+    found: dict[str, str] = {}
+    for file in set_files:
+        digest = "unreadable"
+        with contextlib.suppress(OSError):
+            digest = sha256((context.folder / file).read_bytes()).hexdigest()
+        found[f"`--set-file {file}`"] = digest
+    for what, written in [*(("", each) for each in sets), *(("variant ", each) for each in variants)]:
+        name, equals, value = written.partition("=")
+        found[f"{what}`{name}`"] = value if equals else "nothing"
     return found

@@ -16,9 +16,16 @@ from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, s
 @click.argument("model", type=click.Path(path_type=Path))
 @click.argument("query")
 @click.argument("attribute", required=False)
+@click.option(
+    "--sample",
+    type=click.IntRange(min=0),
+    default=0,
+    metavar="NUMBER",
+    help="Of a recipe that draws values: the sample; 0, the default, is the model without draws.",
+)
 @fetching_options
 @reporting_options
-def command(model: Path, query: str, attribute: str | None, form: str, as_json: bool) -> None:
+def command(model: Path, query: str, attribute: str | None, sample: int, form: str, as_json: bool) -> None:
     """Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
 
     \b
@@ -42,7 +49,7 @@ def command(model: Path, query: str, attribute: str | None, form: str, as_json: 
     if asked is None:
         report(context, form)
         sys.exit(USAGE)
-    explained = explain(model, asked, context)
+    explained = explain(model, asked, context, sample)
     if explained is None or context.sink.has_errors:  # warnings are for those who check or build
         report(context, form)
     if explained is None:

@@ -82,6 +82,8 @@ def _plans_of_cells(recipe: Path, context: Context) -> Iterator[Plan]:
     from composer.plan.make import plan_what_remains
 
     for cell in cells_of(recipe, context):
+        if cell.sample:
+            continue  # draws change no source
         plan = plan_what_remains(recipe, context, cell.given, cell.name)
         if plan is not None:
             yield plan

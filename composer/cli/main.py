@@ -23,7 +23,7 @@ _VERBS = {
     "explain": "Say where an element or attribute came from, and what changed it.",
     "lock": "Write down what every source of a recipe is.",
     "update": "Lock sources as they are now.",
-    "cache": "Look after the store of what was fetched.",
+    "cache": "Look after the store of what was fetched and built.",
     "diff": "Say what differs between two models, in physics terms.",
     "new": "Write a commented starter recipe that builds.",
     "fmt": "Put recipes into their canonical layout, comments kept.",
@@ -51,6 +51,10 @@ class _Verbs(click.Group):
         command = module.command
         assert isinstance(command, click.Command)
         return command
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        ctx.meta["composer.arguments"] = list(args)  # to be said again where a run is interrupted
+        return super().parse_args(ctx, args)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

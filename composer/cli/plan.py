@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -50,7 +51,7 @@ def command(
     context = Context(fetching=fetching())
     given = chosen_values(sets, set_files, variants, context)
     plan = make_plan(recipe, context, given)
-    cells = cells_of(recipe, context) if plan is not None else []
+    cells = cells_of(recipe, context, given) if plan is not None else []
     subtrees: Subtrees = {}
     if plan is not None and plan.takes_subtrees and not expanded:
         from composer.steps.left_behind import left_behind
@@ -66,17 +67,24 @@ def command(
     elif form == "json":
         data = as_data(plan, subtrees)
         if cells:
-            data["cells"] = [{"name": cell.name, "set": cell.values()} for cell in cells]
+            data["cells"] = [
+                {"name": cell.name, "set": cell.values(), "sample": cell.sample} for cell in cells
+            ]
         click.echo(json.dumps(data, indent=2))
     else:
         click.echo(describe(plan, subtrees))
         if cells:
-            click.echo(f"{len(cells)} cells of the matrix, built by --all or --pick:")
-            for cell in cells:
-                values = ", ".join(
-                    f"{name} = {shown(value)}" for name, value in cell.values().items() if value is not None
-                )
-                click.echo(f"  {cell.name}  {values}")
+            what = "models" if plan.randomize is not None else "cells of the matrix"
+            click.echo(f"{len(cells)} {what}, built by --all or --pick:")
+        for _, group in groupby(cells, key=lambda cell: id(cell.given)):
+            first, *others = group
+            names = first.name
+            if others:
+                names += f" … {others[-1].name}, {first.name} without a draw"
+            values = ", ".join(
+                f"{name} = {shown(value)}" for name, value in first.values().items() if value is not None
+            )
+            click.echo(f"  {names}  {values}".rstrip())
     if context.sink.has_errors:
         sys.exit(FINDINGS)
 

@@ -14,7 +14,8 @@ import click
 from composer.context import Context
 from composer.diagnostics import github, json_format, text
 
-FINDINGS, USAGE = 1, 2
+FINDINGS, USAGE, INTERRUPTED = 1, 2, 130
+ARGUMENTS = "composer.arguments"
 _FORMATS = ("text", "json", "github")
 
 
@@ -58,6 +59,12 @@ def progress(message: str) -> None:
     """A line on standard error while something takes long; only on a terminal."""
     if on_terminal():
         click.echo(message, err=True)
+
+
+def arguments() -> list[str]:
+    """What the command that runs was given, its verb first."""
+    given = click.get_current_context().meta.get(ARGUMENTS, [])
+    return [str(each) for each in given]
 
 
 def on_terminal() -> bool:

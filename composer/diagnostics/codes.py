@@ -16,6 +16,7 @@ CODES: dict[str, str] = {
     "class-clash": "two default classes would have the same name",
     "compiler-setting": "a compiler setting cannot be kept or may not be set",
     "convert-loss": "an actuator is converted to a kind that cannot do all that it did",
+    "draw-at-run-time": "a model that is compiled cannot have everything that is drawn",
     "expression": "an expression cannot be read or has no value",
     "file-not-found": "a file or folder is not there",
     "file-unreadable": "a file is there but cannot be read",

@@ -7,11 +7,10 @@ from collections.abc import Collection
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.document.piece import is_appended
 
 Path = tuple[str, ...]
 
-# Lists to which those of the upper tree are appended, by where they stand below a piece of recipe.
-_APPENDED = frozenset({("add",), ("edit",), ("base", "edit"), ("attach", "*", "edit")})
 # Mappings that may be written shorter as one value: as which key's.
 _SHORT = {("base",): "model", ("params", "*"): "default"}
 # Where another `type` makes it another element.
@@ -79,7 +78,7 @@ class _Merge:
             if kind in _TYPED and _differ(lower, upper, "type"):
                 return upper
             return self.mappings(lower, upper, path)
-        if isinstance(lower, Sequence) and isinstance(upper, Sequence) and kind in _APPENDED:
+        if isinstance(lower, Sequence) and isinstance(upper, Sequence) and is_appended(kind):
             return _appended(lower, upper)
         return upper
 
@@ -166,7 +165,7 @@ def _bare(node: Mapping, path: Path) -> Mapping:
     entries = dict(node.entries)
     for name, (key, value) in node.entries.items():
         below = (*path, name)
-        if _pattern(below) in _APPENDED and isinstance(value, Sequence):
+        if is_appended(below) and isinstance(value, Sequence):
             entries[name] = (key, Sequence(tuple(_no_id(item) for item in value.items), value.span))
         elif isinstance(value, Mapping) and (below in (("base",), ("attach",)) or path == ("attach",)):
             entries[name] = (key, _bare(value, below))

@@ -54,6 +54,28 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink) -> Concrete:
     return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost))
 
 
+def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
+    """The values by name that `expand` would give, without expanding anything; what is wrong is told there."""
+    sink = Sink()
+    axes = {name: _only_params(values) for name, values in read_axes(document, sink).items()}
+    chosen = choose(axes, given, sink)
+    declared = merged(_section(document), axes, chosen, sink).entries.get("params")
+    return {**settle(read_params(declared[1] if declared else None, sink), given, sink), **chosen}
+
+
+def _only_params(values: Mapping) -> Mapping:
+    """The values of an axis with that part of their pieces which declares parameters."""
+    entries = {
+        name: (key, _section(piece) if isinstance(piece, Mapping) else piece)
+        for name, (key, piece) in values.entries.items()
+    }
+    return Mapping(entries, values.span)
+
+
+def _section(document: Mapping) -> Mapping:
+    return Mapping({name: each for name, each in document.entries.items() if name == "params"}, document.span)
+
+
 def _check_names(
     document: Mapping, axes: Axes, parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink
 ) -> None:

@@ -11,7 +11,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
-from composer.expand.expand import expand
+from composer.expand.expand import expand, scope_of
 from composer.expand.plain import plain, same
 from composer.expand.substitute import tell
 from composer.expr.error import ExpressionError
@@ -24,11 +24,15 @@ MAX_CELLS = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One combination: its name, and the value of every axis of the matrix that it sets, by name."""
+    """One combination: its name, and the value of every axis of the matrix that it sets, by name.
+
+    `sample` counts the draws that are made for it; 0 has none.
+    """
 
     name: str
     given: dict[str, Node]
     span: Span
+    sample: int = 0
 
     def values(self) -> dict[str, Value | None]:
         return {name: plain(node) for name, node in self.given.items()}
@@ -141,7 +145,7 @@ class _Matrix:
         return not wrong
 
     def name_of(self, name: str, given: dict[str, Node]) -> str:
-        scope = dict(expand(self.document, given, Sink()).scope)
+        scope = scope_of(self.document, given)
         entry = self.node.entries.get("name")
         if entry is None:
             return "-".join(

@@ -9,6 +9,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.document.piece import Path, is_of_elements
 from composer.expand.plain import node_of
 from composer.expr.error import ExpressionError, UnknownName
 from composer.expr.opening import is_template
@@ -16,8 +17,6 @@ from composer.expr.value import Value, shown
 
 if TYPE_CHECKING:
     from composer.expand.parameter import Parameter
-
-Path = tuple[str | int, ...]
 
 
 class Substitution:
@@ -31,7 +30,7 @@ class Substitution:
 
     def of(self, node: Node, path: Path = ()) -> Node | None:
         """The node with values for its expressions; None where there is none for it itself."""
-        if path and _is_deferred(path):
+        if is_of_elements(path):  # known when the element is: what is in it now
             return node
         if isinstance(node, Scalar):
             return self._scalar(node)
@@ -90,12 +89,3 @@ def within(node: Scalar, start: int, end: int) -> Span:
         return span
     first = span.column + quotes // 2
     return Span(span.file, span.line, first + start, span.line, first + max(end, start + 1))
-
-
-def _is_deferred(path: Path) -> bool:
-    """Edits and conditions on elements know more than the recipe does: what is in the element now."""
-    if path[-1] == "where":
-        return True
-    return path in (("edit",), ("base", "edit")) or (
-        len(path) == 3 and path[0] == "attach" and path[2] == "edit"
-    )

@@ -8,6 +8,7 @@ from collections.abc import Mapping as Map
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.document.piece import Path, is_edits
 from composer.expand.plain import plain, same
 from composer.expand.substitute import tell
 from composer.expand.variants import Axes, no_value
@@ -23,7 +24,7 @@ _DEPTH = {
     **dict.fromkeys(("asset", "contact", "custom", "deformable", "extension"), 3),
     **dict.fromkeys(("option", "size", "visual", "statistic", "compiler"), 1),
 }  # fmt: skip
-_MAX_DEPTH = 3
+_MAX_DEPTH = 4  # those of the edits of a part
 
 
 class Condition:
@@ -38,18 +39,12 @@ class Condition:
         assert isinstance(found, Mapping)
         return found
 
-    def _kept(self, node: Node, path: tuple[str | int, ...]) -> Node | None:
-        section = path[0] if path else ""
-        own_edits = len(path) == 4 and section == "attach" and path[2] == "edit"
-        if (
-            (len(path) == _DEPTH.get(str(section)) or own_edits)
-            and isinstance(node, Mapping)
-            and WHEN in node.entries
-        ):
+    def _kept(self, node: Node, path: Path) -> Node | None:
+        if _is_item(path) and isinstance(node, Mapping) and WHEN in node.entries:
             if not self.holds(node.entries[WHEN][1]):
                 return None
             node = Mapping({name: each for name, each in node.entries.items() if name != WHEN}, node.span)
-        if len(path) > _MAX_DEPTH:
+        if len(path) >= _MAX_DEPTH:
             return node
         if isinstance(node, Mapping):
             entries = {
@@ -116,6 +111,11 @@ class Condition:
                 value = plain(each)
                 holds |= value is not None and same(value, have)
         return holds
+
+
+def _is_item(path: Path) -> bool:
+    """Whether what stands there may belong to some builds only."""
+    return is_edits(path[:-1]) or (len(path) > 0 and len(path) == _DEPTH.get(str(path[0])))
 
 
 def _present(entries: Map[str, tuple[Key, Node | None]]) -> Iterator[tuple[str, tuple[Key, Node]]]:

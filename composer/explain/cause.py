@@ -14,10 +14,12 @@ from composer.link.angles import model_angle
 from composer.link.inertia import MEASURED
 from composer.link.limits import model_autolimits
 from composer.link.linking import Part
+from composer.plan.draws import words_of_draw
 from composer.plan.edits import in_words
 from composer.plan.plan import (
     AddElement,
     AppendElement,
+    DrawValues,
     DropElements,
     EditElements,
     Plan,
@@ -102,6 +104,8 @@ class Causes:
         if isinstance(done, EditElements | DropElements):
             written_by_it = span is not None and span.file == done.span.file
             return Reason(in_words(done), span if written_by_it else done.span)
+        if isinstance(done, DrawValues):
+            return Reason(f"{words_of_draw(done.field)}, sample {done.sample}", done.span)
         return Reason(_summary(done), span if isinstance(span, Span) else None)
 
     # -- what the linker's passes do ---------------------------------------------------------------------------

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from composer.bundle.collect import collect
 from composer.context import Context
+from composer.document.node import locate
 from composer.explain import query
 from composer.explain.explanation import (
     Explained,
@@ -14,6 +15,7 @@ from composer.explain.explanation import (
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
 from composer.plan.make import make_plan
+from composer.plan.plan import Plan
 from composer.steps.compose import Composer
 from composer.steps.measure import measure_with
 from composer.tree.parse import parse_file
@@ -22,13 +24,16 @@ if TYPE_CHECKING:
     pass
 
 
-def explain(path: Path, asked: query.Asked, context: Context) -> Explained | None:
-    """What the model of a recipe, or an MJCF file, has to say to a query; None where `context.sink` says why not."""
-    traced = trace(path, context)
+def explain(path: Path, asked: query.Asked, context: Context, sample: int = 0) -> Explained | None:
+    """What the model of a recipe, or an MJCF file, has to say to a query; None where `context.sink` says why not.
+
+    `sample` says which draws the model has; 0 is the nominal one.
+    """
+    traced = trace(path, context, sample)
     return None if traced is None else traced.answer(asked, context)
 
 
-def trace(path: Path, context: Context) -> Traced | None:
+def trace(path: Path, context: Context, sample: int = 0) -> Traced | None:
     """The model, put together under observation. Compiles nothing but parts that MuJoCo has to measure."""
     watch = Trace()
     if path.suffix.lower() == ".xml":
@@ -40,13 +45,22 @@ def trace(path: Path, context: Context) -> Traced | None:
     if path.suffix.lower() in (".zip", ".mjz", ".mjb") or (context.folder / path).is_dir():
         _no_recipe(path, context)
         return None
-    plan = make_plan(path, context)
+    plan = make_plan(path, context, sample=sample)
+    if plan is not None and sample > (plan.randomize.samples if plan.randomize else 0):
+        _no_sample(plan, sample, context)
+        return None
     composed = None if plan is None else Composer(context, measure_with(context), watch=watch).compose(plan)
     if plan is None or composed is None:
         return None
     collect(composed.model, composed.files, context.sink, context.shown)
     watch([composed.model], collect)
     return Traced(composed.model, watch, plan.separator, context.folder)
+
+
+def _no_sample(plan: Plan, sample: int, context: Context) -> None:
+    span = None if plan.randomize is None else locate(plan.document, ("randomize", "samples"))
+    there = "draws nothing" if plan.randomize is None else f"has the samples 0 to {plan.randomize.samples}"
+    context.sink.error("unknown-name", f"there is no sample {sample}: the recipe {there}", span)
 
 
 def _no_recipe(path: Path, context: Context) -> None:

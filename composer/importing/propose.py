@@ -11,6 +11,7 @@ from xml.sax.saxutils import quoteattr
 from composer.document.quote import quoted
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
+from composer.importing.alignment import paired
 from composer.importing.elements import (
     Item,
     assets_of,
@@ -26,6 +27,7 @@ from composer.importing.match import Instance, find, name_in_recipe, parent_body
 from composer.link.placing import read_pose
 from composer.pose import IDENTITY_QUAT, Pose
 from composer.tree.classes import childclass_of
+from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -36,12 +38,16 @@ _CLOSE = 1e-9  # metres, and parts of a quaternion
 
 @dataclass(slots=True)
 class Entry:
-    """One thing that the recipe says, in its section; `note` says why it is only a comment."""
+    """One thing that the recipe says, in its section; `note` says why it is only a comment.
+
+    Entries of a section stand in groups, and in these by `rank`: what is removed while it is counted goes last.
+    """
 
     section: str
     text: str
     note: str | None = None
     group: str = ""
+    rank: int = 0
 
 
 @dataclass(slots=True)
@@ -54,16 +60,18 @@ class Proposal:
     renamed: dict[str, dict[str, str]] = field(default_factory=dict)
     alike: dict[str, tuple[object, ...]] = field(default_factory=dict)
     """What each asset of a part is, by its name in the recipe."""
+    christened: tuple[str, ...] = ()
+    """Assets of the merged model without a name, by tag and number; a recipe gives them one."""
 
 
 def propose(
-    merged: Unit, parts: list[Unit], references: list[str], relative: Callable[[Path], str], can_edit: bool
+    merged: Unit, parts: list[Unit], references: list[str], relative: Callable[[Path], str]
 ) -> Proposal:
     """What makes `merged` of `parts`, called by `references`; `relative` writes the path of a file. No I/O."""
     found = find(merged, parts)
     separator = separator_of(found)
     name_in_recipe(found, [part.label for part in parts], separator)
-    return _Proposer(merged, parts, references, found, separator, relative, can_edit).proposal()
+    return _Proposer(merged, parts, references, found, separator, relative).proposal()
 
 
 class _Proposer:
@@ -75,17 +83,16 @@ class _Proposer:
         found: list[Instance],
         separator: str,
         relative: Callable[[Path], str],
-        edits: bool,
     ) -> None:
         self.merged, self.parts, self.references, self.found = merged, parts, references, found
         self.relative = relative
         self.alike: dict[str, tuple[object, ...]] = {}
         self.separator = separator
-        self.edits = None if edits else "this version has no `edit`"
         self.there = named(merged)
         self.names: dict[tuple[str, str], str] = {}
         """Names of the merged model to names in the recipe, before it renames anything."""
         self.covered: set[Node] = {each.body for each in found}
+        self.christened: list[str] = []
         self.entries: list[Entry] = []
 
     def proposal(self) -> Proposal:
@@ -109,10 +116,23 @@ class _Proposer:
                 values = self.values(node, self.merged)
                 shown = {k: _value(GRAMMAR.element(tag).attributes[k], v) for k, v in values.items()}
                 nested = "it has elements of its own" if len(node) else None
+                if not name:  # a recipe has names for all assets
+                    number = list(self.merged.root.iterfind(f"asset/{tag}")).index(node)
+                    self.christened.append(f"{tag} #{number}")
+                    name = shown.get("type", tag).strip('"')
                 self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, tag))
         for each in self.found:
-            self.attach(each)
+            self.compare_assets(each)
             self.compare(each)
+            self.attach(each, self.compare_world(each))
+            self.compare_sections(each)
+        keys = [
+            {str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)
+        ]
+        for name in dict.fromkeys(
+            name for each in self.found for name in sorted(keys[each.part + 1] - keys[0])
+        ):
+            self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, _REMOVED)
         self.settings()
         self.left_over()
         model = self.merged.model
@@ -131,13 +151,12 @@ class _Proposer:
                     continue  # an asset is what it is under any name
                 tag = self.there[namespace, name].kind.tag
                 select = _selector(namespace, tag, new)
-                self.entries.append(Entry("edit", f"{{select: {select}, rename: {word(name)}}}", self.edits))
-        if self.edits is None:  # they have their names again at the end
-            renamed = {
-                namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
-                for namespace, pairs in renamed.items()
-            }
-        return Proposal(head, self.entries, self.found, renamed, self.alike)
+                self.edit({"select": select, "rename": word(name)}, _RENAMED)
+        renamed = {  # the others have their names again at the end
+            namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
+            for namespace, pairs in renamed.items()
+        }
+        return Proposal(head, self.entries, self.found, renamed, self.alike, tuple(self.christened))
 
     def values(self, node: Node, unit: Unit) -> dict[str, str]:
         """What is written of an asset, or comes from its class; files as the recipe finds them."""
@@ -154,7 +173,11 @@ class _Proposer:
                 found[name] = self.relative(unit.directory / folder / value)
         return found
 
-    def attach(self, each: Instance) -> None:
+    def edit(self, verbs: dict[str, str], rank: int = 0) -> None:
+        self.entries.append(Entry("edit", flow(verbs), rank=rank))
+
+    def attach(self, each: Instance, dropped: list[str]) -> None:
+        """How the part hangs; `dropped` are selectors of what is left out of it."""
         if each.is_base:
             return
         values = {"model": word(self.references[each.part])}
@@ -176,6 +199,8 @@ class _Proposer:
             values["pos"] = numbers(pose.pos)
         if any(abs(a - b) > _CLOSE for a, b in zip(pose.quat, IDENTITY_QUAT, strict=True)):
             values["quat"] = numbers(pose.quat)
+        if dropped:
+            values["drop"] = f"[{', '.join(dropped)}]"
         self.entries.append(Entry("attach", f"{word(each.key)}: {flow(values)}"))
 
     def site(self, parent: Node, pose: Pose) -> str | None:
@@ -207,25 +232,101 @@ class _Proposer:
     def compare(self, each: Instance) -> None:
         """The edits that make of the part what it is in the merged model."""
         part = self.parts[each.part]
+        gone: set[Node] = set()
         for (namespace, name), item in named(part).items():
             there = self.there.get((namespace, each.prefix + name))
             select = _selector(namespace, item.kind.tag, each.out + name)
             if there is None or there.kind.tag != item.kind.tag:
-                self.entries.append(Entry("edit", f"{{select: {select}, remove: true}}", self.edits))
+                if not gone.isdisjoint(item.node.iterancestors()):
+                    continue  # it goes with what it stands in
+                gone.add(item.node)
+                self.edit({"select": select, "remove": "true"}, _REMOVED + (item.section == "worldbody"))
                 continue
             self.covered.add(there.node)
-            changes = differing(effective(item, part), effective(there, self.merged), item.kind, each.prefix)
             moved = self.moved(item, there, each)
+            changes = self.changes(item, there, each)
             if moved or item.node is each.root:  # its place is said by the attachment
                 changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in _POSE}
-            written = {k: _value(item.kind.attributes[k], v) for k, v in changes.items() if v is not None}
-            unset = [k for k, v in changes.items() if v is None]
-            if changes or moved:
-                verbs = {"select": select} | ({"unset": flow_list(unset)} if unset else {})
-                verbs |= {"set": flow(written)} if written else {}
-                verbs |= {"move": flow(moved)} if moved else {}
-                self.entries.append(Entry("edit", flow(verbs), self.edits))
-            self.unnamed(item.node, there.node, name)
+            self.change(select, item, changes, moved)
+            if item.kind.tag == "body":
+                self.unnamed(item.node, there.node, f'//body[@name="{each.out}{name}"]', each)
+
+    def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
+        """What an element of the part is otherwise in the merged model."""
+        one, other = effective(before, self.parts[each.part]), effective(after, self.merged)
+        for name, attribute in before.kind.attributes.items():
+            if attribute.refers in _ASSETS and name in one and name in other:
+                own, there = (
+                    self.alike.get(each.out + one[name]),
+                    self.names.get((attribute.refers, other[name])),
+                )
+                if other[name] in (one[name], each.prefix + one[name]) or (
+                    own and own == self.alike.get(there or "")
+                ):
+                    del one[name], other[name]  # the part has its own that is the same
+        return differing(one, other, before.kind, each.prefix)
+
+    def change(self, select: str, item: Item, changes: dict[str, str | None], moved: dict[str, str]) -> None:
+        attributes = item.kind.attributes
+        written = {
+            k: _value(attributes[k], self.name(attributes[k], v)) for k, v in changes.items() if v is not None
+        }
+        unset = [k for k, v in changes.items() if v is None]
+        if changes or moved:
+            verbs = {"select": select} | ({"unset": flow_list(unset)} if unset else {})
+            verbs |= {"set": flow(written)} if written else {}
+            self.edit(verbs | ({"move": flow(moved)} if moved else {}))
+
+    def compare_assets(self, each: Instance) -> None:
+        """The edits of the part's own assets; those of meshes and textures from files stay its own."""
+        part, assets = self.parts[each.part], assets_of(self.merged)
+        for (tag, name), node in assets_of(part).items():
+            there = assets.get((tag, each.prefix + name), assets.get((tag, name)))
+            if there is None or tag in NAMED_AFTER_FILE:
+                continue
+            kind = GRAMMAR.element(tag)
+            item = Item(node, kind, "asset", tag)
+            changes = self.changes(item, Item(there, kind, "asset", tag), each)
+            self.change(_selector(tag, tag, each.out + name), item, changes, {})
+
+    def compare_sections(self, each: Instance) -> None:
+        """What has no name in a section is taken for what refers to the same."""
+        there: dict[tuple[object, ...], Item] = {}
+        for item in items(self.merged):
+            if not item.name and item.section != "worldbody":
+                there.setdefault(self.meant(item, ""), item)
+        for item in items(self.parts[each.part]):
+            if item.name or item.section == "worldbody":
+                continue
+            meant = self.meant(item, each.prefix)
+            references = {k: word(each.out + v) for k, a, v in self.written(item) if a.is_reference}
+            select = flow({f"{item.section}/{item.kind.tag}": '"**"', "where": flow(references)})
+            found = there.pop(meant, None)
+            if found is None:
+                self.edit({"select": select, "remove": "true"}, _REMOVED)
+            else:
+                self.covered.add(found.node)
+                self.change(select, item, self.changes(item, found, each), {})
+
+    def meant(self, item: Item, prefix: str) -> tuple[object, ...]:
+        """What an element is about: its tag, and what it refers to as the merged model calls it."""
+        return (item.kind.path, *((k, prefix + v) for k, a, v in self.written(item) if a.is_reference))
+
+    def compare_world(self, each: Instance) -> list[str]:
+        """Selectors of what has no name in the part's own world and is not in the merged model's."""
+        here, there = (
+            next(unit.root.iterchildren("worldbody"), None) for unit in (self.parts[each.part], self.merged)
+        )
+        if here is None or there is None:
+            return []
+        if each.is_base:
+            self.unnamed(here, there, "worldbody", each)
+            return []
+        return [
+            flow({"xpath": quoted(f"worldbody/{tag}[not(@name)][{number}]")})
+            for tag in _IN_BODIES
+            for number, _ in enumerate(_without_name(here, tag), 1)
+        ]
 
     def moved(self, item: Item, there: Item, each: Instance) -> dict[str, str]:
         """Where a body of a part went, if it stands in another one than it did."""
@@ -240,18 +341,22 @@ class _Proposer:
         to = {"to": word(self.names.get(("body", name), name))}
         return to | {"pos": numbers(pose.pos), "quat": numbers(pose.quat)}
 
-    def unnamed(self, before: Node, after: Node, name: str) -> None:
-        """What has no name is taken for what stands in its order, if there are as many."""
-        if before.tag != "body":
-            return
-        for tag in ("geom", "site", "joint", "inertial", "light", "camera"):
+    def unnamed(self, before: Node, after: Node, path: str, each: Instance) -> None:
+        """What has no name is taken for what stands in its order; `path` is the XPath of what it stands in."""
+        for tag in _IN_BODIES:
+            kind = GRAMMAR.within("worldbody")[tag]
             one, other = (
-                [each for each in body.iterchildren(tag) if not each.get("name")] for body in (before, after)
+                [Item(node, kind, "worldbody", tag) for node in _without_name(body, tag)]
+                for body in (before, after)
             )
-            self.covered.update(other[: len(one)])
-            if len(one) > len(other):
-                note = f"of {len(one)} without a name the merged model has {len(other)}"
-                self.entries.append(Entry("edit", f'{{select: {{{tag}: "**", parent: {word(name)}}}}}', note))
+            for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
+                which = "" if tag == "inertial" else f"[not(@name)][{one.index(a) + 1}]"
+                select = flow({"xpath": quoted(f"{path}/{tag}{which}")})
+                if b is None:
+                    self.edit({"select": select, "remove": "true"}, _REMOVED - one.index(a))
+                else:
+                    self.covered.add(b.node)
+                    self.change(select, a, self.changes(a, b, each), {})
 
     def settings(self) -> None:
         """Settings of the whole model that are not what the base says, or that a part says otherwise."""
@@ -295,13 +400,12 @@ class _Proposer:
                 note = None if name else "it stands in a body without a name"
                 self.entries.append(Entry("add", f"{{to: {word(name or '?')}, xml: {quoted(text)}}}", note))
             elif item.section == "contact":
-                if not self.in_a_part(item):
-                    values = flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
-                    self.entries.append(Entry("contact", values, group=item.kind.tag))
+                values = flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
+                self.entries.append(Entry("contact", values, group=item.kind.tag))
             elif item.name:
                 text = f"{word(item.name)}: {{xml: {quoted(self.fragment(node))}}}"
                 self.entries.append(Entry(item.section, text))
-            elif not self.in_a_part(item):
+            else:
                 count = 1 + sum(entry.section == item.section for entry in self.entries)
                 text = f"{item.kind.tag}_{count}: {{xml: {quoted(self.fragment(node))}}}"
                 self.entries.append(Entry(item.section, text))
@@ -316,21 +420,6 @@ class _Proposer:
         if not attribute.is_reference or attribute.refers is None:
             return value
         return " ".join(self.names.get((attribute.refers, each), each) for each in value.split())
-
-    def in_a_part(self, item: Item) -> bool:
-        """Whether a part has the same without a name."""
-        here = {k: self.name(a, v) for k, a, v in self.written(item) if k != "name"}
-        for each in self.found:
-            for other in items(self.parts[each.part]):
-                if other.section == item.section and other.kind.tag == item.kind.tag:
-                    there = {
-                        k: f"{each.out}{v}" if a.is_reference else v
-                        for k, a, v in self.written(other)
-                        if k != "name"
-                    }
-                    if here == there:
-                        return True
-        return False
 
     def fragment(self, node: Node) -> str:
         """An element of the merged model as text, with the values that its classes give it."""
@@ -352,7 +441,16 @@ class _Proposer:
         return f"{text}>{inside}</{tag}>" if inside else f"{text}/>"
 
 
+# Before what is removed by its number all is changed, and what refers to something goes before it does; names are
+# as the parts have them until the end.
+_REMOVED, _RENAMED = 10_000, 20_000
+_ASSETS = frozenset(("material", *NAMED_AFTER_FILE))
+_IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera")
 _POSE = frozenset({"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"})
+
+
+def _without_name(body: Node, tag: str) -> list[Node]:
+    return [node for node in body.iterchildren(tag) if not node.get("name")]
 
 
 def _section(node: Node) -> Node:

@@ -25,7 +25,7 @@ def recipe_text(proposal: Proposal) -> tuple[str, dict[int, Entry]]:
             continue
         lines.append(f"{section}:" if live else f"# {section}:")
         group = note = None
-        for entry in sorted(entries, key=lambda entry: entry.group):
+        for entry in sorted(entries, key=lambda entry: (entry.group, entry.rank)):
             if entry.group != group and entry.group:
                 live = any(each.note is None for each in entries if each.group == entry.group)
                 lines.append(f"{'' if live else '# '}  {entry.group}:")

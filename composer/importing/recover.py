@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,10 +17,9 @@ from composer.importing.flow import word
 from composer.importing.propose import Entry, Proposal, propose
 from composer.importing.recipe_text import recipe_text
 from composer.pipeline import build
-from composer.recipe.unsupported import is_unsupported
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
-from composer.verify.difference import Difference
+from composer.verify.difference import MISSING, Difference
 
 _ROUNDS = 20
 _SIZES = "nbody njnt ngeom nsite ncam nlight ntendon neq nu nsensor nkey npair nexclude".split()
@@ -57,7 +57,6 @@ def recover(merged: Path, parts: list[Path], out: Path, context: Context) -> Rec
         units[1:],
         references,
         lambda file: _reference(file, out.parent),
-        not is_unsupported(("edit",)),
     )
     for number, part in enumerate(parts):
         if not any(each.part == number for each in proposal.found):
@@ -76,13 +75,19 @@ def recover(merged: Path, parts: list[Path], out: Path, context: Context) -> Rec
         for entry, fault in guilty:
             entry.note = " ".join(fault.message.split())
     differences = None if bundle is None else _compared(merged, bundle, proposal)
-    keys = keyframes(differences or [], proposal)
+    missing = [each.name for each in differences or [] if each.kind == "key" and each.field == MISSING]
+    if missing:  # with a key of that name it can be said what is in it
+        blank = [Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
+        bundle, _ = _built(
+            recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0], out, context
+        )
+        differences = None if bundle is None else _compared(merged, bundle, proposal)
+    keys = keyframes(differences or [], proposal, missing)
     if keys:
         proposal.entries += keys
         text, _ = recipe_text(proposal)
-        if keys[0].note is None:
-            bundle, faults = _built(text, out, context)
-            differences = None if bundle is None else _compared(merged, bundle, proposal)
+        bundle, faults = _built(text, out, context)
+        differences = None if bundle is None else _compared(merged, bundle, proposal)
     return Recovered(text, proposal, bundle, tuple(faults), differences)
 
 
@@ -144,7 +149,9 @@ def _compared(merged: Path, bundle: Bundle, proposal: Proposal) -> list[Differen
 
 
 def _the_same(difference: Difference, proposal: Proposal) -> bool:
-    """Whether it is one in name or sign only: a part's own asset that is equal, a quaternion and its negative."""
+    """Whether it is one in name or sign only: an asset that is equal, a quaternion and its negative."""
+    if difference.field == MISSING:
+        return f"{difference.kind} {difference.name}" in proposal.christened
     wanted, there = difference.expected, difference.actual
     if isinstance(wanted, str) and isinstance(there, str):
         alike = proposal.alike.get(wanted)
@@ -160,23 +167,28 @@ def _the_same(difference: Difference, proposal: Proposal) -> bool:
     return False
 
 
-def keyframes(differences: list[Difference], proposal: Proposal) -> list[Entry]:
-    """The keys of the merged model that the parts' keys do not make, written with what differs."""
-    rows: dict[str, dict[str, dict[str, str]]] = {}
+def keyframes(
+    differences: list[Difference], proposal: Proposal, missing: Collection[str] = ()
+) -> list[Entry]:
+    """The keys of the merged model that the parts' keys do not make, written with what differs.
+
+    Of those in `missing` no part has anything.
+    """
+    rows: dict[str, dict[str, dict[str, str]]] = {name: {} for name in missing}
     for each in differences:
         found = _KEY.fullmatch(each.field)
         if each.kind == "key" and found and isinstance(each.expected, tuple):
-            numbers = (
-                "[" + ", ".join(f"{value:.9g}" for value in each.expected if isinstance(value, float)) + "]"
-            )
+            values = [value for value in each.expected if isinstance(value, float)]
+            unit = "rad" if len(values) == 1 and "angle: degree" in proposal.head else ""
+            numbers = f"[{', '.join(f'{value:.9g}{unit}' for value in values)}]"
             rows.setdefault(each.name, {}).setdefault(found["row"], {})[found["name"]] = numbers
     entries = []
-    note = "this version has no `keyframe`" if is_unsupported(("keyframe",)) else None
     for name, row in rows.items():
         said = ", ".join(
             f"{field}: {{{', '.join(f'{word(k)}: {v}' for k, v in values.items())}}}"
             for field, values in row.items()
         )
-        start = "from: {base: " + word(name) + "}, " if any(each.is_base for each in proposal.found) else ""
-        entries.append(Entry("keyframe", f"{word(name)}: {{{start}{said}}}", note))
+        based = name not in missing and any(each.is_base for each in proposal.found)
+        start = "from: {base: " + word(name) + "}, " if based else ""
+        entries.append(Entry("keyframe", f"{word(name)}: {{{start}{said}}}"))
     return entries

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from composer.plan.checks import checks_of
+from composer.plan.draws import words_of_draw
 from composer.plan.edits import in_words, words_of
 from composer.plan.plan import (
     AddElement,
     AppendElement,
     AttachPart,
+    DrawValues,
     EditElements,
     LoadBase,
     Plan,
@@ -55,8 +58,12 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
         yield from _own(part.attachment, subtrees.get((plan.file, part.at)), inner + "  ")
         if isinstance(part.model, Plan):
             yield from _lines(part.model, subtrees, inner + "  ")
+    for field in plan.randomize.of_parameters if plan.randomize else ():
+        yield inner + words_of_draw(field)
     for step in plan.steps:
         yield inner + _step(step)
+    for words in checks_of(plan):
+        yield inner + words
 
 
 def _called(part: AttachPart, last: str) -> str:
@@ -129,6 +136,8 @@ def _step(step: Step) -> str:
         return f"set the default class {step.name}: {', '.join(child.tag for child in step.element.children)}"
     if isinstance(step, EditElements):
         return in_words(step)
+    if isinstance(step, DrawValues):
+        return words_of_draw(step.field)
     if isinstance(step, WriteKeyframe):
         return f"write the keyframe {step.key.name}"
     assert isinstance(step, AppendElement)
@@ -166,6 +175,18 @@ def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
             for part in plan.parts
         ],
         "steps": [_step(step) for step in plan.steps],
+        "checks": list(checks_of(plan)),
+        **_draws_data(plan),
+    }
+
+
+def _draws_data(plan: Plan) -> dict[str, Any]:
+    if plan.randomize is None:
+        return {}
+    wanted = plan.randomize
+    fields = {field.name: words_of_draw(field) for field in wanted.fields}
+    return {
+        "randomize": {"seed": wanted.seed, "samples": wanted.samples, "emit": wanted.emit, "fields": fields}
     }
 
 

@@ -16,6 +16,8 @@ from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.document.node import Mapping, Node, find, locate
 from composer.expand.expand import Concrete, expand
 from composer.plan.copies import copies
+from composer.plan.drawn import Drawn
+from composer.plan.drawn_parameters import drawn_parameters
 from composer.plan.locked import use_lock
 from composer.plan.order import in_order
 from composer.plan.parts import called, parts_of
@@ -23,6 +25,7 @@ from composer.plan.plan import (
     AddElement,
     AppendElement,
     AttachPart,
+    DrawValues,
     EditElements,
     LoadBase,
     Plan,
@@ -35,8 +38,10 @@ from composer.plan.read import folder_of, read_recipe
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.checks.unchanged import Unchanged
+from composer.recipe.draw_field import DrawField
 from composer.recipe.element import Element
 from composer.recipe.keyframe import FROM
+from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
 from composer.sources.error import SourceError
@@ -47,23 +52,23 @@ Given = Map[str, Node]
 """Values of parameters and variants by name, each with the place where it is given."""
 
 
-def make_plan(recipe: Path, context: Context, given: Given | None = None) -> Plan | None:
+def make_plan(recipe: Path, context: Context, given: Given | None = None, sample: int = 0) -> Plan | None:
     """What a build of the recipe will do; None where it or what it refers to is at fault."""
     before = context.sink.error_count
-    plan = plan_what_remains(recipe, context, given)
+    plan = plan_what_remains(recipe, context, given, sample=sample)
     return plan if context.sink.error_count == before else None
 
 
 def plan_what_remains(
-    recipe: Path, context: Context, given: Given | None = None, name: str | None = None
+    recipe: Path, context: Context, given: Given | None = None, name: str | None = None, sample: int = 0
 ) -> Plan | None:
     """The plan without what is at fault, in which later stages can look for more; None without a base.
 
-    `name` is that of a cell of the matrix; without it, the recipe's own.
+    `name` is that of a cell of the matrix; without it, the recipe's own. `sample` counts the draws, 0 has none.
     """
     if use_lock(recipe, context) is None:
         return None
-    return _Planner(context).plan(context.folder / recipe, (), given=given or {}, name=name)
+    return _Planner(context).plan(context.folder / recipe, (), given=given or {}, name=name, sample=sample)
 
 
 class _Planner:
@@ -79,6 +84,7 @@ class _Planner:
         *,
         given: Given,
         name: str | None = None,
+        sample: int = 0,
     ) -> Plan | None:
         """The plan of one recipe; `outer` are the recipes it is nested in, outermost first."""
         key = Path(os.path.realpath(path))
@@ -95,12 +101,25 @@ class _Planner:
         if read is None:
             return None
         recipe, document, concrete = read
+        randomize = recipe.randomize if not outer else None
+        drawn: tuple[Drawn, ...] = ()
+        if randomize is not None and randomize.emit == "table":
+            for field in randomize.of_parameters:
+                self._no_table(field, document)
+        elif randomize is not None and randomize.of_parameters and concrete is not None:
+            values, drawn = drawn_parameters(randomize, sample, concrete, document, self.sink)
+            if values:
+                read = self._read(path, {**given, **values})
+                if read is None:
+                    return None
+                recipe, document, concrete = read
+                randomize = recipe.randomize
         inside = (*outer, (key, span))
         base = self._base(recipe, document, inside)
         parts = self._without_rings(tuple(self._parts(recipe, document, inside)), recipe.separator)
         if base is None:
             return None
-        steps = tuple(_steps(recipe, document))
+        steps = tuple(_steps(recipe, document, randomize, sample))
         plan = Plan(
             name=name or recipe.name or as_text(path.stem),
             description=recipe.description,
@@ -118,10 +137,21 @@ class _Planner:
             scope=concrete.scope if concrete else {},
             variants=concrete.variants if concrete else {},
             checks=recipe.check,
+            randomize=randomize,
+            sample=sample,
+            drawn=drawn,
         )
         self._checks(plan)
         _check_sources(plan, self.sink)
         return plan
+
+    def _no_table(self, field: DrawField, document: Mapping) -> None:
+        self.sink.error(
+            "draw-at-run-time",
+            f"field `{field.name}` draws a parameter, which a model that is compiled does not have any more",
+            locate(document, (*field.at, "param")),
+            help="write `emit: models`, which builds every sample",
+        )
 
     def _checks(self, plan: Plan) -> None:
         """What a check is about must be a part."""
@@ -300,7 +330,7 @@ _SECTIONS = (
 )  # fmt: skip
 
 
-def _steps(recipe: Recipe, document: Mapping) -> Iterator[Step]:
+def _steps(recipe: Recipe, document: Mapping, randomize: Randomize | None, sample: int) -> Iterator[Step]:
     """`add` first, then the sections: settings, classes, and what may use them."""
     for item in recipe.add:
         path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
@@ -317,6 +347,12 @@ def _steps(recipe: Recipe, document: Mapping) -> Iterator[Step]:
             yield AppendElement(section, element, locate(document, element.at, key=True))
     for edit in recipe.edit:
         yield EditElements(edit, locate(document, edit.at))
+    for field in randomize.fields if randomize is not None else ():
+        if randomize is not None and field.select is not None:
+            span = locate(document, field.drawn_at)
+            yield DrawValues(
+                field, randomize.seed, sample, randomize.samples, span, randomize.emit == "table"
+            )
     for key in recipe.keyframe:
         yield WriteKeyframe(key, locate(document, key.at, key=True))
 

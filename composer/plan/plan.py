@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.expr.value import Value
+from composer.plan.drawn import Drawn
 from composer.recipe.attach import Attachment
 from composer.recipe.checks.kind import Check
+from composer.recipe.draw_field import DrawField
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit
 from composer.recipe.element import Element
 from composer.recipe.keyframe import Keyframe
+from composer.recipe.randomize import Randomize
 from composer.sources.source import Source
 
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -104,6 +107,18 @@ class DropElements:
 
 
 @dataclass(frozen=True, slots=True)
+class DrawValues:
+    """Draw the values of a field for a sample; for sample 0, which has none, see whether the others can have theirs."""
+
+    field: DrawField
+    seed: int
+    sample: int
+    samples: int
+    span: Span
+    tabled: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class WriteKeyframe:
     """Write a key by the names of joints, actuators and mocap bodies, in place of one of that name."""
 
@@ -119,6 +134,7 @@ Step = (
     | SetDefault
     | AppendElement
     | EditElements
+    | DrawValues
     | WriteKeyframe
 )
 
@@ -143,6 +159,11 @@ class Plan:
     checks: tuple[Check, ...] = ()
     scope: Mapping[str, Value] = field(default_factory=dict)
     """The parameters of the recipe and the chosen variants, by name."""
+    randomize: Randomize | None = None
+    sample: int = 0
+    """Which sample it is; 0 is the nominal model."""
+    drawn: tuple[Drawn, ...] = ()
+    """The parameters that were drawn for it."""
     variants: Mapping[str, str] = field(default_factory=dict)
     """The chosen variants alone."""
 
@@ -161,6 +182,18 @@ class Plan:
         return tuple(step for step in self.steps if isinstance(step, EditElements))
 
     @property
+    def draws(self) -> tuple[DrawValues, ...]:
+        """The steps that draw attributes of the whole model."""
+        return tuple(step for step in self.steps if isinstance(step, DrawValues))
+
+    def of_sample(self, sample: int) -> Plan:
+        """The same with the draws of another sample; parameters are not drawn anew."""
+        steps = tuple(
+            replace(step, sample=sample) if isinstance(step, DrawValues) else step for step in self.steps
+        )
+        return replace(self, steps=steps, sample=sample)
+
+    @property
     def takes_subtrees(self) -> bool:
         """Whether of some model, here or in a nested recipe, not all is wanted."""
         wanted: list[LoadBase | Attachment] = [self.base, *(part.attachment for part in self.parts)]
@@ -172,7 +205,9 @@ class Plan:
     @property
     def selects_parts(self) -> bool:
         """Whether some edit, here or in a nested recipe, asks from which part an element came."""
-        if any(each.part is not None for step in self.edits for each in step.edit.select.all()):
+        selectors = [step.edit.select for step in self.edits]
+        selectors += [step.field.select for step in self.draws if step.field.select is not None]
+        if any(each.part is not None for selector in selectors for each in selector.all()):
             return True
         models = (self.base.model, *(part.model for part in self.parts))
         return any(isinstance(model, Plan) and model.selects_parts for model in models)

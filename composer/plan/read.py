@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
-from composer.context import Context
+from composer.context import Context, ReadRecipe
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -25,11 +26,20 @@ _READING = ("angle", "eulerseq")
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
-    """The tree of a recipe with all that it extends; faults go to the context's sink and give None."""
-    return _read(path, context, ())
+    """The tree of a recipe with all that it extends, read once a run; faults go to the context's sink and give None."""
+    known = context.recipes.get(path)
+    if known is None:
+        own = replace(context, sink=Sink())
+        files: list[Path] = []
+        node = _read(path, own, (), files)
+        known = context.recipes[path] = ReadRecipe(node, tuple(files), tuple(own.sink.diagnostics))
+    for diagnostic in known.found:
+        context.sink.add(diagnostic)
+    return known.node
 
 
-def _read(path: Path, context: Context, chain: tuple[Path, ...]) -> Node | None:
+def _read(path: Path, context: Context, chain: tuple[Path, ...], files: list[Path]) -> Node | None:
+    files.append(path)
     before = context.sink.error_count
     text = _text(path, context)
     node = None if text is None else load(text, context.shown(path), context.sink)
@@ -40,7 +50,7 @@ def _read(path: Path, context: Context, chain: tuple[Path, ...]) -> Node | None:
     key, named = node.entries[EXTENDS]
     upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
     lower_path = _extended(named, path, context, (*chain, path))
-    lower = None if lower_path is None else _read(lower_path, context, (*chain, path))
+    lower = None if lower_path is None else _read(lower_path, context, (*chain, path), files)
     if not isinstance(lower, Mapping):
         if lower is not None:
             context.sink.error("wrong-type", "what is extended is no recipe", named.span)

@@ -14,6 +14,8 @@ from composer.grammar.element import Constraint, ElementType
 from composer.recipe.attribute_schema import attribute_schema, shared
 from composer.recipe.edit_schema import edit, selector
 from composer.recipe.keyframe import FROM, TIME, VECTORS, WIDTHS
+from composer.recipe.randomize_schema import distribution
+from composer.recipe.randomize_schema import field as draw_field
 from composer.recipe.reader import CONFIG, FRAGMENT
 from composer.recipe.recipe import SETTABLE
 from composer.recipe.reference import Schema, reference
@@ -222,6 +224,8 @@ _DEFINITIONS: dict[str, Callable[[str], Schema]] = {
     "addition": _definition_of_addition,
     "edit": lambda _: edit(),
     "selector": lambda _: selector(),
+    "draw": lambda _: draw_field(),
+    "distribution": distribution,
 }
 _FORMS: dict[str, Callable[[str], Schema]] = {
     "typed": _typed,

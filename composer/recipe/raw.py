@@ -5,24 +5,20 @@ from __future__ import annotations
 from typing import Any
 
 from composer.document.node import Node, Scalar, Sequence
+from composer.document.piece import is_of_elements
 from composer.expr.opening import is_template
 from composer.recipe.fault import Fault, Path
 from composer.recipe.indentation import fallen_out
-from composer.recipe.unsupported import is_unsupported
 
 
 class Placed(dict[str, Any]):
-    """A mapping that knows its path from the top of the recipe.
+    """A mapping that knows its path from the top of the recipe."""
 
-    `cut` is whether keys that this version does not carry out were left out of it.
-    """
-
-    __slots__ = ("at", "cut")
+    __slots__ = ("at",)
 
     def __init__(self, at: Path) -> None:
         super().__init__()
         self.at = at
-        self.cut = False
 
 
 def path_of(value: object) -> Path:
@@ -33,8 +29,7 @@ def path_of(value: object) -> Path:
 def raw(node: Node, faults: list[Fault]) -> Any:
     """The tree as dicts (`Placed`), lists and values, with faults that any place may have.
 
-    Keys that this version does not carry out are told and left out, with all that is below them. A key with
-    no value and an expression without one are told and stay, so that it is known that they are there.
+    A key with no value and an expression without one are told and stay, so that it is known that they are there.
     """
     return _raw(node, (), faults)
 
@@ -43,7 +38,7 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     if isinstance(node, Scalar):
         if node.value is None:
             faults.append(_nothing(at))
-        elif isinstance(node.value, str) and is_template(node.value) and not _knows_more(at):
+        elif isinstance(node.value, str) and is_template(node.value) and not is_of_elements(at):
             faults.append(Fault("expression", "an expression has no value here", at))
         return node.value
     if isinstance(node, Sequence):
@@ -56,22 +51,12 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
         path = (*at, name)
         if fallen is not None and name in fallen[1]:
             continue
-        if is_unsupported(path):
-            faults.append(_unsupported(path))
-            mapping.cut = True
-            continue
         if is_template(name):
             help = "write the name itself; parameters can choose between pieces of recipe, by `when` and `variants`"
             faults.append(Fault("expression", "an expression cannot be a key", path, key=True, help=help))
             continue
         mapping[name] = _raw(value, path, faults)
     return mapping
-
-
-def is_deferred(at: Path) -> bool:
-    """Whether `${…}` at that path is evaluated for each element: in `edit` of the recipe, of the base or a part."""
-    depth = {"base": 1, "attach": 2}.get(str(at[0]), 0)
-    return at[depth : depth + 1] == ("edit",)
 
 
 def _nothing(at: Path) -> Fault:
@@ -84,18 +69,3 @@ def _nothing(at: Path) -> Fault:
             help="write a value behind it (`{}` for an element without attributes), or leave the key out",
         )
     return Fault("wrong-type", "there is no value here", at)
-
-
-def _unsupported(at: Path) -> Fault:
-    return Fault(
-        "not-supported",
-        f"`{at[-1]}` is not supported by this version",
-        at,
-        key=True,
-        help="leave the key out for now",
-    )
-
-
-def _knows_more(at: Path) -> bool:
-    """Edits are evaluated for each element that they change."""
-    return "edit" in at[:3] or "where" in at

@@ -22,6 +22,7 @@ from composer.recipe.extension import Extension
 from composer.recipe.fault import Fault, refusal
 from composer.recipe.keyframe import Keyframe, Keyframes
 from composer.recipe.model import Model
+from composer.recipe.randomize import Randomize
 from composer.recipe.shown import kind_of
 from composer.recipe.singleton import Singleton
 from composer.recipe.text import Choice, Text
@@ -129,5 +130,7 @@ class Recipe(Model):
     """Flexes and skins: by tag, a mapping from their names."""
     keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
+    randomize: Randomize | None = None
+    """Seeded draws: samples of the model that `build --all` builds."""
     check: Annotated[tuple[Check, ...], Checks()] = ()
     """What must hold of the model: a mapping from a name to a check."""

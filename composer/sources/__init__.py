@@ -1,10 +1,25 @@
-"""Where models come from: a model reference in, a local file with its origin and licences out."""
+"""Where models come from: a model reference in, a local file with its origin and licences out.
+
+What is not used is not imported.
+"""
 
 from __future__ import annotations
 
-from composer.sources.error import SourceError
-from composer.sources.reference import Kind, Reference, parse
-from composer.sources.resolve import resolve
-from composer.sources.source import Source
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["Kind", "Reference", "Source", "SourceError", "parse", "resolve"]
+if TYPE_CHECKING:
+    from composer.sources.error import SourceError
+    from composer.sources.reference import Kind, Reference, parse
+    from composer.sources.source import Source
+
+__all__ = ["Kind", "Reference", "Source", "SourceError", "parse"]
+
+_HOME = {"Kind": "reference", "Reference": "reference", "Source": "source", "SourceError": "error",
+         "parse": "reference"}  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"composer.sources.{_HOME[name]}"), name)

@@ -1,6 +1,7 @@
 """The store: what was fetched, one folder for each commit or archive, complete or not there.
 
     git/COMMIT/, archive/SHA256/      content/ and entry.json: what it is, its size, the hash of every file
+    asked/, built/, raw/, packed/     what the build cache keeps, one file each (`blobs.py`)
     seen/                             what a branch, tag or URL stood for when it was last asked for
     partial/                          downloads to be resumed
     staging/                          entries being made; they move to their place in one step
@@ -15,8 +16,6 @@ import contextlib
 import hashlib
 import json
 import os
-import secrets
-import shutil
 import stat
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -24,6 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from composer.sources.blobs import WRITING, Blob, blobs
 from composer.sources.digest import differences, files_below, sha256_of
 from composer.sources.error import SourceError
 
@@ -88,7 +88,7 @@ class Store:
         """
         with self.usable():
             self._sweep(key)
-            stage = self.folder / "staging" / f"{key}.{secrets.token_hex(6)}"
+            stage = self.folder / "staging" / f"{key}.{os.urandom(6).hex()}"
             try:
                 content = stage / "content"
                 content.mkdir(parents=True)
@@ -172,22 +172,27 @@ class Store:
 
     def prune(
         self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()
-    ) -> list[Entry]:
+    ) -> list[Entry | Blob]:
         """Remove what was used longest ago until at most `limit` bytes are left, and what killed processes left.
 
-        Spares `keep`, and what was used in the last `grace` seconds. What was removed.
+        Spares `keep`, and entries that were used in the last `grace` seconds. What was removed.
         """
-        removed = []
-        entries = self.entries()
-        size = sum(entry.size for entry in entries)
-        for entry in entries:
+        removed: list[Entry | Blob] = []
+        everything: list[Entry | Blob] = [*self.entries(), *blobs(self.folder)]
+        everything.sort(key=lambda each: (each.used, each.key))
+        size = sum(each.size for each in everything)
+        for each in everything:
             if size <= limit:
                 break
-            if entry.key in keep or time.time() - entry.used < grace:
+            if isinstance(each, Blob):
+                with self.usable():
+                    each.path.unlink(missing_ok=True)
+            elif each.key in keep or time.time() - each.used < grace:
                 continue
-            self.remove(entry)
-            removed.append(entry)
-            size -= entry.size
+            else:
+                self.remove(each)
+            removed.append(each)
+            size -= each.size
         for left in self.unfinished():
             self._sweep_unless_busy(left)
         return removed
@@ -200,7 +205,7 @@ class Store:
     def unfinished(self) -> list[Path]:
         """What is being made or downloaded now, or was when its process was killed."""
         found: list[Path] = []
-        for name in ("staging", "partial"):
+        for name in ("staging", "partial", WRITING):
             with contextlib.suppress(OSError):
                 found += (self.folder / name).iterdir()
         return sorted(found)
@@ -218,7 +223,7 @@ class Store:
     def remember(self, id: str, told: Mapping[str, str]) -> None:
         """Write down what an origin stood for; a note that cannot be written is none."""
         path = self.folder / "seen" / f"{name_of(id)}.json"
-        stage = path.with_name(f"{path.name}.{secrets.token_hex(6)}")
+        stage = path.with_name(f"{path.name}.{os.urandom(6).hex()}")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             stage.write_text(json.dumps({**told, "id": id}), encoding="utf-8")
@@ -249,7 +254,7 @@ class Store:
             return None
 
     def _remove(self, folder: Path, key: str) -> None:
-        stage = self.folder / "staging" / f"{key}.{secrets.token_hex(6)}"
+        stage = self.folder / "staging" / f"{key}.{os.urandom(6).hex()}"
         stage.parent.mkdir(parents=True, exist_ok=True)
         with contextlib.suppress(FileNotFoundError):  # another process was faster
             folder.replace(stage)
@@ -261,6 +266,11 @@ class Store:
             _erase(left)
 
     def _sweep_unless_busy(self, left: Path) -> None:
+        if left.parent.name == WRITING:
+            with contextlib.suppress(OSError):
+                if time.time() - left.stat().st_mtime > GRACE:
+                    left.unlink()
+            return
         from filelock import FileLock, Timeout
 
         with (
@@ -277,6 +287,8 @@ def name_of(id: str) -> str:
 
 
 def _erase(path: Path) -> None:
+    import shutil  # reading what is there needs none of it
+
     if path.is_dir():
         if os.name == "nt":  # where a file that cannot be written cannot be removed either
             for _, file in files_below(path):

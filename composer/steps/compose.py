@@ -21,9 +21,18 @@ from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.malformed import STUMBLES, malformed
+from composer.plan.drawn import Drawn, Tabled
 from composer.plan.member import Member
 from composer.plan.parts import BASE, called
-from composer.plan.plan import AddElement, AppendElement, EditElements, Plan, SetDefault, SetSingleton
+from composer.plan.plan import (
+    AddElement,
+    AppendElement,
+    DrawValues,
+    EditElements,
+    Plan,
+    SetDefault,
+    SetSingleton,
+)
 from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
@@ -35,6 +44,7 @@ from composer.steps.load import Library, Loader
 from composer.steps.loose_ends import check_names
 from composer.steps.members import Hung, hung, placed
 from composer.steps.own_edits import OwnEdits
+from composer.steps.randomize import draw_values
 from composer.steps.section import append, set_default, set_singleton
 from composer.steps.subtree import Wanted, wanted
 from composer.tree.classes import MAIN
@@ -51,11 +61,13 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """One flat model, the files it names, and the sources that are in it."""
+    """One flat model, the files it names, the sources that are in it, and what was drawn for it."""
 
     model: Unit
     files: tuple[FileUse, ...]
     members: tuple[Member, ...] = ()
+    drawn: tuple[Drawn, ...] = ()
+    tabled: tuple[Tabled, ...] = ()
 
 
 class Composer:
@@ -164,8 +176,10 @@ class Composer:
         if not link(linking):
             return None
         _carry_out(plan, linking, making)
+        drawn: tuple[list[Drawn], list[Tabled]] = ([], [])
         if not self.context.sink.has_errors:  # without what is at fault a selector means other things
             _edit(plan.edits, False, Editing(linking, making, plan.scope, self.parts))
+            _draw(plan.draws, False, Editing(linking, making, plan.scope, self.parts), *drawn)
         write_keyframes(plan, linking, making)
         if self.context.sink.error_count > before:
             return None
@@ -174,13 +188,16 @@ class Composer:
         _edit(plan.edits, True, Editing(linking, making, plan.scope, self.parts))
         if own_keys:
             base.section("keyframe").extend(own_keys)
+        _draw(plan.draws, True, Editing(linking, making, plan.scope, self.parts), *drawn)
         roots = [base.root, *(unit.root for unit in units)]
         self.hung[base.root] = hung(
             plan, wanted(plan, stands), parts, [self.hung.get(root, []) for root in roots]
         )
         if self.context.sink.error_count > before:
             return None
-        return Composed(linking.flat(), tuple(linking.files))
+        return Composed(
+            linking.flat(), tuple(linking.files), drawn=(*plan.drawn, *drawn[0]), tabled=tuple(drawn[1])
+        )
 
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
         """From which part each element comes, before they are one model; a nested recipe has noted its own."""
@@ -249,6 +266,18 @@ def _edit(steps: Iterable[EditElements], of_keys: bool, editing: Editing) -> Non
     for step in steps:
         if is_of_keys(step) == of_keys:
             edit(step, editing)
+            editing.linking.watch(editing.linking.units, step)
+
+
+def _draw(
+    steps: Iterable[DrawValues], of_keys: bool, editing: Editing, drawn: list[Drawn], tabled: list[Tabled]
+) -> None:
+    """The draws of a sample, on what is there after all edits; those of keys when these are laid out."""
+    for step in steps:
+        if is_of_keys(step) == of_keys:
+            values, rows = draw_values(step, editing)
+            drawn += values
+            tabled += rows
             editing.linking.watch(editing.linking.units, step)
 
 

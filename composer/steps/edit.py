@@ -16,7 +16,7 @@ from composer.link import numbers
 from composer.link.files import add_file
 from composer.link.layout import joint_type
 from composer.link.names import may_be_generated
-from composer.plan.plan import EditElements
+from composer.plan.plan import DrawValues, EditElements
 from composer.recipe.angles import bare_angle
 from composer.recipe.edit_values import MASS
 from composer.recipe.element import Element
@@ -58,9 +58,10 @@ def edit(step: EditElements, editing: Editing) -> None:
         return
 
 
-def is_of_keys(step: EditElements) -> bool:
-    """Whether it edits keys, which waits until they are laid out."""
-    return "keyframe/key" in paths_of(step.edit.select.tag)
+def is_of_keys(step: EditElements | DrawValues) -> bool:
+    """Whether it is about keys, which waits until they are laid out."""
+    select = step.edit.select if isinstance(step, EditElements) else step.field.select
+    return select is not None and "keyframe/key" in paths_of(select.tag)
 
 
 def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
@@ -72,7 +73,7 @@ def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
         written: Mapping[str, Any] = getattr(entry, verb)
         if written:
             for index, node in enumerate(found):
-                _Change(editing, verb, masses).carry_out(node, index, written, (*entry.at, verb))
+                Change(editing, verb, masses).carry_out(node, index, written, (*entry.at, verb))
     if entry.convert is not None:
         convert(editing, found, entry.convert, (*entry.at, "convert"))
     if entry.move is not None:
@@ -80,7 +81,7 @@ def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
             move(editing, node, index, entry.move, (*entry.at, "move"))
             pose = {name: value for name, value in entry.move.items() if name != "to"}
             if pose:
-                _Change(editing, "set", masses).carry_out(node, index, pose, (*entry.at, "move"))
+                Change(editing, "set", masses).carry_out(node, index, pose, (*entry.at, "move"))
     if entry.rename is not None:
         rename(editing, found, entry.rename, (*entry.at, "rename"))
 
@@ -117,7 +118,7 @@ def _given_by_class(editing: Editing, node: Node, name: str) -> bool:
     return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))
 
 
-class _Change:
+class Change:
     """New values for the attributes of elements, by one of the verbs `set`, `scale`, `offset`."""
 
     def __init__(self, editing: Editing, verb: str, masses: Masses) -> None:

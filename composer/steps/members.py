@@ -11,13 +11,13 @@ from composer.link.linking import Part
 from composer.link.placing import read_pose
 from composer.plan.member import IN_PLACE, Member, of_part
 from composer.plan.parts import BASE, called
-from composer.plan.plan import Plan, SetDefault, SetSingleton
+from composer.plan.plan import DrawValues, Plan, SetDefault, SetSingleton
 from composer.pose import Pose
 from composer.recipe.checks.unchanged import Unchanged
 from composer.steps.subtree import Wanted
 from composer.tree.classes import MAIN
 from composer.tree.settings import read_settings
-from composer.verify.excuses import arrays_of
+from composer.verify.excuses import arrays_of, arrays_of_draw
 
 _MASSES = frozenset({"boundmass", "boundinertia", "settotalmass"})
 _RESHAPING = frozenset({"fusestatic", "discardvisual"})
@@ -108,6 +108,8 @@ def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
             rows = [(row.tag, name) for row in step.element.children for name in row.attributes]
             arrays = [array for tag, name in rows for array in arrays_of(name, tag)]
             found = [_with(each, arrays) if each.member.prefix == owner else each for each in found]
+        elif isinstance(step, DrawValues) and step.sample:
+            found = [_with(each, arrays_of_draw(step)) for each in found]
         elif isinstance(step, SetSingleton) and step.section == "compiler":
             written = step.element.attributes
             if not _MASSES.isdisjoint(written):

@@ -19,7 +19,7 @@ from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
 from composer.verify.compiles import CRASHES
 from composer.verify.difference import EXTRA, MISSING, Difference
-from composer.verify.excuses import arrays_of
+from composer.verify.excuses import arrays_of, arrays_of_draw
 from composer.verify.kinds.ask import ask
 from composer.verify.kinds.finding import Finding
 from composer.verify.nested import Nested
@@ -41,10 +41,11 @@ def run_checks(
     `hear` is called with what came of each check, in the order of the recipe.
     """
     judge, kept = Judge(session, merged), True
+    drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
     for recipe, check in Nested(plan).checks():
         own = replace(context, sink=Sink())
         if isinstance(check, Unchanged):
-            values = _unchanged(check, recipe, members, plan.separator, judge, own)
+            values = _unchanged(check, recipe, members, plan.separator, judge, own, drawn)
         else:
             kept, values = _ask(check, recipe, members, session, own)
         for diagnostic in own.sink.diagnostics:
@@ -54,6 +55,11 @@ def run_checks(
             hear(Outcome(recipe.part + check.name, check.word, _place(check, recipe), told, values))
         if not kept:
             break
+
+
+def places(plan: Plan) -> dict[str, Span]:
+    """Where each check is written, by the name that its outcome has."""
+    return {recipe.part + check.name: _place(check, recipe) for recipe, check in Nested(plan).checks()}
 
 
 def _place(check: Check, recipe: Nested) -> Span:
@@ -96,10 +102,11 @@ def _unchanged(
     separator: str,
     judge: Judge,
     context: Context,
+    drawn: Sequence[str],
 ) -> dict[str, Any]:
     """The part as the outermost recipe calls it, each of its sources against itself alone; how many there are."""
     part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
-    excused = [array for name in check.excepted for array in arrays_of(name)]
+    excused = [*drawn, *(array for name in check.excepted for array in arrays_of(name))]
     found = of_part(members, part, separator)
     for member in found:
         compared = judge.compare(member, excused)

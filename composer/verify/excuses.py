@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Set as AbstractSet
 
+from composer.plan.plan import DrawValues
+from composer.recipe.subscript import attribute_and_index
+from composer.tree.selector import XPATH
 from composer.verify.fields import RULES, Treatment
 from composer.verify.roster import KINDS
 
@@ -81,3 +84,12 @@ def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
     return DERIVED.union(
         end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends
     )
+
+
+def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
+    """The arrays that follow from what is drawn."""
+    name, _ = attribute_and_index(step.field.attr)
+    tag = step.field.select.tag if step.field.select is not None else XPATH
+    # Actuators with `inheritrange` take over the range of their joint.
+    following = {"actuator_ctrlrange"} if name == "range" else set()
+    return following.union(arrays_of(name, None if tag == XPATH else tag))

@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from composer.mjcf.png import png
+from composer.engine.png import png
 
 from composer import mjcf
 

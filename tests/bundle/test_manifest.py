@@ -49,7 +49,9 @@ def manifest() -> Manifest:
         variants={"light": "dim"},
         params={"reach": 0.5, "label": "x", "offset": [0, 0, 1]},
         sample=3,
-        draws=(Draw(field="friction", element="cube0/box", attribute="friction[0]", value=0.7),),
+        draws=(
+            Draw(field="friction", element="cube0/box", attribute="friction", operation="set", value=0.7),
+        ),
         inputs=(Input(path="arm.xml", reference="./arm.xml", kind="path", sha256="1" * 64),),
         files=files_of(BUNDLE),
         index=index_of(INDEX, {("joint", 0): ("joint", "arm.xml:12")}),

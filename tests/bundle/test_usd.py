@@ -9,8 +9,9 @@ import pytest
 
 from composer import engine
 from composer.bundle.bundle import Bundle
+from composer.bundle.form import Form, form_of
 from composer.bundle.output_error import OutputError
-from composer.bundle.write import Form, form_of, write
+from composer.bundle.write import write
 from composer.context import Context
 from composer.engine import usd
 from composer.pipeline import build

@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 from composer import engine
-from composer.bundle import Bundle, Form, OutputError, form_of, read, write
+from composer.bundle import Bundle, Form, OutputError, form_of
+from composer.bundle.read import read
+from composer.bundle.write import write
 
 BUNDLE = Bundle({"model.xml": b'<mujoco><worldbody><body name="b"/></worldbody></mujoco>'})
 

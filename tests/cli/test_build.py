@@ -286,14 +286,14 @@ def test_a_disk_that_is_full(folder: Path, out: str) -> None:
 
 
 def test_an_interruption_while_writing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out.zip").exit_code == 0
+    assert run("build", "cell.yaml", "--no-verify", "--no-cache", "-o", "out.zip").exit_code == 0
     before = snapshot(folder)
 
-    def interrupt(path: str) -> int:
+    def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(archive, "_level", interrupt)
-    result = run("build", "cell.yaml", "--no-verify", "-o", "out.zip")
+    monkeypatch.setattr(archive, "_copy", interrupt)
+    result = run("build", "cell.yaml", "--no-verify", "--no-cache", "-o", "out.zip")
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
     assert snapshot(folder) == before

@@ -50,6 +50,17 @@ def test_every_step_in_words(folder: Path) -> None:
     ]
 
 
+def test_checks_in_words(folder: Path) -> None:
+    (folder / "all.yaml").write_text(
+        RECIPE
+        + "params: {n: 1}\n"
+        + 'check: {dims: {size: {nq: "${n}"}, exists: [{site: "*", expect: 2}]}, gone: {size: {nq: 2}, when: false}}\n'
+    )
+    told = ["check dims: size {nq: 1}", "check dims: exists [{site: *, expect: 2}]"]
+    assert [line.strip() for line in run("plan", "all.yaml").stdout.splitlines()[-2:]] == told
+    assert json.loads(run("plan", "all.yaml", "--json").stdout)["checks"] == told
+
+
 def test_as_json(folder: Path) -> None:
     result = run("plan", "cell.yaml", "--json")
     told = json.loads(result.stdout)

@@ -31,6 +31,10 @@ SEVERAL = {
     "check_names",
     "check_nested",
     "keyframe_several",
+    "draw_faults",
+    "draw_parameters",
+    "draw_refused",
+    "draw_table",
 }
 # Not wrong: something is told, and the model is built.
 BUILT = {"conflict_merge", "conflict_warning", "edit_convert_loss", "memory_warning", "subtree_cut"}

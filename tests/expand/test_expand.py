@@ -129,6 +129,41 @@ def test_what_belongs_to_some_builds_only() -> None:
 
 
 @pytest.mark.parametrize(
+    "place",
+    [
+        "attach: {x: ITEM}",
+        "base: {edit: [ITEM]}",
+        "attach: {x: {edit: [ITEM]}}",
+        "add: [ITEM]",
+        "edit: [ITEM]",
+        *(
+            f"{section}: {{x: ITEM}}"
+            for section in "sensor actuator equality tendon keyframe default check".split()
+        ),
+        *(f"asset: {{{tag}: {{x: ITEM}}}}" for tag in ("mesh", "material", "texture", "hfield", "model")),
+        *(f"custom: {{{tag}: {{x: ITEM}}}}" for tag in ("numeric", "text", "tuple")),
+        *(f"contact: {{{tag}: [ITEM]}}" for tag in ("exclude", "pair")),
+        *(f"deformable: {{{tag}: {{x: ITEM}}}}" for tag in ("flex", "skin")),
+        "extension: {plugin: {x: ITEM}}",
+        *(f"{section}: ITEM" for section in "option size visual statistic compiler".split()),
+    ],
+)
+@pytest.mark.parametrize("where", ["RECIPE", "{variants: {v: {a: RECIPE}}}"])
+def test_every_item_of_a_recipe_may_belong_to_some_builds(place: str, where: str) -> None:
+    def of(item: str) -> Any:
+        return concrete(where.replace("RECIPE", f"{{{place}}}".replace("ITEM", item)))
+
+    assert of("{mark: 1, when: true}") == of("{mark: 1}")
+    assert "mark" not in str(of("{mark: 1, when: false}")) and "when" not in str(of("{mark: 1, when: false}"))
+
+
+@pytest.mark.parametrize("section", ["sensor", "attach", "check"])
+def test_what_is_called_like_a_key_of_the_language_is_an_item_like_others(section: str) -> None:
+    text = f"params: {{n: 2}}\n{section}: {{where: {{a: '${{n}}'}}, edit: {{a: '${{n}}'}}, when: {{a: '${{n}}'}}}}"
+    assert concrete(text) == {section: {name: {"a": 2} for name in ("where", "edit", "when")}}
+
+
+@pytest.mark.parametrize(
     ("text", "given", "fault"),
     [
         ("params: {x: 1}", "{y: 2}", "unknown-name: the recipe has no parameter or variant `y`"),

@@ -180,9 +180,9 @@ def test_shipped_recipes_have_the_layout(path: Path) -> None:
 
 
 def test_starter_recipe_has_the_layout() -> None:
-    from composer.cli.new import _STARTER
+    from composer.starting.recipe import starter
 
-    text = _STARTER.format(name="model")
+    text = starter("model")
     assert formatted(text) == text
 
 

@@ -9,7 +9,6 @@ from composer.context import Context
 from composer.importing.match import find, separator_of
 from composer.importing.propose import propose
 from composer.importing.recover import Recovered, recover
-from composer.recipe.unsupported import is_unsupported
 from composer.tree.parse import parse_file
 
 ARM = """\
@@ -119,9 +118,7 @@ def test_a_model_of_four_parts(tmp_path: Path) -> None:
 def test_a_changed_value_is_an_edit(tmp_path: Path) -> None:
     found = recovered(tmp_path, damping="5")
     assert "{select: {joint: right/shoulder}, set: {damping: [5]}}" in found.text
-    fields = [(each.name, each.array) for each in found.differences or []]
-    # Without `edit` the value differs, and is told.
-    assert (fields == [("right/shoulder", "dof_damping")]) == is_unsupported(("edit",))
+    assert found.differences == []
 
 
 def test_what_cannot_be_said_is_a_comment(tmp_path: Path) -> None:
@@ -180,8 +177,7 @@ def test_separator(tmp_path: Path, prefixes: tuple[str, ...], separator: str) ->
     assert [each.prefix for each in found] == list(prefixes) and separator_of(found) == separator
 
 
-@pytest.mark.parametrize("can_edit", [True, False])
-def test_a_prefix_that_was_not_there_is_taken_away_again(tmp_path: Path, can_edit: bool) -> None:
+def test_a_prefix_that_was_not_there_is_taken_away_again(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(ARM)
     (tmp_path / "tool.xml").write_text(TOOL)
     tool = '<body name="palm"><geom name="palm" type="box" size="0.03 0.03 0.01"/></body></body></body>'
@@ -189,14 +185,13 @@ def test_a_prefix_that_was_not_there_is_taken_away_again(tmp_path: Path, can_edi
     context = Context()
     units = [parse_file(tmp_path / f"{name}.xml", context.sink) for name in ("all", "arm", "tool")]
     merged, *parts = [unit for unit in units if unit is not None]
-    found = propose(merged, parts, ["./arm.xml", "./tool.xml"], str, can_edit)
+    found = propose(merged, parts, ["./arm.xml", "./tool.xml"], str)
     edits = [(entry.text, entry.note is None) for entry in found.entries if entry.section == "edit"]
     assert edits == [
-        ("{select: {body: tool/palm}, rename: palm}", can_edit),
-        ("{select: {geom: tool/palm}, rename: palm}", can_edit),
+        ("{select: {body: tool/palm}, rename: palm}", True),
+        ("{select: {geom: tool/palm}, rename: palm}", True),
     ]
-    renamed = {kind: names for kind, names in found.renamed.items() if names}
-    assert renamed == ({} if can_edit else {"body": {"palm": "tool/palm"}, "geom": {"palm": "tool/palm"}})
+    assert not any(found.renamed.values())
 
 
 @pytest.fixture
@@ -219,12 +214,7 @@ def test_panda_with_hand(menagerie: Path, tmp_path: Path) -> None:
     )
     assert found is not None and found.bundle is not None and not found.faults
     assert "body: link7, pos: [0, 0, 0.107]" in found.text
-    differences = found.differences
-    assert differences is not None
-    if is_unsupported(("edit",)) or is_unsupported(("keyframe",)):
-        assert {each.kind for each in differences} <= {"key", "model"}
-    else:
-        assert differences == []
+    assert found.differences == []
 
 
 @pytest.mark.slow
@@ -235,9 +225,73 @@ def test_two_arms(menagerie: Path, tmp_path: Path) -> None:
     assert found is not None and found.bundle is not None and not found.faults
     lines = [line.strip() for line in found.text.splitlines()]
     assert [line.partition("vx300s.xml")[2] for line in lines if "vx300s.xml" in line] == [
-        ", pos: [-0.469, -0.019, 0.02]}",
-        ", pos: [0.469, -0.019, 0.02], quat: [0, 0, 0, 1]}",
+        f', pos: [{pose}, drop: [{{xpath: "worldbody/light[not(@name)][1]"}}]}}'
+        for pose in ("-0.469, -0.019, 0.02]", "0.469, -0.019, 0.02], quat: [0, 0, 0, 1]")
     ]
     assert any(
         "select: {body: left/left_finger_link}, move: {to: left/gripper_base" in line for line in lines
     )
+    assert found.differences == [] and not any(entry.note for entry in found.proposal.entries)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("merged", "parts"),
+    [
+        ("franka_emika_panda/scene", ("franka_emika_panda/panda_nohand", "franka_emika_panda/hand")),
+        ("aloha/scene", ("trossen_vx300s/vx300s",)),
+        ("boston_dynamics_spot/spot_arm", ("boston_dynamics_spot/spot",)),
+        ("ufactory_xarm7/xarm7", ("ufactory_xarm7/xarm7_nohand", "ufactory_xarm7/hand")),
+    ],
+)
+def test_scenes_and_robots_that_were_merged_by_hand(
+    merged: str, parts: tuple[str, ...], menagerie: Path, tmp_path: Path
+) -> None:
+    files = [menagerie / f"{name}.xml" for name in (merged, *parts)]
+    found = recover(files[0], files[1:], tmp_path / "recipe.yaml", Context(folder=tmp_path))
+    assert found is not None and found.differences == []
+
+
+WITHOUT_NAMES = """
+<mujoco model="part">
+  <worldbody>
+    <light pos="0 0 3"/>
+    <body name="base">
+      <geom size="0.1"/>
+      <geom type="box" size="0.1 0.1 0.1" rgba="1 0 0 1"/>
+      <geom type="capsule" size="0.1 0.2"/>
+      <body name="link" pos="0 0 0.5"><joint name="turn"/><geom size="0.05"/></body>
+      <body name="other" pos="0 1 0.5"><geom size="0.05"/></body>
+    </body>
+  </worldbody>
+  <contact>
+    <exclude body1="base" body2="link"/>
+  </contact>
+  <keyframe><key name="home" qpos="1"/></keyframe>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('<geom size="0.1"/>', "", "geom[not(@name)][1]'}, remove: true}"),
+        ('rgba="1 0 0 1"', 'rgba="0 1 0 1"', "geom[not(@name)][2]'}, set: {rgba: [0, 1, 0, 1]}}"),
+        ('<geom size="0.1"/>', '<geom size="0.1"/><geom size="0.3"/>', "add:"),
+        ("<exclude", "<!-- <exclude", "where: {body1: base, body2: link}}, remove: true}"),
+        ('<light pos="0 0 3"/>', "", '{xpath: "worldbody/light[not(@name)][1]"}, remove: true}'),
+        ('<key name="home" qpos="1"/>', "", "{select: {key: home}, remove: true}"),
+        ('<key name="home" qpos="1"/>', '<key name="new" qpos="2"/>', "new: {qpos: {turn: [2rad]}}"),
+    ],
+)  # fmt: skip
+def test_what_has_no_name_is_found_by_its_place(old: str, new: str, said: str, tmp_path: Path) -> None:
+    assert old in WITHOUT_NAMES
+    (tmp_path / "part.xml").write_text(WITHOUT_NAMES)
+    changed = WITHOUT_NAMES.replace(old, new)
+    if "<!--" in new:
+        changed = changed.replace('body2="link"/>', 'body2="link"/> -->')
+    (tmp_path / "all.xml").write_text(changed)
+    found = recover(
+        tmp_path / "all.xml", [tmp_path / "part.xml"], tmp_path / "recipe.yaml", Context(folder=tmp_path)
+    )
+    assert found is not None and found.differences == [] and said in found.text

@@ -10,10 +10,12 @@ from typing import Any
 
 import pytest
 
+from composer.context import Context
 from composer.diagnostics import Diagnostic, Sink, Span, render
 from composer.document import load, to_python
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.expand.expand import expand
+from composer.plan.read import read_recipe
 from composer.recipe import Recipe, validate
 
 CASES = sorted(Path(__file__).parent.joinpath("errors").iterdir())
@@ -47,7 +49,8 @@ def test_there_are_wrong_recipes() -> None:
 @pytest.mark.parametrize("path", RECIPES, ids=lambda path: path.name)
 def test_shipped_recipe(path: Path) -> None:
     sink = Sink()
-    node = load(path.read_text(encoding="utf-8"), path.name, sink)
+    context = Context(folder=path.parent, sink=sink)
+    node = read_recipe(path, context)
     assert isinstance(node, Mapping)
     recipe = validate(expand(node, {}, sink).document, sink)
     assert not sink.diagnostics

@@ -30,6 +30,7 @@ def test_all_models_are_there() -> None:
         "arm6/arm6.xml",
         "camera_mount/camera_mount.xml",
         "gripper2/gripper2.xml",
+        "props/can.xml",
         "props/cube.xml",
         "scenes/floor.xml",
         "table/table.xml",

@@ -16,16 +16,23 @@ TAGS = (
     "pair", "exclude", "equality", "tendon", "actuator", "sensor", "numeric", "text", "tuple", "plugin", "key",
 )  # fmt: skip
 """What a compiled model has names for; families stand for all of their tags."""
+ON_BODIES = ("body", "joint", "geom", "site", "camera", "light")
 EXPECT = "expect"
+AROUND = ("parent", "in")
 
 
 @dataclass(frozen=True, slots=True)
 class Selected:
-    """Elements by a glob over their names; `expect` is how many, None for any number but none."""
+    """Elements by a glob over their names; `expect` is how many, None for any number but none.
+
+    `parent` is a glob for the body that they are right on, `inside` one for any body around them.
+    """
 
     tag: str
     glob: str
     expect: int | None
+    parent: str | None = None
+    inside: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,10 +63,10 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
         message = f"a selector in {keys.owner} is a mapping from a tag to a name, got {kind_of(value)}"
         keys.add("wrong-type", message, index, help="write for instance `{site: tcp}`")
         return None
-    tags = [key for key in value if key != EXPECT]
+    tags = [key for key in value if key not in (EXPECT, *AROUND)]
     for tag in tags:
         if tag not in TAGS:
-            near = closest(tag, TAGS)
+            near = closest(tag, (*TAGS, *AROUND))
             remark = Remark(exists_note("tag", TAGS, tag).message)
             message = f"`{tag}` in {keys.owner} is no tag whose names a compiled model has"
             keys.add("unknown-key", message, index, tag, key=True, remarks=(remark,),
@@ -80,7 +87,22 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
             "wrong-type", f"`expect` in {keys.owner} expects a count, got {kind_of(expect)}", index, EXPECT
         )
         return None
-    return Selected(tags[0], glob, expect)
+    around = [_around(index, key, value[key], tags[0], keys) if key in value else None for key in AROUND]
+    return Selected(tags[0], glob, expect, *around)
+
+
+def _around(index: int, key: str, value: object, tag: str, keys: Keys) -> str | None:
+    """The glob for a body around what is selected."""
+    body = value.get("body") if isinstance(value, dict) and len(value) == 1 else None
+    if tag not in ON_BODIES:
+        keys.add("unknown-key", f"`{tag}` in {keys.owner} stands on no body", index, key, key=True,
+                 help=f"leave `{key}` out")  # fmt: skip
+    elif isinstance(body, str) and body:
+        return body
+    else:
+        message = f"`{key}` in {keys.owner} is a body by its name or a glob, got {kind_of(value)}"
+        keys.add("wrong-type", message, index, key, help=f'write for instance `{key}: {{body: "**/pad"}}`')
+    return None
 
 
 KIND = Kind(
@@ -93,7 +115,7 @@ KIND = Kind(
         "items": {
             "type": "object",
             "minProperties": 1,
-            "maxProperties": 2,
+            "maxProperties": 4,
             "additionalProperties": False,
             "properties": {
                 **{tag: {**NAME, "description": f"a glob over the names: {tag}"} for tag in TAGS},
@@ -102,6 +124,16 @@ KIND = Kind(
                     "minimum": 0,
                     "pattern": r"\$\{",
                     "description": "how many there must be; without it, at least one",
+                },
+                **{
+                    key: {
+                        "type": "object",
+                        "description": f"only what has a body of that name {where} it",
+                        "properties": {"body": NAME},
+                        "required": ["body"],
+                        "additionalProperties": False,
+                    }
+                    for key, where in zip(AROUND, ("right around", "somewhere around"), strict=True)
                 },
             },
         },

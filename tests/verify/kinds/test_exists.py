@@ -13,6 +13,12 @@ import pytest
         ('[{geom: "**", expect: 6}, {geom: "*/*", expect: 2}]', ""),
         ('[{geom: "**", expect: 3}]', "left/"),
         ("[{mesh: any, expect: 0}]", ""),
+        ('[{site: "**", in: {body: "*/base"}, expect: 1}, {geom: "**", in: {body: world}, expect: 6}]', ""),
+        (
+            '[{body: "**", parent: {body: base}, expect: 1}, {site: "**", in: {body: base}, expect: 1}]',
+            "left/",
+        ),
+        ('[{joint: "**", parent: {body: "*/base"}, expect: 0}]', ""),
     ],
 )
 def test_holds(ask, arm: str, selectors: str, prefix: str) -> None:
@@ -42,3 +48,8 @@ def test_another_number(ask, arm: str) -> None:
 def test_what_is_of_another_part_is_not_found(ask, arm: str) -> None:
     (finding,) = ask(arm, "exists: [{body: base}, {site: tcp}]", prefix="right/")
     assert finding.at == (1, "site")
+
+
+def test_nothing_of_that_name_there(ask, arm: str) -> None:
+    (finding,) = ask(arm, 'exists: [{site: "**/tcp", in: {body: right/base}}]')
+    assert finding.message == "there is no site `**/tcp` in a body `right/base`"

@@ -1,0 +1,85 @@
+"""What is kept of a build: all that is told of it, and of every file its hash and where its bytes are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from composer.bundle.licence_table import Row
+from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
+from composer.diagnostics.span import Span
+from composer.expr.value import Value
+from composer.verify.outcome import Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class KeptFile:
+    """A file of a bundle; `source` is a file of the user's with the same bytes, without which they are in the store."""
+
+    path: str
+    sha256: str
+    size: int
+    source: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A build that went well. `text` is the hash of the model's text alone, where that was asked for; `mujoco` is
+    the version that compiled it.
+
+    `draws` are the numbers that a sample has drawn, by their columns in a table; None for what is no sample.
+    `recipes` are the recipe files and their hashes then, `places` is a hash of where everything stands in them, and
+    `tells_places` says that something of this would be wrong if it stood elsewhere.
+    """
+
+    name: str
+    model: str
+    sha256: str
+    sizes: Mapping[str, int] | None
+    merged: Mapping[str, Mapping[str, str]]
+    files: tuple[KeptFile, ...]
+    text: str | None
+    mujoco: str | None
+    licences: tuple[Row, ...]
+    diagnostics: tuple[Diagnostic, ...]
+    checks: tuple[Outcome, ...]
+    draws: Mapping[str, Value] | None
+    recipes: Mapping[str, str]
+    places: str
+    tells_places: bool
+
+
+def to_json(record: Record) -> bytes:
+    return json.dumps(asdict(record), ensure_ascii=True).encode()
+
+
+def from_json(text: bytes) -> Record:
+    """What `to_json` gave. Raises ValueError, KeyError and TypeError for anything else."""
+    data: dict[str, Any] = json.loads(text)
+    data["files"] = tuple(KeptFile(**each) for each in data["files"])
+    data["licences"] = tuple(Row(**{**each, "files": tuple(each["files"])}) for each in data["licences"])
+    data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
+    data["checks"] = tuple(
+        Outcome(
+            each["name"],
+            each["kind"],
+            Span(**each["span"]),
+            tuple(map(_diagnostic, each["told"])),
+            each["values"],
+        )
+        for each in data["checks"]
+    )
+    return Record(**data)
+
+
+def _diagnostic(data: dict[str, Any]) -> Diagnostic:
+    notes = tuple(Note(each["message"], _span(each["span"])) for each in data["notes"])
+    return Diagnostic(
+        data["code"], data["message"], _span(data["span"]), Severity(data["severity"]), notes, data["help"]
+    )
+
+
+def _span(data: dict[str, Any] | None) -> Span | None:
+    return None if data is None else Span(**data)

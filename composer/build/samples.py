@@ -1,0 +1,89 @@
+"""The samples of a recipe that draws: each is built like a cell of the matrix, and has a name like one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from composer.diagnostics.sink import Sink
+from composer.document.node import Mapping, Node, Scalar, find, locate
+from composer.expand.expand import expand
+from composer.expand.matrix import Cell
+from composer.recipe.randomize import MAX_SAMPLES
+
+MAX_MODELS = 1_000_000
+
+
+def sample_name(name: str, sample: int) -> str:
+    """What a sample of a model is called.
+
+    >>> sample_name("cell", 1)
+    'cell-s0001'
+    """
+    return f"{name}-s{sample:04d}"
+
+
+def with_samples(
+    document: Mapping, cells: list[Cell], name: str, given: dict[str, Node], sink: Sink
+) -> list[Cell]:
+    """Every cell, or the recipe called `name` if it has no matrix, as its samples, the nominal model first.
+
+    What draws nothing stays as it is, and so does that of which one model with a table is wanted.
+    """
+    if not {"randomize", "variants"} & document.entries.keys() or (
+        "matrix" in document.entries and not cells
+    ):
+        return cells
+    before = sink.error_count
+    found: list[Cell] = []
+    for cell in cells or [Cell(name, {}, document.span)]:
+        concrete = expand(document, {**given, **cell.given}, Sink()).document
+        if "randomize" in concrete.entries:
+            _check_axes(concrete, cell, sink)
+            found += _samples(concrete, cell)
+        elif cells:
+            found.append(cell)
+        if len(found) > MAX_MODELS:
+            sink.error(
+                "out-of-range",
+                f"there are more than {MAX_MODELS} models in all",
+                locate(concrete, ("randomize",)),
+            )
+            break
+    _check_names(found, sink)
+    return found if sink.error_count == before else []
+
+
+def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
+    written, emit = find(concrete, ("randomize", "samples")), find(concrete, ("randomize", "emit"))
+    count = written.value if isinstance(written, Scalar) else None
+    whole = isinstance(count, int | float) and not isinstance(count, bool) and 0 < count <= MAX_SAMPLES
+    if not whole or (isinstance(emit, Scalar) and emit.value == "table"):
+        yield cell  # what is wrong with it is told when it is planned
+        return
+    assert isinstance(count, int | float)
+    for sample in range(int(count) + 1):
+        yield replace(cell, name=sample_name(cell.name, sample), sample=sample)
+
+
+def _check_axes(concrete: Mapping, cell: Cell, sink: Sink) -> None:
+    """What a cell of the matrix sets must not be replaced by a draw."""
+    fields = find(concrete, ("randomize", "fields"))
+    for name, (_, field) in fields.entries.items() if isinstance(fields, Mapping) else ():
+        param = find(field, ("param",))
+        if not isinstance(param, Scalar) or param.text not in cell.given or not isinstance(field, Mapping):
+            continue
+        if not {"scale", "offset"} & field.entries.keys():
+            message = f"`{param.text}` is an axis of the matrix, whose value field `{name}` would replace"
+            sink.error("unknown-name", message, param.span,
+                       help="draw relative to it, with `scale` or `offset`, or take it out of the axes")  # fmt: skip
+
+
+def _check_names(found: Iterable[Cell], sink: Sink) -> None:
+    seen: set[str] = set()
+    for cell in found:
+        if cell.name in seen:
+            message = f"a cell of the matrix is called `{cell.name}`, as a sample of another is"
+            sink.error("name-clash", message, cell.span, help="give the cell another name")
+            return
+        seen.add(cell.name)

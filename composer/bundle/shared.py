@@ -1,0 +1,115 @@
+"""Bundles as folders side by side that share one folder of assets: `NAME/model.xml` refers to `../assets/…`.
+
+A shared asset is called after its content too, so that it is the same file for all models, whichever are written, in
+whatever order and by how many processes. What a model has besides (manifest, licences, models inside it) stays its own.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from lxml import etree
+
+from composer.bundle.bundle import MANIFEST, Bundle
+from composer.bundle.folder import write_folder
+from composer.bundle.output_error import OutputError
+from composer.bundle.staging import staged_file
+from composer.tree.files import CUBE, NAMED_AFTER_FILE, file_attributes, stem
+from composer.tree.write import write
+
+ASSETS = "assets"
+_BESIDE = f"../{ASSETS}/"
+
+
+def write_shared(bundle: Bundle, out: Path) -> tuple[Path, ...]:
+    """Write the folder `out`, and its assets to the folder `assets` beside it; gives their paths.
+
+    Raises OutputError; then `out` is as it was before, and beside it there are at most more whole assets.
+    """
+    if out.name == ASSETS:
+        raise OutputError(
+            "output-kind", f"the folder `{out}` is that of the assets", "give the model another name"
+        )
+    own, assets = share(bundle)
+    folder = out.parent / ASSETS
+    for name, content in assets.items():
+        path = folder / name
+        if not path.is_file() or path.stat().st_size != len(content):
+            with staged_file(path) as stage:
+                stage.write_bytes(content)
+    write_folder(own, out)
+    return tuple(folder / name for name in assets)
+
+
+def share(bundle: Bundle) -> tuple[Bundle, dict[str, bytes]]:
+    """The bundle without its assets, and these by their names in the folder beside it. No I/O."""
+    root = etree.fromstring(bundle.files[bundle.model])
+    moved: dict[str, str] = {}
+    for element, attribute, path in list(file_attributes(root)):
+        if path not in bundle.files:
+            continue
+        moved[path] = _name(path, bundle.digest(path))
+        if element.tag in NAMED_AFTER_FILE and not element.get("name") and attribute not in CUBE:
+            element.set("name", stem(path))
+        element.set(attribute, _BESIDE + moved[path])
+    files = {path: content for path, content in bundle.files.items() if path not in moved}
+    files[bundle.model] = write(root)
+    names = {path: _BESIDE + name for path, name in moved.items()}
+    files[MANIFEST] = _told(bundle.files[MANIFEST], names, bundle.model, files[bundle.model])
+    return Bundle(files, bundle.model), {name: bundle.files[path] for path, name in moved.items()}
+
+
+def gathered(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
+    """The files of such a folder with those beside it that its manifest lists, as a bundle of its own has them.
+
+    Files as they are where the manifest lists none beside it. Raises OSError.
+    """
+    try:
+        listed = [str(each["path"]) for each in json.loads(files[MANIFEST])["files"]]
+        model = str(json.loads(files[MANIFEST])["model"])
+        beside = [path for path in listed if path.startswith(_BESIDE) and "/" not in path[len(_BESIDE) :]]
+        if not beside or model not in files:
+            return dict(files)
+        root = etree.fromstring(files[model])
+    except (KeyError, TypeError, ValueError, RecursionError, etree.XMLSyntaxError):  # told by who reads these
+        return dict(files)
+    found = dict(files)
+    names = {path: f"{ASSETS}/{path[len(_BESIDE) :]}" for path in beside}
+    for path, inside in names.items():
+        if (folder.parent / ASSETS / path[len(_BESIDE) :]).is_file():
+            found[inside] = (folder.parent / ASSETS / path[len(_BESIDE) :]).read_bytes()
+    for element, attribute, path in list(file_attributes(root)):
+        if path in names:
+            element.set(attribute, names[path])
+    text = write(root)
+    if _listed_digest(files[MANIFEST], model) == hashlib.sha256(files[model]).hexdigest():
+        found[MANIFEST] = _told(files[MANIFEST], names, model, text)
+    else:  # which is to be told
+        found[MANIFEST] = _told(files[MANIFEST], names, model, None)
+    found[model] = text
+    return found
+
+
+def _name(path: str, digest: str) -> str:
+    file = PurePosixPath(path)
+    return f"{file.stem}-{digest[:16]}{file.suffix}"
+
+
+def _listed_digest(manifest: bytes, path: str) -> str | None:
+    return next((str(each["sha256"]) for each in json.loads(manifest)["files"] if each["path"] == path), None)
+
+
+def _told(manifest: bytes, names: Mapping[str, str], model: str, text: bytes | None) -> bytes:
+    """The manifest with files under other paths, and with another text of the model."""
+    data: dict[str, Any] = json.loads(manifest)
+    for each in data["files"]:
+        each["path"] = names.get(each["path"], each["path"])
+        if each["path"] == model and text is not None:
+            each["sha256"], each["size"] = hashlib.sha256(text).hexdigest(), len(text)
+    once = {each["path"]: each for each in data["files"]}
+    data["files"] = [once[path] for path in sorted(once)]
+    return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -1,0 +1,53 @@
+"""The options of the build cache, and the cache of the command that runs."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from composer.build.cache import Cache
+    from composer.context import Context
+
+
+def caching_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--no-cache` and `--why`; the command gets them as `no_cache` and `why`."""
+    command = click.option("--why", is_flag=True, help="Say why a model was built, or was not.")(command)
+    return no_cache_option(command)
+
+
+def no_cache_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--no-cache`; the command gets it as `no_cache`."""
+    return click.option(
+        "--no-cache", is_flag=True, help="Build what was built before once more, and keep nothing."
+    )(command)
+
+
+@contextlib.contextmanager
+def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
+    """The user's build cache inside the block; None where it is not to be used or cannot be."""
+    cache = None if no_cache else _cache(context)
+    try:
+        yield cache
+    finally:
+        if cache is not None:
+            cache.close()
+
+
+def _cache(context: Context) -> Cache | None:
+    from composer.build.cache import Cache
+    from composer.sources.error import SourceError
+    from composer.sources.store import Store
+
+    def warn(message: str) -> None:
+        help = "make room, name another folder in `MJCOMPOSE_CACHE`, or build with `--no-cache`"
+        context.sink.warning("store-unusable", message, help=help)
+
+    try:
+        return Cache(Store.of(context.environment), warn)
+    except SourceError as error:
+        context.sink.warning(error.code, error.message, help=error.help)
+        return None

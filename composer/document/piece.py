@@ -1,0 +1,45 @@
+"""Where in a recipe, or a piece of one, the things stand that more than one stage treats in a way of their own."""
+
+from __future__ import annotations
+
+Path = tuple[str | int, ...]
+
+_EDITS: tuple[Path, ...] = (("edit",), ("base", "edit"), ("attach", "*", "edit"))
+# What may have selectors in it, beside edits.
+_SELECTING: tuple[Path, ...] = (
+    ("base", "drop"),
+    ("attach", "*", "drop"),
+    ("check", "*", "*"),
+    ("randomize", "fields", "*", "select"),
+)
+
+
+def is_edits(path: Path) -> bool:
+    """Whether it is a list of edits that stands there: the recipe's own, the base's or a part's.
+
+    >>> is_edits(("base", "edit")), is_edits(("attach", "arm", "edit")), is_edits(("sensor", "edit"))
+    (True, True, False)
+    """
+    return any(len(path) == len(edits) and _is_below(path, edits) for edits in _EDITS)
+
+
+def is_appended(path: Path) -> bool:
+    """Whether the list that stands there is continued by that of an upper tree, which merging does by `id`."""
+    return path == ("add",) or is_edits(path)
+
+
+def is_of_elements(path: Path) -> bool:
+    """Whether `${…}` there is evaluated for each element: in edits, and in what selectors compare.
+
+    >>> is_of_elements(("edit", 0, "set", "mass")), is_of_elements(("base", "drop", 1, "where"))
+    (True, True)
+    >>> is_of_elements(("attach", "where", "pos")), is_of_elements(("sensor", "edit", "noise"))
+    (False, False)
+    """
+    return any(_is_below(path, edits) for edits in _EDITS) or any(
+        _is_below(path, place) and "where" in path[len(place) :] for place in _SELECTING
+    )
+
+
+def _is_below(path: Path, place: Path) -> bool:
+    return len(path) >= len(place) and all(b in (a, "*") for a, b in zip(path, place, strict=False))

@@ -1,0 +1,39 @@
+"""Where a draw comes from: 64 bits that depend on what is drawn and on nothing else."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+BITS = 64
+_VERSION = "mjcompose draws 1"
+
+
+def bits(seed: int, sample: int, field: str, element: str, component: int) -> int:
+    """64 random bits for one number: the first eight bytes, most significant first, of the SHA-256 of a JSON list.
+
+    There is no state, so that what else is drawn, in which order and by whom, changes nothing.
+
+    >>> hex(bits(7, 1, "friction", "cube/box", 0))
+    '0x488ac89d436f6e7e'
+    """
+    key = json.dumps([_VERSION, seed, sample, field, element, component], separators=(",", ":"))
+    return int.from_bytes(hashlib.sha256(key.encode("ascii")).digest()[: BITS // 8], "big")
+
+
+def fraction(bits: int) -> float:
+    """The same as a number between 0 and 1, neither of which it is: 52 bits and a half, which is exact.
+
+    >>> fraction(0), fraction(2**64 - 1) < 1
+    (1.1102230246251565e-16, True)
+    """
+    return ((bits >> 12) + 0.5) * 2.0**-52
+
+
+def below(bits: int, count: int) -> int:
+    """The same as a whole number from 0 to `count` - 1.
+
+    >>> below(0, 6), below(2**64 - 1, 6)
+    (0, 5)
+    """
+    return bits * count >> BITS

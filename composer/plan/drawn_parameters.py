@@ -1,0 +1,140 @@
+"""The parameters of a recipe that `randomize` draws, and whether they may have what is drawn."""
+
+from __future__ import annotations
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.document.node import Mapping, Node, locate
+from composer.draws.stream import bits
+from composer.expand.expand import Concrete
+from composer.expand.parameter import Parameter, Refusal
+from composer.expand.plain import node_of
+from composer.expr.angle import Angle
+from composer.expr.value import Value, kind
+from composer.plan.drawn import Drawn
+from composer.recipe.distribution import CHOICE
+from composer.recipe.draw_field import DrawField
+from composer.recipe.randomize import Randomize
+
+
+def drawn_parameters(
+    randomize: Randomize, sample: int, concrete: Concrete, document: Mapping, sink: Sink
+) -> tuple[dict[str, Node], tuple[Drawn, ...]]:
+    """The values of a sample by name; for sample 0, which has none, all others are checked."""
+    values: dict[str, Node] = {}
+    drawn: list[Drawn] = []
+    taken: dict[str, DrawField] = {}
+    for field in randomize.of_parameters:
+        name = str(field.param)
+        if name in taken:
+            span = locate(document, (*field.at, "param"))
+            note = Note("drawn here too", locate(document, (*taken[name].at, "param")))
+            sink.error("name-clash", f"two fields draw the parameter `{name}`", span, notes=(note,))
+            continue
+        taken[name] = field
+        source = _Source(field, concrete, document, sink)
+        if not source.is_there():
+            continue
+        for number in (sample,) if sample else range(1, randomize.samples + 1):
+            value = source.value(randomize.seed, number)
+            if value is None:
+                break
+            if sample:
+                values[name] = node_of(value, locate(document, field.drawn_at))
+                drawn.append(
+                    Drawn(field.name, None, name, field.operation, source.draw(randomize.seed, sample))
+                )
+    return values, tuple(drawn)
+
+
+class _Source:
+    """Where the values of one parameter, or of a variant, come from."""
+
+    def __init__(self, field: DrawField, concrete: Concrete, document: Mapping, sink: Sink) -> None:
+        self.field, self.concrete, self.document, self.sink = field, concrete, document, sink
+        self.name = str(field.param)
+        self.parameter: Parameter | None = concrete.parameters.get(self.name)
+        self.nominal: Value | None = concrete.scope.get(self.name)
+
+    def is_there(self) -> bool:
+        """Whether there is such a parameter, and one of which such a draw can be made."""
+        field, drawing = self.field, self.field.drawing
+        span = locate(self.document, (*field.at, "param"))
+        if self.name in self.concrete.parameters and self.nominal is None:
+            return False  # that it has no value is told already
+        if self.nominal is None:
+            known = list(self.concrete.scope)
+            self.sink.error("unknown-name", f"the recipe has no parameter `{self.name}` to draw", span,
+                            notes=(exists_note("parameter", known, self.name),),
+                            help=did_you_mean(self.name, known, "param: {}"))  # fmt: skip
+            return False
+        numbers = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,)
+        is_number = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
+        if not is_number and (drawing.kind != CHOICE or field.operation != "set"):
+            what = "a variant" if self.parameter is None else kind(self.nominal)
+            message = f"`{self.name}` is {what}, of which only a `{CHOICE}` can be drawn"
+            self.sink.error("wrong-type", message, span, help=f"write `{CHOICE}: [VALUE, …]`")
+            return False
+        if drawing.unit is not None and not (self.parameter and self.parameter.is_angle):
+            message = f"parameter `{self.name}` is no angle, and what is drawn for it is one"
+            self.sink.error("wrong-type", message, locate(self.document, field.drawn_at),
+                            help=f"declare it as one: `{self.name}: {{unit: {drawing.unit}, …}}`")  # fmt: skip
+            return False
+        if drawing.components not in (None, len(numbers)):
+            message = (
+                f"parameter `{self.name}` has {len(numbers)} numbers, `{drawing.kind}` {drawing.components}"
+            )
+            self.sink.error("wrong-length", message, locate(self.document, field.drawn_at))
+            return False
+        return True
+
+    def draw(self, seed: int, sample: int) -> Value:
+        """What is drawn: a number, one for each of a vector, or what was chosen."""
+        drawing, field = self.field.drawing, self.field
+        if isinstance(self.nominal, tuple) and not drawing.is_whole:
+            return tuple(
+                drawing.draw(bits(seed, sample, field.name, "", n), n) for n in range(len(self.nominal))
+            )
+        chosen = drawing.draw(bits(seed, sample, field.name, "", 0), 0)
+        return tuple(chosen) if isinstance(chosen, list) else chosen
+
+    def value(self, seed: int, sample: int) -> Value | None:
+        """The value that the parameter has in a sample; None where it cannot have it, which is told."""
+        drawn = self.draw(seed, sample)
+        if isinstance(drawn, tuple):
+            nominal = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,) * len(drawn)
+            value: Value = tuple(self._applied(*pair) for pair in zip(nominal, drawn, strict=False))
+        else:
+            value = self._applied(self.nominal, drawn)
+        if self.parameter is None:
+            return value
+        read = self.parameter.read(value)
+        if not isinstance(read, Refusal):
+            return read
+        self.sink.error(
+            read.code,
+            f"{read.message} in sample {sample}",
+            locate(self.document, self.field.drawn_at),
+            notes=(Note("the parameter is declared here", self.parameter.span),),
+            help=self._help(read),
+        )
+        return None
+
+    def _help(self, refused: Refusal) -> str | None:
+        assert self.parameter is not None
+        if self.parameter.type == "int" and refused.code == "wrong-type":
+            return "draw `integers: [FIRST, LAST]`"
+        if refused.code == "out-of-range" and not self.parameter.choices:
+            return "draw from what it may be: `truncnormal` has bounds"
+        return refused.help
+
+    def _applied(self, nominal: Value | None, drawn: Value) -> Value:
+        """One component with what is drawn for it, in the parameter's unit."""
+        unit = self.field.drawing.unit
+        if unit is not None and self.parameter is not None and isinstance(drawn, int | float):
+            drawn = Angle(drawn, unit).in_unit(str(self.parameter.unit))
+        if self.field.operation == "set":
+            return drawn
+        assert isinstance(nominal, int | float) and isinstance(drawn, int | float)
+        return nominal * drawn if self.field.operation == "scale" else nominal + drawn

@@ -1,0 +1,269 @@
+"""A distribution as a recipe writes it: `uniform: [0.4, 1.2]`, `normal: {std: 0.01}`, `choice: [a, b]`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.draws.distribution import (
+    Distribution,
+    Integers,
+    LogNormal,
+    LogUniform,
+    Normal,
+    TruncNormal,
+    Uniform,
+)
+from composer.draws.stream import below
+from composer.expr.angle import Angle
+from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.shown import kind_of, shown
+
+Operation = Literal["set", "scale", "offset"]
+CHOICE = "choice"
+INTERVALS: Mapping[str, type[Uniform | LogUniform | Integers]] = {
+    "uniform": Uniform,
+    "loguniform": LogUniform,
+    "integers": Integers,
+}
+"""Distributions between two bounds: a list of the two."""
+BELLS: Mapping[str, tuple[Callable[..., Distribution], tuple[str, ...]]] = {
+    "normal": (Normal, ("mean", "std")),
+    "truncnormal": (TruncNormal, ("mean", "std", "min", "max")),
+    "lognormal": (LogNormal, ("mean", "std")),
+}
+"""Distributions with a mean: a mapping with these keys."""
+KINDS = ("uniform", "loguniform", "normal", "truncnormal", "lognormal", CHOICE, "integers")
+EXAMPLES = {
+    "uniform": "[0.8, 1.2]",
+    "loguniform": "[0.1, 10]",
+    "normal": "{mean: 1, std: 0.1}",
+    "truncnormal": "{mean: 1, std: 0.1, min: 0.5, max: 1.5}",
+    "lognormal": "{mean: 0, std: 0.1}",
+    CHOICE: "[1, 2, 5]",
+    "integers": "[1, 6]",
+}
+_LARGEST = 2**53
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A distribution for each component of a value.
+
+    `parameters` have one number for all components, or one for each, in `unit` if they are angles with one. Of a
+    `choice` there are `values` instead.
+    """
+
+    kind: str
+    parameters: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    values: tuple[Any, ...] = ()
+    unit: Literal["deg", "rad"] | None = None
+
+    @property
+    def components(self) -> int | None:
+        """How many components a value must have; None where that is not said."""
+        return next((len(each) for each in self.parameters.values() if len(each) > 1), None)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether one draw makes a whole value, of however many numbers."""
+        return self.kind == CHOICE and not all(
+            _is_number(each) or isinstance(each, Angle) for each in self.values
+        )
+
+    def of(self, component: int) -> Distribution:
+        """The distribution of one component's number; a choice has none."""
+        numbers = [each[component if len(each) > 1 else 0] for each in self.parameters.values()]
+        if self.kind in INTERVALS:
+            return INTERVALS[self.kind](*numbers)  # type: ignore[arg-type]  # those of Integers are whole
+        return BELLS[self.kind][0](*numbers)
+
+    def draw(self, bits: int, component: int) -> Any:
+        """One number, or what was chosen."""
+        if self.kind == CHOICE:
+            return self.values[below(bits, len(self.values))]
+        return self.of(component).draw(bits)
+
+    def extremes(self, component: int) -> tuple[float, ...]:
+        """The least and the greatest number that may be drawn, or all there are to choose from."""
+        if self.kind == CHOICE:
+            return tuple(float(each) for each in self.values if _is_number(each))
+        return self.of(component).support
+
+    def __str__(self) -> str:
+        unit = self.unit or ""
+
+        def written(numbers: tuple[float, ...]) -> str:
+            texts = [f"{shown(each)}{unit if each else ''}" for each in numbers]
+            return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"
+
+        if self.kind == CHOICE:
+            return f"{CHOICE} of {', '.join(shown(each) for each in self.values)}"
+        if self.kind in INTERVALS:
+            return f"{self.kind} {' to '.join(map(written, self.parameters.values()))}"
+        return f"{self.kind} {', '.join(f'{name} {written(each)}' for name, each in self.parameters.items())}"
+
+
+@dataclass(slots=True)
+class Reading:
+    """Reads one distribution; what is wrong goes to the faults. `owner` is whose it is, as messages call it."""
+
+    owner: str
+    operation: Operation
+    faults: list[Fault]
+
+    def read(self, kind: str, value: Any, at: Path) -> Drawing | None:
+        """The distribution that is written behind `kind`, or None where that is wrong."""
+        before = len(self.faults)
+        if kind == CHOICE:
+            return self._choice(value, at)
+        written = self._bounds(kind, value, at) if kind in INTERVALS else self._named(kind, value, at)
+        numbers = {name: self._numbers(each, kind, path) for name, each, path in written}
+        if len(self.faults) > before:
+            return None
+        angles = [each for items in numbers.values() for each in items if isinstance(each, Angle)]
+        unit = self._unit(numbers, angles, kind, at)
+        if len(self.faults) > before:
+            return None
+        plain = {name: tuple(_in(each, unit) for each in items) for name, items in numbers.items()}
+        if kind == "integers":
+            plain = {name: tuple(int(each) for each in items) for name, items in plain.items()}
+        drawing = Drawing(kind, plain, unit=unit)
+        self._check(drawing, at)
+        return drawing if len(self.faults) == before else None
+
+    def _fault(self, code: str, message: str, at: Path, **more: Any) -> None:
+        self.faults.append(Fault(code, message, at, **more))
+
+    def _choice(self, value: Any, at: Path) -> Drawing | None:
+        if not isinstance(value, list) or not value:
+            got = "an empty list" if value == [] else kind_of(value)
+            self._fault("wrong-type", f"`{CHOICE}` of {self.owner} is a list of values, got {got}", at,
+                        help=f"write for instance `{CHOICE}: {EXAMPLES[CHOICE]}`")  # fmt: skip
+            return None
+        wrong = [place for place, each in enumerate(value) if isinstance(each, dict) or each is None]
+        for place in wrong:
+            message = f"`{CHOICE}` of {self.owner} is among values, got {kind_of(value[place])}"
+            self._fault("wrong-type", message, (*at, place))
+        return None if wrong else Drawing(CHOICE, values=tuple(value))
+
+    def _bounds(self, kind: str, value: Any, at: Path) -> list[tuple[str, Any, Path]]:
+        if isinstance(value, list) and len(value) == 2:
+            return [("min", value[0], (*at, 0)), ("max", value[1], (*at, 1))]
+        code = "wrong-length" if isinstance(value, list) else "wrong-type"
+        got = f"a list of {len(value)}" if isinstance(value, list) else kind_of(value)
+        self._fault(code, f"`{kind}` of {self.owner} is a list of two bounds, got {got}", at,
+                    help=f"write for instance `{kind}: {EXAMPLES[kind]}`")  # fmt: skip
+        return []
+
+    def _named(self, kind: str, value: Any, at: Path) -> list[tuple[str, Any, Path]]:
+        keys = BELLS[kind][1]
+        example = f"write for instance `{kind}: {EXAMPLES[kind]}`"
+        if not isinstance(value, dict):
+            known = ", ".join(f"`{key}`" for key in keys)
+            message = f"`{kind}` of {self.owner} is a mapping with {known}, got {kind_of(value)}"
+            self._fault("wrong-type", message, at, help=example)
+            return []
+        for key in value:
+            if key not in keys:
+                near = closest(key, keys)
+                self._fault("unknown-key", f"`{kind}` of {self.owner} has no key `{key}`", (*at, key), key=True,
+                            remarks=(Remark(exists_note("key", keys, key).message),),
+                            help=f"write `{near[0]}`" if near else None)  # fmt: skip
+        neutral = {"scale": 0.0 if kind == "lognormal" else 1.0, "offset": 0.0}.get(self.operation)
+        given = {"mean": neutral, **value} if neutral is not None else value
+        for key in keys:
+            if key not in given:
+                self._fault("missing-key", f"`{kind}` of {self.owner} lacks `{key}`", at, help=example)
+        return [(key, given[key], (*at, key)) for key in keys if key in given]
+
+    def _numbers(self, value: Any, kind: str, at: Path) -> tuple[float | Angle, ...]:
+        """One number for all components, or one for each."""
+        items = value if isinstance(value, list) else [value]
+        found: list[float | Angle] = []
+        for place, item in enumerate(items):
+            read: Any = Angle.read(item) if isinstance(item, str) else item
+            whole = kind != "integers" or (
+                _is_number(read) and float(read).is_integer() and abs(read) < _LARGEST
+            )
+            if not whole or not (isinstance(read, Angle) or (_is_number(read) and math.isfinite(read))):
+                noun = "a whole number" if kind == "integers" else "a number"
+                message = f"`{kind}` of {self.owner} expects {noun}, got {kind_of(item)}"
+                self._fault("wrong-type", message, (*at, place) if isinstance(value, list) else at)
+            else:
+                found.append(read)
+        if not items:
+            self._fault("wrong-length", f"`{kind}` of {self.owner} has an empty list of numbers", at)
+        return tuple(found)
+
+    def _unit(
+        self, numbers: Mapping[str, tuple[float | Angle, ...]], angles: list[Angle], kind: str, at: Path
+    ) -> Literal["deg", "rad"] | None:
+        if not angles:
+            return None
+        if self.operation == "scale":
+            self._fault("wrong-type", f"{self.owner} scales by a factor, which has no unit", at)
+            return None
+        if kind in ("loguniform", "lognormal"):
+            self._fault("wrong-type", f"`{kind}` of {self.owner} is about a logarithm, which has no unit", at)
+            return None
+        for items in numbers.values():
+            for each in items:
+                if not isinstance(each, Angle) and each != 0:
+                    unit = angles[0].unit
+                    message = (
+                        f"`{kind}` of {self.owner} has numbers with a unit and {shown(each)} without one"
+                    )
+                    self._fault("bare-angle", message, at, help=f"write `{shown(each)}{unit}`")
+                    return None
+        units = {each.unit for each in angles}
+        return units.pop() if len(units) == 1 else "rad"
+
+    def _check(self, drawing: Drawing, at: Path) -> None:
+        kind, lengths = drawing.kind, {len(each) for each in drawing.parameters.values()} - {1}
+        if len(lengths) > 1:
+            counts = " and ".join(map(str, sorted(lengths)))
+            self._fault("wrong-length", f"`{kind}` of {self.owner} has lists of {counts} numbers", at)
+            return
+        for component in range(drawing.components or 1):
+            wrong = _fault_of(drawing.of(component))
+            if wrong is not None:
+                self._fault("out-of-range", f"`{kind}` of {self.owner}: {wrong}", at)
+                return
+
+
+def _fault_of(distribution: Distribution) -> str | None:
+    """What is wrong with the numbers of a distribution."""
+    if (
+        isinstance(distribution, Uniform | LogUniform | Integers | TruncNormal)
+        and distribution.low > distribution.high
+    ):
+        return f"the first bound, {shown(distribution.low)}, is above the second, {shown(distribution.high)}"
+    if isinstance(distribution, LogUniform) and distribution.low <= 0:
+        return f"the bounds are positive, got {shown(distribution.low)}"
+    if isinstance(distribution, Normal | LogNormal) and distribution.std < 0:
+        return f"`std` is not negative, got {shown(distribution.std)}"
+    if isinstance(distribution, TruncNormal):
+        if distribution.std <= 0:
+            return f"`std` is positive, got {shown(distribution.std)}"
+        if distribution.is_empty:
+            return "between `min` and `max` there is next to nothing of it"
+    return None
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _in(value: float | Angle, unit: str | None) -> float:
+    if not isinstance(value, Angle):
+        return float(value)
+    return value.in_unit(unit or "rad")
+
+
+def inner_kinds(value: Mapping[str, Any]) -> Iterator[str]:
+    """The distributions that a mapping names."""
+    return (kind for kind in KINDS if kind in value)

@@ -1,0 +1,245 @@
+"""One field of `randomize`: an attribute of some elements, or a parameter, and the distribution it is drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.distribution import CHOICE, EXAMPLES, KINDS, Drawing, Operation, Reading, inner_kinds
+from composer.recipe.edit_values import MASS, Checker
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
+from composer.recipe.raw import path_of
+from composer.recipe.select import kinds_of, read_selector
+from composer.recipe.shown import kind_of, shown
+from composer.recipe.subscript import attribute_and_index
+from composer.tree.selector import Selector
+
+OPERATIONS = ("scale", "offset")
+PER = ("element", "sample")
+_SELECTING = ("select", "attr", "per", "expect", "optional")
+KEYS = ("select", "attr", "param", *KINDS, *OPERATIONS, "per", "expect", "optional")
+NOT_NEGATIVE = frozenset(
+    "mass density diaginertia armature damping frictionloss stiffness friction size".split()
+)
+"""Attributes of which a draw must not make a negative number: of the first number, if they are polynomials."""
+_POLYNOMIALS = ("damping", "stiffness")
+
+
+@dataclass(frozen=True, slots=True)
+class DrawField:
+    """A field by its name. Either `select` and `attr` are given, or `param`; `at` is its path in the recipe.
+
+    `operation` says what becomes of a draw: it is the value, a factor of it, or is added to it.
+    """
+
+    name: str
+    drawing: Drawing
+    operation: Operation
+    select: Selector | None = None
+    attr: str = ""
+    param: str | None = None
+    per: Literal["element", "sample"] = "element"
+    expect: int | None = None
+    optional: bool = False
+    at: Path = ()
+
+    @property
+    def drawn_at(self) -> Path:
+        """The path to the distribution."""
+        between = () if self.operation == "set" else (self.operation,)
+        return (*self.at, *between, self.drawing.kind)
+
+
+def must_not_be_negative(attribute: str, component: int) -> bool:
+    """Whether a negative number has no meaning there.
+
+    >>> must_not_be_negative("damping", 0), must_not_be_negative("damping", 1), must_not_be_negative("pos", 0)
+    (True, False, False)
+    """
+    return attribute in NOT_NEGATIVE and (component == 0 or attribute not in _POLYNOMIALS)
+
+
+def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) -> DrawField | None:
+    """The field, or None where something in it is wrong; paths of faults start with its name."""
+    owner, before = f"field `{name}`", len(faults)
+    if not isinstance(value, dict):
+        example = f'{name}: {{select: {{geom: "**"}}, attr: friction, uniform: [0.5, 1]}}'
+        message = f"{owner} of `randomize` is a mapping, got {kind_of(value)}"
+        faults.append(Fault("wrong-type", message, (name,), help=f"write for instance `{example}`"))
+        return None
+    faults += _unknown(name, value)
+    meant = {near for key in value if key not in KEYS for near in closest(key, KEYS)}
+    faults += _subject(name, value, meant)
+    operation, kind, inner, at = _written(name, value, meant, faults)
+    drawing = None if kind is None else Reading(owner, operation, faults).read(kind, inner[kind], (*at, kind))
+    selector = None
+    if "select" in value:
+        selector = read_selector(value["select"], (name, "select"), f"`select` of {owner}", faults)
+    per = value.get("per", PER[0])
+    if per not in PER:
+        near = closest(str(per), PER)
+        faults.append(Fault("wrong-keyword", f"`per` of {owner} cannot be {kind_of(per)}", (name, "per"),
+                            remarks=(Remark(exists_note("keyword", PER).message),),
+                            help=f"write `per: {near[0] if near else PER[0]}`"))  # fmt: skip
+    expect, optional = _count(value, owner, name, faults)
+    for key in ("attr", "param"):
+        if key in value and (not isinstance(value[key], str) or not value[key]):
+            what = "an attribute of MJCF" if key == "attr" else "the name of a parameter"
+            faults.append(
+                Fault("wrong-type", f"`{key}` of {owner} is {what}, got {kind_of(value[key])}", (name, key))
+            )
+    if len(faults) > before or drawing is None:
+        return None
+    field = DrawField(
+        name, drawing, operation, selector, value.get("attr", ""), value.get("param"), per, expect, optional,
+        path_of(value),
+    )  # fmt: skip
+    if selector is not None:
+        _check_attribute(field, selector, (*at, drawing.kind), bare_angles, faults)
+    return field if len(faults) == before else None
+
+
+def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
+    for key in value:
+        if key not in KEYS:
+            near = closest(key, KEYS)
+            remark = Remark(exists_note("key", KEYS, key).message)
+            yield Fault("unknown-key", f"field `{name}` of `randomize` has no key `{key}`", (name, key), key=True,
+                        remarks=(remark,), help=f"write `{near[0]}`" if near else None)  # fmt: skip
+
+
+def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Fault]:
+    """What is drawn: an attribute of what is selected, or a parameter. `meant` are keys that are misspelt."""
+    if "param" in value:
+        for key in _SELECTING:
+            if key in value:
+                message = f"field `{name}` draws a parameter, and has `{key}` as well"
+                remarks = (Remark("the parameter is named here", (name, "param")),)
+                yield Fault(EXCLUSIVE, message, (name, key), key=True, remarks=remarks,
+                            help=f"leave `param` or `{key}` out")  # fmt: skip
+        return
+    for key, example in (("select", '{geom: "**"}'), ("attr", "friction")):
+        if key not in value and key not in meant:
+            other = "; a parameter is drawn by `param: NAME`" if "select" not in value else ""
+            yield Fault("missing-key", f"field `{name}` of `randomize` lacks `{key}`", (name,), key=True,
+                        help=f"write for instance `{key}: {example}`{other}")  # fmt: skip
+
+
+def _written(
+    name: str, value: dict[str, Any], meant: set[str], faults: list[Fault]
+) -> tuple[Operation, str | None, dict[str, Any], Path]:
+    """The operation, the kind of the distribution, and the mapping that has it with its path."""
+    given = [key for key in (*KINDS, *OPERATIONS) if key in value]
+    if not given and meant.isdisjoint((*KINDS, *OPERATIONS)):
+        help = f"write for instance `uniform: {EXAMPLES['uniform']}`, or `scale: {{uniform: …}}` for a factor"
+        message = f"field `{name}` of `randomize` has no distribution"
+        faults.append(Fault("missing-key", message, (name,), key=True, help=help,
+                            remarks=(Remark(exists_note("distribution", KINDS).message),)))  # fmt: skip
+    for other in given[1:]:
+        message = f"field `{name}` has both `{given[0]}` and `{other}`, of which only one may stand"
+        faults.append(
+            Fault(EXCLUSIVE, message, (name, other), key=True, help="give the other a field of its own")
+        )
+    if len(given) != 1:
+        return "set", None, {}, (name,)
+    if given[0] in KINDS:
+        return "set", given[0], value, (name,)
+    operation: Operation = "scale" if given[0] == "scale" else "offset"
+    inner, at = value[operation], (name, operation)
+    kinds = list(inner_kinds(inner)) if isinstance(inner, dict) else []
+    help = f"write `{operation}: {{uniform: {EXAMPLES['uniform']}}}`"
+    if not isinstance(inner, dict) or len(inner) != 1 or not kinds:
+        wrong = [key for key in inner if key not in KINDS] if isinstance(inner, dict) else []
+        near = closest(wrong[0], KINDS) if wrong else []
+        faults.append(
+            Fault("wrong-type", f"`{operation}` of field `{name}` is a mapping with one distribution, "
+                  f"got {_keys_of(inner)}",
+                  at, remarks=(Remark(exists_note("distribution", KINDS).message),),
+                  help=f"write `{near[0]}`" if near else help)
+        )  # fmt: skip
+        return operation, None, {}, at
+    return operation, kinds[0], inner, at
+
+
+def _keys_of(value: Any) -> str:
+    if isinstance(value, dict) and value:
+        return ", ".join(f"`{key}`" for key in value)
+    return kind_of(value)
+
+
+def _count(value: dict[str, Any], owner: str, name: str, faults: list[Fault]) -> tuple[int | None, bool]:
+    expect, optional = value.get("expect"), value.get("optional", False)
+    if "expect" in value and (isinstance(expect, bool) or not isinstance(expect, int) or expect < 0):
+        message = f"`expect` of {owner} is how many elements there must be, got {kind_of(expect)}"
+        faults.append(Fault("wrong-type", message, (name, "expect")))
+    if not isinstance(optional, bool):
+        message = f"`optional` of {owner} is `true` or `false`, got {kind_of(optional)}"
+        faults.append(Fault("wrong-type", message, (name, "optional")))
+    return expect, bool(optional)
+
+
+def _check_attribute(
+    field: DrawField, selector: Selector, at: Path, bare_angles: bool, faults: list[Fault]
+) -> None:
+    """What the grammar says of the attribute, and of the numbers that may be drawn for it."""
+    name, index = attribute_and_index(field.attr)
+    kinds = kinds_of(selector.tag)
+    is_mass = name == MASS and any(kind.path == "body" for kind in kinds)
+    fitting = [kind.attributes[name] for kind in kinds if name in kind.attributes]
+    found: list[Fault] = []
+    checker = Checker(bare_angles, found)
+    drawing = field.drawing
+    for value in drawing.values if drawing.kind == CHOICE else (_like(field),):
+        if isinstance(value, list) and field.operation == "set" and index is None:
+            checker.verb("set", {field.attr: value}, selector, at)
+        elif drawing.is_whole or field.operation != "set" or index is not None or is_mass:
+            checker.verb(field.operation, {field.attr: value}, selector, at)
+        elif fitting and not any(each.is_number for each in fitting):
+            checker.verb("set", {field.attr: value}, selector, at)
+        else:  # a number for each component of however many there are
+            checker.verb("offset", {field.attr: value}, selector, at)
+        if found:
+            break
+    if found:
+        fault = found[0]
+        attribute_at = (field.name, "attr")
+        wrong_name = fault.code in ("unknown-attribute", "unknown-key", "unknown-element") or fault.key
+        faults.append(Fault(fault.code, fault.message, attribute_at if wrong_name else at,
+                            remarks=fault.remarks, help=fault.help))  # fmt: skip
+        return
+    whole = [each for each in fitting if each.type == "int"]
+    if fitting and len(whole) == len(fitting) and drawing.kind not in ("integers", CHOICE):
+        message = f"`{name}` of `{selector.tag}` is a whole number, which `{drawing.kind}` does not draw"
+        faults.append(
+            Fault("wrong-type", message, at, help="write `integers: [FIRST, LAST]` or `choice: […]`")
+        )
+    if field.operation != "offset":
+        _check_range(field, name, index, at, faults)
+
+
+def _like(field: DrawField) -> Any:
+    """A value of the form that the draws have."""
+    drawing = field.drawing
+    number: Any = 1 if drawing.kind == "integers" else 0.5
+    if drawing.unit is not None:
+        number = f"{number}{drawing.unit}"
+    elif field.operation != "scale" and all(
+        each == 0 for items in drawing.parameters.values() for each in items
+    ):
+        number = 0
+    return number if drawing.components is None else [number] * drawing.components
+
+
+def _check_range(field: DrawField, name: str, index: int | None, at: Path, faults: list[Fault]) -> None:
+    """That a bounded distribution has no numbers without a meaning; unbounded ones are looked at draw by draw."""
+    drawing = field.drawing
+    for component in range(drawing.components or 1):
+        lowest = min((each for each in drawing.extremes(component) if abs(each) != float("inf")), default=0.0)
+        place = index if index is not None else component
+        if lowest < 0 and must_not_be_negative(name, place):
+            what = "factors" if field.operation == "scale" else "values"
+            message = f"`{field.attr}` cannot be negative, and field `{field.name}` draws {what} from {shown(lowest)}"
+            faults.append(Fault("out-of-range", message, at, help="let it begin at 0 or above"))
+            return

@@ -1,0 +1,189 @@
+"""The table of all draws of one model, for those who draw at run time: what is drawn, where it goes, and its values."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from composer import engine
+from composer.bundle.bundle import DRAWS, MODEL, Bundle
+from composer.bundle.rows import write_rows
+from composer.context import Context
+from composer.diagnostics.diagnostic import Note
+from composer.document.node import locate
+from composer.plan.drawn import Tabled
+from composer.plan.plan import Plan
+from composer.recipe.distribution import CHOICE
+from composer.recipe.draw_field import DrawField
+from composer.verify.compiles import CRASHES
+from composer.verify.parts import WHOLE
+from composer.verify.run_time import compare, resolve
+
+SAMPLES = "samples.csv"
+SAMPLE = "sample"
+"""The name under which a session keeps the sample that a table is compared with."""
+CODE = "draw-at-run-time"
+_FORMAT = 1
+
+
+class DrawTable:
+    """The table of a model that `session` keeps. What cannot be drawn at run time is told."""
+
+    def __init__(
+        self, plan: Plan, tabled: Sequence[Tabled], session: engine.Session, context: Context
+    ) -> None:
+        self.plan, self.tabled, self.session, self.context = plan, tabled, session, context
+        self.columns: dict[str, dict[str, Any]] = {}
+        self.values: dict[str, list[Any]] = {}
+        self.left: list[str] = []
+
+    def fill(self) -> bool:
+        """Look up where all numbers are; whether they all are somewhere."""
+        before = self.context.sink.error_count
+        numeric = [each for each in self.tabled if self._is_numeric(each)]
+        answer = engine.call(self.session, resolve, [WHOLE], [_question(each) for each in numeric])
+        if not answer.ok:
+            self._crashed(answer)
+            return False
+        for each, found in zip(numeric, answer.value, strict=True):
+            if "error" in found:
+                message = f"field `{each.field.name}` cannot be drawn at run time: {found['error']}"
+                self._fault(
+                    each.field,
+                    message,
+                    "or draw the `mass` of its body" if each.first.attribute == "density" else "",
+                )
+            else:
+                self._add(each, found)
+        return self.context.sink.error_count == before
+
+    def compare(self) -> None:
+        """Put sample 1 into the nominal model and hold it against the one that was built, which the session keeps."""
+        row = [values[0] for values in self.values.values()]
+        question = {"columns": list(self.columns.values()), "row": row}
+        answer = engine.call(self.session, compare, [WHOLE, SAMPLE], question)
+        if not answer.ok:
+            self._crashed(answer)
+            return
+        self.left = sorted(answer.value["arrays"])
+        for field in answer.value["fields"]:
+            step = next(each for each in self.plan.draws if each.field.name == field)
+            message = (
+                f"field `{field}` cannot be drawn at run time, with the others: a build makes another number"
+            )
+            self._fault(step.field, message)
+        if answer.value["fields"]:
+            return
+        if self.left:
+            listed = ", ".join(f"`{name}`" for name in self.left)
+            self.context.sink.warning(
+                CODE,
+                "what is drawn at run time does not reach everything that a build computes of it",
+                locate(self.plan.document, ("randomize", "emit")),
+                notes=(Note(f"of sample 1, these differ after mj_setConst: {listed}"),),
+                help=f"write `emit: models` where that matters; `{DRAWS}` lists them too",
+            )
+
+    def added(self, bundle: Bundle) -> Bundle:
+        """The bundle with the table in it."""
+        wanted = self.plan.randomize
+        assert wanted is not None
+        data = {
+            "randomize": _FORMAT,
+            "model": MODEL,
+            "samples_file": SAMPLES,
+            "seed": wanted.seed,
+            "samples": wanted.samples,
+            "mujoco": self.session.mujoco_version,
+            "fields": {each.name: _field(each) for each in wanted.fields},
+            "columns": [{"column": name, **column} for name, column in self.columns.items()],
+            "not_recomputed": self.left,
+        }
+        text = io.StringIO()
+        write_rows(text, ["sample", *self.columns], self._rows(wanted.samples))
+        described = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        return bundle.with_files({DRAWS: described.encode(), SAMPLES: text.getvalue().encode()})
+
+    def _rows(self, samples: int) -> Iterator[list[Any]]:
+        yield [0, *[None] * len(self.columns)]
+        for sample in range(1, samples + 1):
+            yield [sample, *(values[sample - 1] for values in self.values.values())]
+
+    def _is_numeric(self, each: Tabled) -> bool:
+        first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
+        if not any(isinstance(value, str) for value in first):
+            return True
+        message = f"field `{each.field.name}` draws names, which a model that is compiled cannot change"
+        self._fault(each.field, message)
+        return False
+
+    def _add(self, each: Tabled, found: dict[str, Any]) -> None:
+        for component, (name, _) in enumerate(each.first.columns()):
+            values = [value[component] if isinstance(value, tuple) else value for value in each.values]
+            if name not in self.columns:
+                low, high = _bounds(each, component)
+                self.columns[name] = {
+                    "field": each.field.name,
+                    "operation": each.field.operation,
+                    "low": low,
+                    "high": high,
+                    "targets": [],
+                }
+                self.values[name] = values
+            of = {"type": each.family, "name": each.name or "", "id": found["id"]}
+            self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
+
+    def _fault(self, field: DrawField, message: str, instead: str = "") -> None:
+        help = "write `emit: models`, which builds every sample" + (f", {instead}" if instead else "")
+        self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
+
+    def _crashed(self, answer: engine.Called) -> None:
+        code = CRASHES.get(answer.crash or "", "mujoco-crash")
+        self.context.sink.error(code, f"the table of draws: {answer.error or answer.crash}")
+
+
+def _question(each: Tabled) -> dict[str, Any]:
+    return {
+        "tag": each.tag,
+        "family": each.family,
+        "name": each.name,
+        "place": each.place,
+        "attribute": each.first.attribute,
+        "start": each.first.start,
+        "count": len(each.first.columns()),
+    }
+
+
+def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
+    """The least and the greatest number that may be drawn, in the unit of the table; None where there is none."""
+    drawing = each.field.drawing
+    if drawing.kind == CHOICE:
+        every = [value[component] if isinstance(value, tuple) else value for value in each.values]
+        numbers = drawing.extremes(component) or tuple(float(value) for value in every)  # type: ignore[arg-type]
+    else:
+        numbers = drawing.extremes(component)
+    unit = drawing.unit
+    if unit is None and each.unit == "degree" and each.angles[component : component + 1] == (True,):
+        unit = "deg"
+    turned = [math.radians(number) if unit == "deg" else number for number in (min(numbers), max(numbers))]
+    low, high = (number if math.isfinite(number) else None for number in turned)
+    return low, high
+
+
+def _field(field: DrawField) -> dict[str, Any]:
+    """What the recipe says of a field, its numbers as they are written."""
+    drawing = field.drawing
+    return {
+        "select": str(field.select),
+        "attribute": field.attr,
+        "operation": field.operation,
+        "per": field.per,
+        "distribution": drawing.kind,
+        "parameters": {
+            name: list(each) if len(each) > 1 else each[0] for name, each in drawing.parameters.items()
+        },
+        "unit": drawing.unit,
+    }

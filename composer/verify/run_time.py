@@ -1,0 +1,148 @@
+"""In MuJoCo's process: where a drawn attribute is in a compiled model, and what becomes of a model it is put into."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from composer.recipe.checks.arrays import TAGS, array_of, attributes
+from composer.recipe.edit_values import MASS
+from composer.verify.roster import Model
+
+# Gains of actuators: the array, the component, and the sign of what is put there.
+_GAINS: dict[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
+    ("position", "kp"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 1, -1)),
+    ("position", "kv"): (("actuator_biasprm", 2, -1),),
+    ("velocity", "kv"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 2, -1)),
+}
+_IDS = {"joint": "jnt", "camera": "cam"}
+_CLOSE = 1e-9
+"""How far numbers may be apart that were computed in two ways, in parts of the larger of 1 and the number."""
+
+
+def resolve(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """For `composer.engine.call`: of every element its id and the numbers in mjModel, or an `error`.
+
+    Each of `asked` has `tag`, `family`, `name` or `place`, `attribute`, `start` and `count` of its numbers. The answer
+    has `id`, and under `targets` for each number a list of `{array, index}`, with a `sign` if it is not 1, with
+    `follows` if it changes in proportion to the first.
+    """
+    return [_resolved(mujoco, model, each) for each in asked]
+
+
+def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any]:
+    tag, family, attribute = asked["tag"], asked["family"], asked["attribute"]
+    gains = _GAINS.get((tag, attribute))
+    known = family in TAGS and (gains or attribute in attributes(family))
+    if not known:
+        return {"error": f"`{attribute}` of `{tag}` is no array of mjModel"}
+    number = _id(mujoco, model, asked)
+    if isinstance(number, str):
+        return {"error": number}
+    if family == "body" and attribute == MASS:
+        inertia: list[dict[str, Any]] = [
+            {"array": "body_inertia", "index": [number, n], "follows": True} for n in range(3)
+        ]
+        return {"id": number, "targets": [[{"array": "body_mass", "index": [number]}, *inertia]]}
+    if gains is not None:
+        targets = [{"array": array, "index": [number, n], "sign": sign} for array, n, sign in gains]
+        return {"id": number, "targets": [targets]}
+    array = array_of(family, attribute)
+    rows = list(_rows(model, family, array, number))
+    found = getattr(model, array, None)
+    width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
+    last = asked["start"] + asked["count"]
+    if found is None or last > width:
+        return {"error": f"`{attribute}` of `{tag}` has not as many numbers in mjModel"}
+    found_at: list[list[dict[str, Any]]] = [
+        [{"array": array, "index": [row] if found.ndim == 1 else [row, n]} for row in rows]
+        for n in range(asked["start"], last)
+    ]
+    return {"id": number, "targets": found_at}
+
+
+def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
+    """The number of an element, or why it has none."""
+    family, name, place = asked["family"], asked["name"], asked["place"]
+    if name:
+        kind = getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}")
+        number = int(mujoco.mj_name2id(model, kind, name))
+        return number if number >= 0 else f"the compiled model has no {family} `{name}`"
+    if place is None:
+        return f"`{asked['tag']}` without a name cannot be found in the compiled model"
+    body, position, count = place
+    number = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body))
+    owners = getattr(model, f"{_IDS.get(family, family)}_bodyid", None)
+    if number < 0 or owners is None:
+        return f"`{asked['tag']}` without a name cannot be found in the compiled model"
+    there = np.flatnonzero(owners == number)
+    if len(there) != count:
+        return f"of the {family}s in body `{body}` that have no name it is not known which is which"
+    return int(there[position])
+
+
+def _rows(model: Model, family: str, array: str, number: int) -> range:
+    """The rows of an array that an element has."""
+    if family == "joint" and array.startswith(("dof_", "qpos")):
+        first = model.jnt_dofadr if array.startswith("dof_") else model.jnt_qposadr
+        after = model.nv if array.startswith("dof_") else model.nq
+        last = int(first[number + 1]) if number + 1 < model.njnt else after
+        return range(int(first[number]), last)
+    if family == "actuator" and "ctrl" in array and hasattr(model, "actuator_ctrladr"):
+        number = int(model.actuator_ctrladr[number])
+    return range(number, number + 1)
+
+
+def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> dict[str, Any]:
+    """For `composer.engine.call`: in what a sample that was built differs from the nominal model with its draws in it.
+
+    ``asked`` has the draws as `row` and `columns`. The answer has the `arrays` that differ when constants are computed
+    anew, and the `fields` of which some number does that was put there.
+    """
+    apply(nominal, asked["columns"], asked["row"])
+    mujoco.mj_setConst(nominal, mujoco.MjData(nominal))
+    arrays = []
+    for name in dir(nominal):
+        mine, other = getattr(nominal, name), getattr(sample, name)
+        if not name.startswith("_") and isinstance(mine, np.ndarray) and not _are_close(mine, other):
+            arrays.append(name)
+    fields = [column["field"] for column in asked["columns"] for target in column["targets"]
+              if target["array"] in arrays and _differs(nominal, sample, target)]  # fmt: skip
+    return {"arrays": arrays, "fields": list(dict.fromkeys(fields))}
+
+
+def _differs(nominal: Model, sample: Model, target: dict[str, Any]) -> bool:
+    index = tuple(target["index"])
+    mine, other = getattr(nominal, target["array"]), getattr(sample, target["array"])
+    return mine.shape != other.shape or not _are_close(mine[index], other[index])
+
+
+def apply(model: Model, columns: list[dict[str, Any]], row: list[float | None]) -> None:
+    """Put the draws of one sample into a model; None changes nothing."""
+    for column, value in zip(columns, row, strict=True):
+        ratio = 1.0
+        if value is None:
+            continue
+        for target in column["targets"]:
+            array, index = getattr(model, target["array"]), tuple(target["index"])
+            before = float(array[index])
+            if target.get("follows"):
+                array[index] = before * ratio
+                continue
+            signed = value * target.get("sign", 1)
+            array[index] = {"set": signed, "scale": before * value, "offset": before + signed}[
+                column["operation"]
+            ]
+            ratio = float(array[index]) / before if before else 1.0
+
+
+def _are_close(a: Any, b: Any) -> bool:
+    a, b = np.asarray(a), np.asarray(b)
+    if a.shape != b.shape:
+        return False
+    if a.dtype.kind not in "fc":
+        return bool(np.array_equal(a, b))
+    part = _CLOSE if a.dtype.itemsize == 8 else 1e-5
+    scale = np.maximum(1.0, np.abs(b))
+    return bool(np.all((np.abs(a - b) <= part * scale) | (np.isnan(a) & np.isnan(b))))

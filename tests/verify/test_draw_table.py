@@ -1,0 +1,204 @@
+"""`emit: table`: what the page of it shows makes of the nominal model what a build makes of a sample."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from composer.bundle.folder import write_folder
+from composer.context import Context
+from composer.pipeline import Built, build
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "randomisation.md").read_text(encoding="utf-8")
+MODEL = """\
+<mujoco>
+  <compiler angle="radian" inertiafromgeom="true"/>
+  <default><geom friction="0.8"/></default>
+  <worldbody>
+    <camera name="top" pos="0 0 1" fovy="50"/>
+    <light name="lamp" pos="0 0 3" diffuse="0.5 0.5 0.5"/>
+    <geom type="plane" size="1 1 1"/>
+    <body name="arm" pos="0 0 1">
+      <joint name="hinge" axis="0 1 0" range="-1 1" damping="0.5" armature="0.1" ref="0.2"/>
+      <geom name="link" type="capsule" size="0.05 0.2" mass="1"/>
+      <geom size="0.06" mass="0.5" pos="0 0 0.2"/>
+      <geom name="pad" size="0.06" mass="0"/>
+      <site name="tip" pos="0 0 0.3"/>
+      <body name="hand" pos="0 0 0.3">
+        <joint name="ball" type="ball" damping="0.1"/>
+        <joint name="slide" type="slide" axis="1 0 0" stiffness="3" springref="0.1"/>
+        <geom type="box" size="0.05 0.02 0.03" mass="0.2"/>
+      </body>
+    </body>
+    <body name="cube" pos="1 0 1">
+      <freejoint name="cube"/>
+      <geom name="cube" type="box" size="0.05 0.05 0.05" density="700"/>
+    </body>
+  </worldbody>
+  <tendon><fixed name="rope" stiffness="5"><joint joint="hinge" coef="1"/></fixed></tendon>
+  <actuator>
+    <position name="servo" joint="hinge" kp="20" kv="2" ctrlrange="-1 1"/>
+    <velocity name="speed" joint="slide" kv="3"/>
+    <motor name="push" joint="slide" gear="2"/>
+  </actuator>
+</mujoco>
+"""
+FIELDS = [
+    'friction: {select: {geom: "**", where: {type: box}}, attr: friction, uniform: [[0.4, 0.001, 0], [1.2, 0.01, 0.1]]}',
+    'friction0: {select: {geom: "**"}, attr: "friction[0]", scale: {uniform: [0.5, 2]}}',
+    "solref: {select: {geom: link}, attr: 'solref[0]', uniform: [0.02, 0.04]}",
+    'damping: {select: {joint: "{hinge,ball}"}, attr: damping, scale: {loguniform: [0.5, 2]}}',
+    "armature: {select: {joint: hinge}, attr: armature, per: sample, offset: {lognormal: {mean: -3, std: 1}}}",
+    "stiffness: {select: {joint: slide}, attr: stiffness, truncnormal: {mean: 3, std: 1, min: 1, max: 5}}",
+    "range: {select: {joint: hinge}, attr: range, offset: {normal: {std: 2deg}}}",
+    'mass: {select: {body: "**"}, attr: mass, scale: {loguniform: [0.5, 2]}}',
+    "weight: {select: {body: cube}, attr: mass, uniform: [0.1, 0.5]}",
+    "place: {select: {body: hand}, attr: pos, offset: {normal: {std: 0.01}}}",
+    "camera: {select: {camera: top}, attr: pos, offset: {normal: {std: 0.01}}}",
+    "fovy: {select: {camera: top}, attr: fovy, uniform: [40, 60]}",
+    "light: {select: {light: lamp}, attr: diffuse, per: sample, uniform: [0.2, 0.9]}",
+    "tip: {select: {site: tip}, attr: 'pos[2]', offset: {uniform: [0, 0.1]}}",
+    "kp: {select: {actuator: servo}, attr: kp, scale: {uniform: [0.5, 2]}}",
+    "kv: {select: {actuator: servo}, attr: kv, uniform: [1, 3]}",
+    "speed: {select: {actuator: speed}, attr: kv, offset: {uniform: [-1, 1]}}",
+    "gear: {select: {actuator: push}, attr: 'gear[0]', choice: [1, 2, 3]}",
+    "group: {select: {geom: cube}, attr: group, integers: [0, 4]}",
+    "rope: {select: {tendon: rope}, attr: stiffness, scale: {uniform: [0.5, 2]}}",
+    "size: {select: {geom: pad}, attr: 'size[0]', scale: {uniform: [0.9, 1.1]}}",
+]
+
+
+def recipe(folder: Path, fields: list[str], emit: str = "table", model: str = MODEL) -> Path:
+    (folder / "model.xml").write_text(model)
+    lines = "".join(f"    {field}\n" for field in fields)
+    text = f"recipe: 1\nname: m\nbase: ./model.xml\nrandomize:\n  seed: 7\n  samples: 5\n  emit: {emit}\n  fields:\n{lines}"
+    (folder / f"{emit}.yaml").write_text(text)
+    return folder / f"{emit}.yaml"
+
+
+def built(path: Path, sample: int = 0) -> tuple[Built | None, Context]:
+    context = Context(folder=path.parent, environment={})
+    return build(path, context, sample=sample), context
+
+
+@pytest.fixture(scope="module")
+def page() -> dict[str, Any]:
+    """The functions that the page shows."""
+    (text,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    names: dict[str, Any] = {}
+    exec(compile(text, "randomisation.md", "exec"), names)
+    return names
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("table")
+    found, context = built(recipe(folder, FIELDS))
+    assert found is not None, [each.message for each in context.sink.diagnostics]
+    write_folder(found.bundle, folder / "out")
+    return folder
+
+
+def loaded(folder: Path) -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_path(str(folder / "model.xml"))
+
+
+def differing(a: mujoco.MjModel, b: mujoco.MjModel) -> set[str]:
+    names = [name for name in dir(a) if not name.startswith("_") and isinstance(getattr(a, name), np.ndarray)]
+    return {
+        name
+        for name in names
+        if not np.allclose(getattr(a, name), getattr(b, name), rtol=1e-6, atol=1e-9, equal_nan=True)
+    }
+
+
+@pytest.mark.parametrize("sample", range(1, 6))
+def test_a_row_makes_the_sample(sample: int, table: Path, page: dict[str, Callable[..., Any]]) -> None:
+    columns, rows = page["read"](table / "out")
+    assert rows.shape == (6, len(columns))
+    model = loaded(table / "out")
+    page["apply"](model, columns, rows[sample])
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    other, context = built(recipe(table, FIELDS, "models"), sample)
+    assert other is not None, [each.message for each in context.sink.diagnostics]
+    write_folder(other.bundle, table / f"sample{sample}")
+    wanted = loaded(table / f"sample{sample}")
+    described = json.loads((table / "out" / "randomize.json").read_text())
+    assert differing(model, wanted) == set(described["not_recomputed"])
+    drawn = {target["array"] for column in columns for target in column["targets"]}
+    assert len(drawn & differing(loaded(table / "out"), wanted)) >= 15
+
+
+def test_row_0_changes_nothing(table: Path, page: dict[str, Callable[..., Any]]) -> None:
+    columns, rows = page["read"](table / "out")
+    model = loaded(table / "out")
+    page["apply"](model, columns, rows[0])
+    assert differing(model, loaded(table / "out")) == set()
+
+
+def test_draws_are_within_their_bounds(table: Path, page: dict[str, Callable[..., Any]]) -> None:
+    columns, rows = page["read"](table / "out")
+    for column, draws in zip(columns, rows[1:].T, strict=True):
+        assert column["low"] is None or min(draws) >= column["low"]
+        assert column["high"] is None or max(draws) <= column["high"]
+    assert columns[0]["low"] is not None
+
+
+def test_the_file_says_what_its_columns_are(table: Path) -> None:
+    data = json.loads((table / "out" / "randomize.json").read_text())
+    by_name = {column["column"]: column for column in data["columns"]}
+    model = loaded(table / "out")
+    (target,) = by_name["friction[cube][0]"]["targets"]
+    assert target == {"type": "geom", "name": "cube", "id": model.geom("cube").id, "array": "geom_friction",
+                      "index": [model.geom("cube").id, 0]}  # fmt: skip
+    assert (by_name["friction[cube][0]"]["low"], by_name["friction[cube][0]"]["high"]) == (0.4, 1.2)
+    assert [each["index"] for each in by_name["damping[ball]"]["targets"]] == [
+        [model.joint("ball").dofadr[0] + n] for n in range(3)
+    ]
+    assert [each.get("sign", 1) for each in by_name["kp[servo]"]["targets"]] == [1, -1]
+    assert data["fields"]["range"] == {
+        "select": "{joint: hinge}", "attribute": "range", "operation": "offset", "per": "element",
+        "distribution": "normal", "parameters": {"mean": 0.0, "std": 2.0}, "unit": "deg",
+    }  # fmt: skip
+
+
+def test_what_nothing_computes_anew_is_told(tmp_path: Path) -> None:
+    model = MODEL.replace('ctrlrange="-1 1"', 'inheritrange="1"')
+    found, context = built(recipe(tmp_path, [FIELDS[6]], model=model))
+    assert found is not None
+    (told,) = context.sink.diagnostics
+    assert told.code == "draw-at-run-time" and "`actuator_ctrlrange`" in told.notes[0].message
+    assert json.loads(found.bundle.files["randomize.json"])["not_recomputed"] == ["actuator_ctrlrange"]
+
+
+def test_what_a_frame_turns_cannot_be_put_into_an_array(tmp_path: Path) -> None:
+    """The position of a body in a turned frame is not its position in mjModel."""
+    model = MODEL.replace(
+        '<body name="cube" pos="1 0 1">', '<frame euler="0 0 1"><body name="cube" pos="1 0 1">'
+    )
+    model = model.replace("</body>\n  </worldbody>", "</body></frame>\n  </worldbody>")
+    field = "place: {select: {body: cube}, attr: 'pos[0]', offset: {uniform: [0.1, 0.2]}}"
+    found, context = built(recipe(tmp_path, [field], model=model))
+    assert found is None
+    (told,) = context.sink.diagnostics
+    assert told.code == "draw-at-run-time" and "field `place` cannot be drawn" in told.message
+
+
+def test_copies_without_names_are_not_guessed(tmp_path: Path) -> None:
+    model = MODEL.replace(
+        '<geom size="0.06" mass="0.5" pos="0 0 0.2"/>',
+        '<replicate count="2" offset="0 0 1"><geom size="0.06"/></replicate>',
+    )
+    found, context = built(
+        recipe(tmp_path, ["f: {select: {geom: '**'}, attr: 'friction[0]', uniform: [1, 2]}"], model=model)
+    )
+    assert found is None
+    assert any("it is not known which is which" in each.message for each in context.sink.diagnostics)
