@@ -14,7 +14,7 @@ from composer.mjcf.arguments import as_files, as_path
 from composer.mjcf.asset import Files
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure, raise_errors
-from composer.mjcf.intake import check_names, check_tree, one_of_each_section
+from composer.mjcf.intake import check_tree, one_of_each_section
 from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.root import RootElement
 from composer.mjcf.separators import escape_separators as escape_separators_of
@@ -151,7 +151,6 @@ def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
     raise_errors(sink)
     assert unit is not None
     check_tree(unit, sink)
-    check_names(unit, sink)
     raise_errors(sink)
     one_of_each_section(unit)
     model = Model(unit)

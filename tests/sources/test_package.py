@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from composer.sources import SourceError, resolve
+from composer.sources import SourceError
+from composer.sources.resolve import resolve
 
 METADATA = "Metadata-Version: 2.1\nName: {}\nVersion: {}\n"
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from composer.diagnostics import CODES
-from composer.sources import SourceError, resolve
+from composer.sources import SourceError
+from composer.sources.resolve import resolve
 
 
 @pytest.mark.parametrize(
