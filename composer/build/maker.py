@@ -192,7 +192,7 @@ class Maker:
         record = replace(
             record, checks=tuple(replace(each, span=written[each.name]) for each in record.checks)
         )
-        recipes = [self.cache.files.look(path) for path in self._names().recipes(plan, context)]
+        recipes = [self.cache.files.look(path) for path in self._names().recipes(plan)]
         record = self._of_recipes(record, {each.path: each.state for each in recipes})
         made = None if record is None else self._with_files(record, answer)
         if record is None or made is None:
@@ -237,7 +237,7 @@ class Maker:
             return
         names, files = self._names(), cache.files
         files.forget()
-        paths = names.recipes(built.plan, context), names.others(built, context)
+        paths = names.recipes(built.plan), names.others(built, context)
         own = os.fspath(cache.store.folder) + os.sep
         if any(
             files.changed_since(path, self._since) and not path.startswith(own)

@@ -284,3 +284,24 @@ def test_every_key_is_explained() -> None:
 
     walk(schema, "")
     assert silent == []
+
+
+@pytest.mark.parametrize("head", ["extends: ./a.yaml\n{}", "variants:\n  tool:\n    large:\n{}"])
+@pytest.mark.parametrize(
+    ("piece", "right"),
+    [
+        ("sensor: {tip: {noise: 0.1}}", True),
+        ("sensor: null", True),
+        ("attach: {left: {pos: [0, 0, 1], euler: null}, right: null}", True),
+        ("keyframe: {home: {qpos: {elbow: null}}}", True),
+        ("randomize: {samples: 3}", True),
+        ("sensor: {tip: {type: force, nose: 0.1}}", False),
+        ("attach: {left: {pos: [0, 0]}}", False),
+        ("randomize: {samples: many}", False),
+    ],
+)
+def test_a_piece_may_lack_keys_and_take_some_out(validator: Any, head: str, piece: str, right: bool) -> None:
+    indented = f"      {piece}" if head.startswith("variants") else piece
+    node = load(f"recipe: 1\n{head.replace('{}', indented)}\n", "recipe.yaml", Sink())
+    assert node is not None
+    assert (list(validator.iter_errors(to_python(node))) == []) is right

@@ -129,7 +129,7 @@ KIND = Kind(
                     key: {
                         "type": "object",
                         "description": f"only what has a body of that name {where} it",
-                        "properties": {"body": NAME},
+                        "properties": {"body": {**NAME, "description": "a glob over the names of bodies"}},
                         "required": ["body"],
                         "additionalProperties": False,
                     }
