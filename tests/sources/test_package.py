@@ -6,10 +6,7 @@ from pathlib import Path
 import pytest
 
 from composer.sources import SourceError
-<<<<<<< HEAD
-=======
 from composer.sources.fetching import Fetching
->>>>>>> main
 from composer.sources.resolve import resolve
 
 METADATA = "Metadata-Version: 2.1\nName: {}\nVersion: {}\n"
