@@ -76,7 +76,7 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
         except OutputError as error:
             context.sink.error(error.code, error.message, help=error.help)
             return None
-        changes = changes or ["made with other versions"]
+        changes = changes or ["no sources to pin" if before is None else "made with other versions"]
     return context.shown(how.lock_file), changes
 
 

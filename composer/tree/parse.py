@@ -188,6 +188,8 @@ def _read(path: Path) -> bytes:
         data = piece = os.read(file, size + 1)
         while piece and len(data) != size:  # no plain file, or one that is being written
             data += (piece := os.read(file, _MAX_BYTES))
+            if len(data) > _MAX_BYTES:
+                raise OSError(f"it is larger than {_MAX_BYTES >> 20} MiB")
         return data
     finally:
         os.close(file)

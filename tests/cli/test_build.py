@@ -350,6 +350,8 @@ def test_an_interruption_while_mujoco_works(
     started = subprocess.Popen(
         [sys.executable, "-m", "composer", "build", "slow.yaml", "-o", "out.zip"],
         env=environment(TMPDIR=str(temporary)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        # tests that were started in the background of a shell ignore it, and so would what they start
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     children = Path(f"/proc/{started.pid}/task/{started.pid}/children")
     deadline = time.monotonic() + 60

@@ -176,6 +176,11 @@ def test_lock_of_no_recipe(work: Path) -> None:
     assert not (work / "cel.lock").exists()
 
 
+def test_a_recipe_without_sources(work: Path) -> None:
+    (work / "cell.yaml").write_text("recipe: 1\nname: empty\n")
+    assert run("lock", "cell.yaml").stdout == "  no sources to pin\nwrote cell.lock\n"
+
+
 def test_what_is_fetched_to_be_extended_is_locked(work: Path) -> None:
     """It need not give a model, nor anything that is left in the end; what it extends itself is locked too."""
     robots = work.parent / "robots"
