@@ -12,17 +12,22 @@ from composer.diagnostics.sink import Sink
 
 if TYPE_CHECKING:
     from composer.diagnostics.diagnostic import Diagnostic
+    from composer.diagnostics.span import Span
     from composer.document.node import Node
     from composer.sources.fetching import Fetching
+    from composer.sources.source import Source
 
 
 @dataclass(frozen=True, slots=True)
 class ReadRecipe:
-    """A recipe file that was read, merged over what it extends: all files of it, and what was found in them."""
+    """A recipe file that was read, merged over what it extends, and what was found in it.
+
+    `extended` are the recipes that it extends, each with the place that names it.
+    """
 
     node: Node | None
-    files: tuple[Path, ...]
     found: tuple[Diagnostic, ...]
+    extended: tuple[tuple[Source, Span], ...]
 
 
 @dataclass(slots=True)

@@ -16,6 +16,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Mapping, Node, Scalar, find, to_python
 from composer.expand.matrix import Cell, cells
+from composer.plan.locked import use_lock
 from composer.plan.read import read_recipe
 
 
@@ -24,6 +25,8 @@ def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = Non
 
     These are the cells of the matrix, each with its samples where the recipe draws some.
     """
+    if use_lock(recipe, context) is None:
+        return []
     path = context.folder / recipe
     node = read_recipe(path, context)
     if not isinstance(node, Mapping):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,16 +22,17 @@ class Inputs:
     _of_sources: dict[Path, tuple[str, ...]] = field(default_factory=dict)
     _packages: dict[str, tuple[tuple[str, str, str], ...]] = field(default_factory=dict)
 
-    def recipes(self, plan: Plan, context: Context) -> tuple[str, ...]:
+    def recipes(self, plan: Plan) -> tuple[str, ...]:
         """The recipe files of a plan: its own, those it extends, those nested in it."""
-        paths = [path for each in plans(plan) for path in _chain(each, context)]
+        chains = ((each.path, *(source.path for source, _ in each.extended)) for each in plans(plan))
+        paths = [path for chain in chains for path in chain]
         return tuple(dict.fromkeys(map(os.path.abspath, paths)))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
         """All other files: models, what they include, assets, licences and where these are looked for, the lock."""
         found: dict[str, None] = {}
         for each in plans(built.plan):
-            found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each))))
+            found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each, context.folder))))
         for source in sources(built.plan):
             found.update(dict.fromkeys(self._of(source)))
         model = built.composed.model
@@ -40,7 +41,7 @@ class Inputs:
         found.update(dict.fromkeys(map(os.path.abspath, used)))
         if context.fetching is not None and context.fetching.lock_file is not None:
             found[os.path.abspath(context.fetching.lock_file)] = None
-        recipes = self.recipes(built.plan, context)
+        recipes = self.recipes(built.plan)
         return tuple(path for path in found if path not in recipes)
 
     def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
@@ -85,8 +86,3 @@ def may_move(context: Context) -> bool:
         return False
     fetched = [each for each in fetching.origins.values() if each.kind in ("git", "archive")]
     return any(fetching.pin(each.id) is None and (each.pin or "?") not in each.id for each in fetched)
-
-
-def _chain(plan: Plan, context: Context) -> Iterable[Path]:
-    read = context.recipes.get(plan.path)
-    return read.files if read is not None else (plan.path,)

@@ -6,11 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from composer.build.cache import Cache
-from composer.build.question import Question
-from composer.build.record import Record
-
 if TYPE_CHECKING:
+    from composer.build.cache import Cache
+    from composer.build.question import Question
+    from composer.build.record import Record
     from composer.bundle.bundle import Bundle
     from composer.bundle.licence_table import Row
     from composer.bundle.packing import Packed

@@ -9,15 +9,15 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from composer.build.cache import LOST, Answer, Cache
 from composer.build.files import now
 from composer.build.made import Made, fresh, load_files, load_packed, recalled
 from composer.build.order import Order, of_cell
 from composer.build.question import Question, key_of
-from composer.build.record import KeptFile, Record
 
 if TYPE_CHECKING:
+    from composer.build.cache import Answer, Cache
     from composer.build.inputs import Inputs
+    from composer.build.record import KeptFile, Record
     from composer.bundle.bundle import Bundle
     from composer.bundle.packing import Packed
     from composer.context import Context
@@ -79,6 +79,8 @@ class Maker:
             return None, found.why
         made = self._with_files(found.record, found.answer)
         if made is None:
+            from composer.build.cache import LOST
+
             return None, (LOST,)
         _tell(found.record, context, outcomes)
         return made, ()
@@ -150,6 +152,8 @@ class Maker:
         made = recalled(record, tuple(each.path for each in answer.inputs) if answer else ())
         target = self.place(record.name, record.mujoco)
         if record.text is not None:
+            from composer.build.record import KeptFile
+
             text = self.cache.raw(KeptFile("", record.text, 0, None))
             return None if text is None else replace(made, text=text)
         if target is None:
@@ -192,7 +196,7 @@ class Maker:
         record = replace(
             record, checks=tuple(replace(each, span=written[each.name]) for each in record.checks)
         )
-        recipes = [self.cache.files.look(path) for path in self._names().recipes(plan, context)]
+        recipes = [self.cache.files.look(path) for path in self._names().recipes(plan)]
         record = self._of_recipes(record, {each.path: each.state for each in recipes})
         made = None if record is None else self._with_files(record, answer)
         if record is None or made is None:
@@ -230,6 +234,7 @@ class Maker:
         """Remember a model that was built now, unless something that it was made of has changed meanwhile."""
         from composer.build.concrete import places, tells_places
         from composer.build.inputs import may_move
+        from composer.build.record import Record
         from composer.bundle.bundle import MANIFEST
 
         cache, built, question = self.cache, made.built, made.question
@@ -237,7 +242,7 @@ class Maker:
             return
         names, files = self._names(), cache.files
         files.forget()
-        paths = names.recipes(built.plan, context), names.others(built, context)
+        paths = names.recipes(built.plan), names.others(built, context)
         own = os.fspath(cache.store.folder) + os.sep
         if any(
             files.changed_since(path, self._since) and not path.startswith(own)
@@ -266,6 +271,8 @@ class Maker:
 
     def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
         """The files of a bundle; those that no file of the user's has (`known`, by hash) go to the store."""
+        from composer.build.record import KeptFile
+
         assert self.cache is not None
         found = []
         for path, content in bundle.files.items():

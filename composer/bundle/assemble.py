@@ -39,6 +39,7 @@ from composer.plan.drawn import Drawn
 from composer.plan.member import Member
 from composer.plan.plan import Plan
 from composer.sources.digest import sha256_of
+from composer.sources.origin import Origin as Fetched
 from composer.sources.source import Source
 from composer.sources.spdx import UNKNOWN, licence_of
 from composer.tree.unit import Unit
@@ -46,6 +47,10 @@ from composer.tree.write import write
 
 if TYPE_CHECKING:
     from composer.engine import Compiled
+
+
+_OF_THE_LOCK = ("lock-stale", "source-changed")
+"""Warnings that say nothing of the model: it is the same with an old lock and without one."""
 
 
 def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
@@ -96,7 +101,7 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
     """The bundle with its manifest."""
     plan, compiled, model = making.plan, making.compiled, making.model
     named = list(sources(plan))
-    portable = Portable(plan.path, (source for _, source in named), model, context)
+    portable = Portable(plan.path, (source for _, source in named), _origins(plan), model, context)
     inputs = tuple(_input(label, source, bundle, portable) for label, source in named)
     renamed = renamed_in(model, making.members)
     index = None
@@ -126,7 +131,11 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
             for each in making.checks
         ),
         index=index,
-        warnings=tuple(f"{each.code}: {portable.text(each.message)}" for each in context.sink.diagnostics),
+        warnings=tuple(
+            f"{each.code}: {portable.text(each.message)}"
+            for each in context.sink.diagnostics
+            if each.code not in _OF_THE_LOCK
+        ),
     )
     return with_manifest(bundle, manifest)
 
@@ -154,6 +163,7 @@ def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str,
 
 def _files_of(plan: Plan) -> Iterator[str]:
     """The recipes of a plan, with those they extend, as messages call them."""
+    yield from (os.fspath(source.path) for source, _ in plan.extended)
     waiting: list[Node] = [plan.document]
     while waiting:
         node = waiting.pop()
@@ -172,6 +182,15 @@ def _by_licence(inputs: tuple[Input, ...], members: tuple[Member, ...]) -> dict[
     for each, member in zip(inputs, members, strict=False):
         found.setdefault(each.licence or UNKNOWN, []).append(member.part)
     return {licence: tuple(parts) for licence, parts in sorted(found.items())}
+
+
+def _origins(plan: Plan) -> Iterator[Fetched | None]:
+    """What the recipes of a plan were fetched or installed with."""
+    yield plan.source.origin if plan.source is not None else None
+    yield from (source.origin for source, _ in plan.extended)
+    for model in (plan.base.model, *(part.model for part in plan.parts)):
+        if isinstance(model, Plan):
+            yield from _origins(model)
 
 
 def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:

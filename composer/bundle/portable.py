@@ -18,12 +18,20 @@ _PINNED = ("git", "archive")
 
 
 class Portable:
-    """Names files of one composition, of the recipe at `recipe` and its `sources`."""
+    """Names files of one composition: of the recipe at `recipe`, its `sources`, what recipes were `fetched` with."""
 
-    def __init__(self, recipe: Path, sources: Iterable[Source], model: Unit, context: Context) -> None:
+    def __init__(
+        self,
+        recipe: Path,
+        sources: Iterable[Source],
+        fetched: Iterable[Origin | None],
+        model: Unit,
+        context: Context,
+    ) -> None:
         self.folder = Path(os.path.realpath(recipe.parent))
         self.sources = tuple(sources)
-        found = {each.origin.id: each.origin for each in self.sources if each.origin is not None}
+        origins = (*fetched, *(each.origin for each in self.sources))
+        found = {each.id: each for each in origins if each is not None}
         self.origins = [(Path(os.path.realpath(each.root)), each) for each in found.values()]
         self.context = context
         self.texts = model.origins.texts

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from composer.context import Context
     from composer.plan.plan import Plan
     from composer.sources.lock import Lock
+
+_OUT_OF_REACH = ("source-", "archive-", "store-", "lock-", "file-")
 
 
 def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str) -> None:
@@ -59,7 +62,8 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
     plan = make_plan(recipe, context)
     if plan is None:
         return None
-    after = lock_of([plan, *_plans_of_cells(recipe, context)], how, how.lock_file.parent)
+    plans = [plan, *_plans_of_cells(recipe, context), *_plans_of_variants(recipe, context)]
+    after = lock_of(plans, how, how.lock_file.parent, context)
     if before is not None and how.fresh is not None:
         _tell_changes(before, after, how.fresh, recipe, context)
     if context.sink.has_errors:
@@ -72,7 +76,7 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
         except OutputError as error:
             context.sink.error(error.code, error.message, help=error.help)
             return None
-        changes = changes or ["made with other versions"]
+        changes = changes or ["no sources to pin" if before is None else "made with other versions"]
     return context.shown(how.lock_file), changes
 
 
@@ -81,12 +85,49 @@ def _plans_of_cells(recipe: Path, context: Context) -> Iterator[Plan]:
     from composer.build.cells import cells_of
     from composer.plan.make import plan_what_remains
 
+    drawn = _draws_may_choose(recipe, context)
     for cell in cells_of(recipe, context):
-        if cell.sample:
-            continue  # draws change no source
-        plan = plan_what_remains(recipe, context, cell.given, cell.name)
+        if cell.sample and not drawn:
+            continue  # its sources are those of the nominal model
+        plan = plan_what_remains(recipe, context, cell.given, cell.name, cell.sample)
         if plan is not None:
             yield plan
+
+
+def _draws_may_choose(recipe: Path, context: Context) -> bool:
+    """Whether it depends on parameters which models there are; planning every sample takes its time."""
+    from composer.document.node import Mapping, Scalar, Sequence
+    from composer.plan.read import read_recipe
+
+    waiting = [read_recipe(context.folder / recipe, context)]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Sequence):
+            waiting += node.items
+        elif isinstance(node, Mapping):
+            for name, (_, value) in node.entries.items():
+                written = value.text if isinstance(value, Scalar) else ""
+                if name == "when" or (name in ("base", "model") and "${" in written):
+                    return True
+                waiting.append(value)
+    return False
+
+
+def _plans_of_variants(recipe: Path, context: Context) -> Iterator[Plan]:
+    """What `--variant` may choose; where that does not go together or is out of reach, a warning says so."""
+    from composer.build.choices import choices_of
+    from composer.diagnostics.diagnostic import Severity
+    from composer.diagnostics.sink import Sink
+    from composer.plan.make import make_plan
+
+    for given in choices_of(recipe, context):
+        own = replace(context, sink=Sink())
+        plan = make_plan(recipe, own, given)
+        if plan is not None:
+            yield plan
+        for each in own.sink.errors:
+            if each.code.startswith(_OUT_OF_REACH):
+                context.sink.add(replace(each, severity=Severity.WARNING))
 
 
 def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> frozenset[str] | None:

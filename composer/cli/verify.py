@@ -56,7 +56,7 @@ def _say(stored: Stored, path: str, form: str, *, ok: bool) -> None:
         click.echo(json.dumps(told))
     elif form == "text" and ok:
         unchanged = sum(each.ok for each in stored.parts)
+        compared = f", {unchanged} of {len(stored.parts)} parts compared with their sources and unchanged"
         click.echo(
-            f"{path}: ok: {len(stored.bundle.files)} files, "
-            f"{unchanged} of {len(stored.parts)} parts compared with their sources and unchanged"
+            f"{path}: ok: {len(stored.bundle.files)} files{compared if stored.parts else ', no parts'}"
         )

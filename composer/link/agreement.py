@@ -49,7 +49,7 @@ def agreement(linking: Linking) -> None:
     model = dict(_written(linking.base))
     conflicts: dict[str, list[tuple[Part, _Written]]] = {}
     for part in linking.parts:
-        for path, wanted in _written(part.unit):
+        for path, wanted in dict(_written(part.unit)).items():  # of several sections the last counts
             if path in linking.settled:
                 continue
             have = model.get(path)

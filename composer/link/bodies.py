@@ -15,6 +15,7 @@ from composer.link.flex_joints import taken_back
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, through_frames
+from composer.tree.comments import above
 from composer.tree.names import word
 from composer.tree.scaled import scaled_above
 
@@ -155,10 +156,13 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         if owner is not None:  # it was included from another file
             for child in worldbody:
                 part.unit.origins.owners.setdefault(child, owner)
-        frame.extend(list(worldbody))
+        frame.extend([*above(worldbody, part.unit.header), *worldbody])
         part.unit.root.remove(worldbody)
     part.content = parent
-    if len(frame):
+    if next(frame.iterchildren("*"), None) is not None:
+        if all(part.unit.file != earlier.unit.file for earlier in linking.parts[: linking.parts.index(part)]):
+            for comment in reversed(part.unit.header):
+                frame.insert(0, comment)
         parent.append(frame)
         part.content = frame
     if len(outer) > count:

@@ -18,6 +18,8 @@ def compiler(linking: Linking) -> None:
     root = linking.base.root
     written: dict[str, str] = {}
     children = []
+    first = next(root.iterchildren("*"), None)
+    at = root.index(first) if first is not None and first.tag == "compiler" else None
     for element in list(root.iterchildren("compiler")):
         written.update({str(name): str(value) for name, value in element.items()})
         children.extend(list(element))
@@ -36,4 +38,7 @@ def compiler(linking: Linking) -> None:
         return
     element = root.makeelement("compiler", written)
     element.extend(children)
-    root.insert(0, element)
+    if at is None:
+        linking.base.insert(element)
+    else:
+        root.insert(at, element)

@@ -14,7 +14,7 @@ from lxml.etree import _Element as Node
 from composer.link.flex_joints import in_world, keep_in_main
 from composer.link.linking import Linking
 from composer.tree.classes import NESTED, says_something
-from composer.tree.order import place_of
+from composer.tree.comments import above
 from composer.tree.unit import Unit
 
 # Sections whose elements take a class but stand outside the body tree, where no childclass reaches them.
@@ -48,7 +48,7 @@ def _join(linking: Linking) -> None:
     top = next(base.root.iterchildren("default"), None)
     if top is None:
         top = base.root.makeelement("default")
-        base.root.insert(place_of(base.root, "default"), top)
+        base.insert(top)
     for part in linking.parts:
         own = _wrap(linking, part.unit, part.top_class)
         _claim_sections(part.unit, part.top_class, own)
@@ -108,12 +108,12 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
     sections = list(root.iterchildren("default"))
     if not sections:
         sections = [root.makeelement("default")]
-        root.insert(place_of(root, "default"), sections[0])
+        unit.insert(sections[0])
     outer: Node | None = None
     for at, section in enumerate(sections):
         last = at == len(sections) - 1
         wrapped = root.makeelement("default", {"class": name if last else f"{name}{at + 1}"})
-        wrapped.extend(list(section))
+        wrapped.extend([*(above(section, unit.header) if unit is not linking.base else ()), *section])
         if "class" in section.attrib:
             del section.attrib["class"]
         if outer is None:

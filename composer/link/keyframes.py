@@ -151,6 +151,5 @@ def _check_kept(linking: Linking, keys: Iterable[Key]) -> None:
                     help="leave the keys out: `keyframes: none`",
                 )
     if any("mpos" in key.values or "mquat" in key.values for key in keys):
-        for replicate in linking.base.root.iter("replicate"):
-            if any(body.get("mocap") == "true" for body in replicate.iter("body")):
-                not_laid_out(linking, linking.base, Unknown(replicate))
+        for block in linking.hiding_mocaps:
+            not_laid_out(linking, linking.base, Unknown(block))

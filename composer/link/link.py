@@ -22,6 +22,7 @@ from composer.link.names import names
 from composer.link.reductions import reductions
 from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
+from composer.link.several_defaults import several_defaults
 from composer.link.spurious import note_replicates, spurious
 from composer.link.submodels import submodels
 
@@ -34,6 +35,7 @@ PASSES: tuple[Pass, ...] = (
     layouts,
     reductions,
     choose_classes,
+    several_defaults,
     alignment,
     inertia,
     fitting,
@@ -55,7 +57,17 @@ PASSES: tuple[Pass, ...] = (
 
 
 # What these find hinders no later pass: those have faults of their own to tell.
-_HINDERS_NOTHING = (alignment, agreement, roots, names, bodies, spurious, check_roots, check_flexes)
+_HINDERS_NOTHING = (
+    several_defaults,
+    alignment,
+    agreement,
+    roots,
+    names,
+    bodies,
+    spurious,
+    check_roots,
+    check_flexes,
+)
 
 
 def link(linking: Linking) -> bool:

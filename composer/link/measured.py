@@ -16,6 +16,7 @@ _ARRAYS = (
     "nq",
     "nv",
     "qpos0",
+    "body_mocapid",
     "jnt_type",
     "jnt_qposadr",
     "jnt_dofadr",
@@ -53,6 +54,8 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
         nv = int(arrays["nv"][0]) - layout.total("qvel")
         found[unknown[0]] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown[0], (nq, nv), arrays))
         layout = lay_out(unit, found)
+        if sum(number >= 0 for number in arrays["body_mocapid"]) > len(layout.mocaps):
+            linking.hiding_mocaps.append(unknown[0])
     if layout.total("qpos") == int(arrays["nq"][0]):
         _note_references(linking, unit, layout, arrays["qpos0"])
     return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml.etree import _Element as Node
 
 from composer.link.linking import Linking, Part
+from composer.tree.comments import above
 
 _APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom")
 # Read by passes of their own.
@@ -18,9 +19,9 @@ def sections(linking: Linking) -> None:
             tag = section.tag
             if tag == "extension":
                 _extension(linking, part, section)
-            elif tag in _APPENDED:
+            elif tag in _APPENDED and next(section.iterchildren("*"), None) is not None:
                 target = linking.base.section(tag)
-                elements = list(section)
+                elements = [*above(section, part.unit.header), *section]
                 owner = part.unit.origins.owner(section, part.unit.file)
                 linking.base.origins.own_all(elements, owner)
                 target.extend(elements)

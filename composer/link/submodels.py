@@ -21,18 +21,17 @@ _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 
 def submodels(linking: Linking) -> None:
     """Bundle the sub-models of every unit below `assets/LABEL/models/`."""
-    for unit in linking.units:
+    policies = [linking.base_keyframes, *(part.keyframes for part in linking.parts)]
+    for unit, policy in zip(linking.units, policies, strict=True):
         for element in unit.root.iter("model"):
             file = element.get("file")
             if file:
-                _bundle(
-                    linking, unit, element, str(file), str(unit.directory), f"{ASSETS}/{unit.label}/models"
-                )
+                _bundle(linking, unit, element, str(file), f"{ASSETS}/{unit.label}/models", policy != "none")
 
 
-def _bundle(linking: Linking, unit: Unit, element: Node, file: str, directory: str, folder: str) -> None:
+def _bundle(linking: Linking, unit: Unit, element: Node, file: str, folder: str, keyed: bool) -> None:
     known = unit.contents.get(file)
-    source = str(known) if isinstance(known, Path) else join(directory, file)
+    source = str(known) if isinstance(known, Path) else join(str(unit.directory), file)
     if isinstance(known, bytes):
         _bundled_before(linking, unit, element, file, known)
         return
@@ -42,8 +41,10 @@ def _bundle(linking: Linking, unit: Unit, element: Node, file: str, directory: s
         return
     if not element.get("name"):
         element.set("name", sub.model)
-    path = _free(linking, f"{folder}/{sub.label}", source)
-    _own_files(linking, sub, path)
+    path = _free(linking, f"{folder}/{sub.label}" + ("" if keyed else "-without-keys"), source)
+    for section in list(sub.root.iterchildren("keyframe")) if not keyed else ():
+        sub.root.remove(section)
+    _own_files(linking, sub, path, keyed)
     element.set("file", f"{path}.xml")
     linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
 
@@ -76,7 +77,7 @@ def _free(linking: Linking, path: str, source: str) -> str:
     return free
 
 
-def _own_files(linking: Linking, sub: Unit, path: str) -> None:
+def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool) -> None:
     """Files of a sub-model stand in a folder beside it, and it names them from where it is."""
     beside = path.rsplit("/", 1)[1]
     taken: dict[str, str] = {}
@@ -94,7 +95,7 @@ def _own_files(linking: Linking, sub: Unit, path: str) -> None:
         model_file = nested.get("file")
         if model_file:
             inner = f"{path}/models"
-            _bundle(linking, sub, nested, model_file, str(sub.directory), inner)
+            _bundle(linking, sub, nested, model_file, inner, keyed)
             nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
     for compiler in sub.root.iterchildren("compiler"):
         for name in _FOLDERS:

@@ -204,7 +204,7 @@ def _check_name(
     what = "default class" if namespace == "default" else namespace
     raise failure(
         "class-clash" if namespace == "default" else "name-clash",
-        f"there is a {what} `{model.full_prefix + name}` already",
+        f"another {what} is called `{model.full_prefix + name}` already",
         call_site(),
         notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
         help="give one of the two another name",

@@ -57,9 +57,9 @@ class Element:
 
     def __init__(self, model: Model, node: Node) -> None:
         """For use by this package: Elements come from `add`, `find` and the like."""
-        object.__setattr__(self, "_model", model)
-        object.__setattr__(self, "_node", node)
-        object.__setattr__(self, "_removed", False)
+        _set_model(self, model)
+        _set_node(self, node)
+        _set_removed(self, False)
 
     # -- what it is ------------------------------------------------------------------------------------------
 
@@ -500,6 +500,10 @@ class Element:
         if self._removed:
             raise failure("unknown-element", f"`<{self.tag}>` was removed from its model", call_site())
         return self
+
+
+# Setting an attribute of an Element writes MJCF; these write its own slots.
+_set_model, _set_node, _set_removed = (vars(Element)[slot].__set__ for slot in Element.__slots__)
 
 
 def view(model: Model, node: Node) -> Element:

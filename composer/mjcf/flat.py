@@ -82,7 +82,7 @@ def flatten(
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         _prune(unit.root)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
-    if not mounting.parts and not model.names.repeated:
+    if not mounting.parts:
         if check_keys:
             layouts(linking)
         link_alone(linking)

@@ -6,24 +6,32 @@ from functools import cache
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.grammar import GRAMMAR, ElementType
+from composer.tree.files import stem
+from composer.tree.name_index import MAY_REPEAT, own_name
+from composer.tree.names import DECLARES, naming_table
 from composer.tree.unit import Unit
 
 _KEPT_APART = frozenset({"default"})  # a later section does not reach the classes of an earlier one
+
+# Sections whose elements are named after their file where they have no `name`.
+_NAMED_AFTER_FILE = ("asset", "deformable")
 
 _Row = dict[str, dict[str, frozenset[str]]]
 
 
 def check_tree(unit: Unit, sink: Sink) -> None:
-    """Tell every element and attribute that MJCF does not have where it stands. Values are not looked at."""
+    """Tell what MJCF does not have, and every name that two elements have, where it stands. No values are looked at."""
+    names: list[tuple[object, str | None]] = []
     for section in unit.root.iterchildren("*"):
         tag = str(section.tag)
         if tag not in GRAMMAR.root.children:
             _unknown_element(unit, section, GRAMMAR.root, sink)
             continue
-        table = _table(tag)
+        table, namespaces = _table(tag), _namespaces(tag)
         _check_attributes(unit, section, GRAMMAR.section(tag), sink)
         for parent in section.iter("*"):
             if not len(parent):
@@ -32,14 +40,45 @@ def check_tree(unit: Unit, sink: Sink) -> None:
             if allowed is None:  # told as a child of its parent
                 continue
             for child in parent:
-                names = allowed.get(child.tag)
-                if names is None:
-                    if isinstance(child.tag, str):
+                kind = child.tag
+                attributes = allowed.get(kind)
+                if attributes is None:
+                    if isinstance(kind, str):
                         _unknown_element(unit, child, _kind(tag, str(parent.tag)), sink)
-                elif not names.issuperset(child.keys()):
-                    _check_attributes(unit, child, _kind(tag, str(parent.tag)).children[child.tag], sink)
+                    continue
+                keys = child.keys()
+                if not attributes.issuperset(keys):
+                    _check_attributes(unit, child, _kind(tag, str(parent.tag)).children[kind], sink)
+                if "name" in keys:
+                    names.append((namespaces.get(kind), child.get("name")))
+                elif "file" in keys and tag in _NAMED_AFTER_FILE:
+                    names.append((namespaces.get(kind), stem(str(child.get("file")))))
+                elif kind == "default":
+                    names.append((None, child.get("class")))
     if not GRAMMAR.root.attributes.keys() >= set(unit.root.keys()):
         _check_attributes(unit, unit.root, GRAMMAR.root, sink)
+    if len(set(names)) < len(names):  # or what looks like it
+        _check_names(unit, sink)
+
+
+def _check_names(unit: Unit, sink: Sink) -> None:
+    first: dict[tuple[str, str], Node] = {}
+    for section in unit.root.iterchildren("*"):
+        namespaces = _namespaces(str(section.tag))
+        for node in section.iterdescendants(*namespaces) if namespaces else ():
+            attribute, namespace = namespaces[str(node.tag)]
+            name = own_name(node, attribute)
+            if name and first.setdefault((namespace, name), node) is not node:
+                is_class = namespace == "default"
+                sink.error(
+                    "class-clash" if is_class else "name-clash",
+                    f"another {'default class' if is_class else namespace} is called `{name}` already",
+                    unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file"),
+                    notes=(
+                        Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),
+                    ),
+                    help="give one of the two another name",
+                )
 
 
 def one_of_each_section(unit: Unit) -> None:
@@ -77,6 +116,17 @@ def _table(section: str) -> _Row:
     return {
         tag: {name: frozenset(child.attributes) for name, child in _kind(section, tag).children.items()}
         for tag in (section, *GRAMMAR.within(section))
+    }
+
+
+@cache
+def _namespaces(section: str) -> dict[str, tuple[str, str]]:
+    """For each tag of a section that has names: the attribute, and the namespace."""
+    return {
+        tag: (attribute, namespace)
+        for tag, actions in naming_table(section).items()
+        for attribute, (kind, namespace) in actions.items()
+        if kind == DECLARES and namespace not in MAY_REPEAT
     }
 
 

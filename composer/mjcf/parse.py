@@ -30,8 +30,9 @@ def from_path(path: str | os.PathLike[str], *, escape_separators: bool = False) 
     Its files resolve against its own folder and its compiler's, `<include>` is followed, as MuJoCo does.
     Names with a `/` are names like others; with `escape_separators` they get a `\` in its place, so that
     a `/` in a name means an attached model and nothing else.
-    Raises `MjcfError` for a file that cannot be read, is not well-formed, is no MJCF, or has elements or
-    attributes that MJCF does not have, all of them with file and line. Meshes and textures are not read.
+    Raises `MjcfError` for a file that cannot be read, is not well-formed, is no MJCF, has elements or
+    attributes that MJCF does not have, or a name twice, all of them with file and line. Meshes and textures
+    are not read.
 
     >>> import tempfile
     >>> file = Path(tempfile.mkdtemp()) / 'ball.xml'

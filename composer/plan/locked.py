@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from importlib import metadata
 from pathlib import Path
 from typing import cast
 
@@ -13,6 +12,7 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.plan.plan import Plan
+from composer.plan.read import EXTENDS
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.digest import differences, sha256_of
 from composer.sources.fetching import Fetching
@@ -56,9 +56,9 @@ class _Use:
     used_by: dict[str, None] = field(default_factory=dict)
 
 
-def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path) -> Lock:
+def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Context) -> Lock:
     """The lock of plans of one recipe, its variants; `folder` is where the lock will be. Reads every file."""
-    uses = _Gathering(fetching.origins.values(), folder).of(plans)
+    uses = _Gathering(fetching, folder, context.folder).of(plans)
     return Lock(
         mjcompose=__version__,
         mujoco=_mujoco(),
@@ -72,7 +72,7 @@ def check_lock(plan: Plan, context: Context) -> None:
     if fetching is None or fetching.lock is None or fetching.lock_file is None:
         return
     shown = context.shown(fetching.lock_file)
-    for id, use in _Gathering(fetching.origins.values(), fetching.lock_file.parent).of([plan]).items():
+    for id, use in _Gathering(fetching, fetching.lock_file.parent, context.folder).of([plan]).items():
         now, before = _locked(use), fetching.lock.sources.get(id)
         if now is None:
             continue
@@ -111,10 +111,12 @@ def _is_gone(use: _Use, file: str) -> bool:
 class _Gathering:
     """All files of plans, each with the source that it belongs to."""
 
-    def __init__(self, origins: Iterable[Origin], folder: Path) -> None:
-        self.origins = tuple(origins)
+    def __init__(self, fetching: Fetching, folder: Path, shown_from: Path) -> None:
+        self.fetching = fetching
         self.folder = folder
+        self.shown_from = shown_from
         self.uses: dict[str, _Use] = {}
+        self.read: dict[Source, list[Path]] = {}
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _Use]:
         for plan in plans:
@@ -122,11 +124,20 @@ class _Gathering:
         return self.uses
 
     def _plan(self, plan: Plan, prefix: str, asked: Span | None) -> None:
-        """`asked` is the place where the recipe that is built asks for this one, None for itself."""
-        own = list(files_of_recipe(plan))
+        """`asked` is the place where the recipe that is built asks for this one, None for itself.
+
+        Of the recipe that is built, and of recipes beside it that it extends, anything may change that changes no
+        source: they are not locked themselves. What is nested is, and what was fetched.
+        """
         if prefix:
-            own.append(plan.path)  # of the recipe that is built, anything may change that changes no source
-        self._put(plan.path, own, None, prefix or plan.path.name, asked)
+            self._put(plan.path, [plan.path], plan.source, prefix, asked)
+        label = f"{prefix}{plan.separator}{EXTENDS}" if prefix else EXTENDS
+        for source, place in plan.extended:
+            if prefix or source.origin is not None:
+                self._put(source.path, [source.path, *source.licences], source, label, asked or place)
+        for file in files_of_recipe(plan, self.shown_from):
+            fetched = self.fetching.around(file) or self.fetching.around(plan.path)
+            self._put(file if fetched else plan.path, [file], None, prefix or plan.path.name, asked)
         models = [("base", plan.base.model, plan.base.span)]
         models += [(part.prefix.removesuffix(plan.separator), part.model, part.span) for part in plan.parts]
         for name, model, span in models:
@@ -134,12 +145,12 @@ class _Gathering:
             if isinstance(model, Plan):
                 self._plan(model, label, asked or span)
             elif model is not None:
-                self._put(model.path, list(files_of_source(model)), model, label, asked or span)
+                self._put(model.path, self._files_of(model), model, label, asked or span)
 
     def _put(
         self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None
     ) -> None:
-        origin = self._origin_of(main)
+        origin = (source and source.origin) or self.fetching.around(main)
         root = self.folder if origin is None else origin.root
         id = _local_id(_relative(main, root)) if origin is None else origin.id
         if files:
@@ -152,11 +163,10 @@ class _Gathering:
                 if os.path.realpath(file) in licences:
                     use.licences.add(name)
 
-    def _origin_of(self, path: Path) -> Origin | None:
-        """What a file was fetched or installed with; the innermost where folders lie in one another."""
-        real = Path(os.path.realpath(path))
-        around = [each for each in self.origins if real.is_relative_to(os.path.realpath(each.root))]
-        return max(around, key=lambda each: len(os.path.realpath(each.root)), default=None)
+    def _files_of(self, source: Source) -> list[Path]:
+        if source not in self.read:
+            self.read[source] = list(files_of_source(source))
+        return self.read[source]
 
 
 def _local_id(path: str) -> str:
@@ -193,6 +203,8 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 def _mujoco() -> str | None:
+    from importlib import metadata  # a build without a lock has no use for it
+
     try:
         return metadata.version("mujoco")
     except metadata.PackageNotFoundError:

@@ -85,6 +85,7 @@ class _Planner:
         given: Given,
         name: str | None = None,
         sample: int = 0,
+        source: Source | None = None,
     ) -> Plan | None:
         """The plan of one recipe; `outer` are the recipes it is nested in, outermost first."""
         key = Path(os.path.realpath(path))
@@ -140,6 +141,8 @@ class _Planner:
             randomize=randomize,
             sample=sample,
             drawn=drawn,
+            source=source,
+            extended=self.context.recipes[path].extended,
         )
         self._checks(plan)
         _check_sources(plan, self.sink)
@@ -251,7 +254,7 @@ class _Planner:
                 if isinstance(given, Mapping)
                 else {}
             )
-            plan = self.plan(source.path, inside, span, given=values)
+            plan = self.plan(source.path, inside, span, given=values, source=source)
             if plan is not None and outer is not None and plan.separator != outer.separator:
                 self.sink.error(
                     "separator-mismatch",

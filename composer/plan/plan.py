@@ -166,6 +166,10 @@ class Plan:
     """The parameters that were drawn for it."""
     variants: Mapping[str, str] = field(default_factory=dict)
     """The chosen variants alone."""
+    source: Source | None = None
+    """The recipe as it was resolved, where it is nested in another."""
+    extended: tuple[tuple[Source, Span], ...] = ()
+    """The recipes that it extends, each with the place that names it."""
 
     @property
     def keyframes(self) -> tuple[WriteKeyframe, ...]:

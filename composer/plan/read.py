@@ -19,6 +19,7 @@ from composer.recipe.validate import judge
 from composer.sources.error import SourceError
 from composer.sources.nearby import model_files, nearest
 from composer.sources.resolve import resolve
+from composer.sources.source import Source
 
 EXTENDS = "extends"
 # What bare numbers of a file mean: of a chain, all files must say the same.
@@ -30,16 +31,17 @@ def read_recipe(path: Path, context: Context) -> Node | None:
     known = context.recipes.get(path)
     if known is None:
         own = replace(context, sink=Sink())
-        files: list[Path] = []
-        node = _read(path, own, (), files)
-        known = context.recipes[path] = ReadRecipe(node, tuple(files), tuple(own.sink.diagnostics))
+        extended: list[tuple[Source, Span]] = []
+        node = _read(path, own, (), extended)
+        known = context.recipes[path] = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended))
     for diagnostic in known.found:
         context.sink.add(diagnostic)
     return known.node
 
 
-def _read(path: Path, context: Context, chain: tuple[Path, ...], files: list[Path]) -> Node | None:
-    files.append(path)
+def _read(
+    path: Path, context: Context, chain: tuple[Path, ...], extended: list[tuple[Source, Span]]
+) -> Node | None:
     before = context.sink.error_count
     text = _text(path, context)
     node = None if text is None else load(text, context.shown(path), context.sink)
@@ -49,8 +51,11 @@ def _read(path: Path, context: Context, chain: tuple[Path, ...], files: list[Pat
         return node
     key, named = node.entries[EXTENDS]
     upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
-    lower_path = _extended(named, path, context, (*chain, path))
-    lower = None if lower_path is None else _read(lower_path, context, (*chain, path), files)
+    source = _extended(named, path, context, (*chain, path))
+    if source is None:
+        return None
+    extended.append((source, named.span))
+    lower = _read(source.path, context, (*chain, path), extended)
     if not isinstance(lower, Mapping):
         if lower is not None:
             context.sink.error("wrong-type", "what is extended is no recipe", named.span)
@@ -64,7 +69,7 @@ def folder_of(span: Span, context: Context) -> Path:
     return (context.folder / span.file).parent
 
 
-def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]) -> Path | None:
+def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]) -> Source | None:
     sink = context.sink
     if not isinstance(named, Scalar) or not isinstance(named.value, str):
         sink.error(
@@ -91,7 +96,7 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         sink.error("source-cycle", f"recipes extend one another: {ring}", named.span,
                    help="take one of these `extends` out")  # fmt: skip
         return None
-    return source.path
+    return source
 
 
 def _check_reading(lower: Mapping, upper: Mapping, span: Span, sink: Sink) -> None:

@@ -8,8 +8,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from composer.diagnostics.sink import Sink
+from composer.document.node import locate
 from composer.plan.plan import AddElement, AppendElement, Plan
 from composer.recipe.element import Element
+from composer.recipe.fault import Path as Place
 from composer.sources import ros_package
 from composer.sources.source import Source
 from composer.tree.files import CUBE, file_attributes, join, written_path
@@ -25,22 +27,23 @@ def files_of_source(source: Source) -> Iterator[Path]:
     yield from (path for path in (*found, *source.licences) if os.path.isfile(path))
 
 
-def files_of_recipe(plan: Plan) -> Iterator[Path]:
-    """The files that a recipe itself names in its elements."""
+def files_of_recipe(plan: Plan, folder: Path) -> Iterator[Path]:
+    """The files that a recipe itself names in its elements; `folder` is where the paths of spans begin."""
     for step in plan.steps:
         if isinstance(step, AddElement | AppendElement):
-            for name in _named(step.element):
-                path = Path(join(str(plan.path.parent), name))
+            for at, name in _named(step.element):
+                beside = folder / locate(plan.document, at).file  # a recipe that is extended, or this one
+                path = Path(join(str(beside.parent), name))
                 if os.path.isfile(path):
                     yield path
 
 
-def _named(element: Element) -> Iterator[str]:
+def _named(element: Element) -> Iterator[tuple[Place, str]]:
     if element.xml is not None:
-        yield from _FILE.findall(element.xml)
+        yield from (((*element.at, "xml"), name) for name in _FILE.findall(element.xml))
     for attribute in ("file", *CUBE):
         if isinstance(value := element.attributes.get(attribute), str):
-            yield value
+            yield (*element.at, attribute), value
     for child in element.children:
         yield from _named(child)
 

@@ -56,9 +56,10 @@ _ELEMENTS = ("element.", "named.", "typed.", "variant.", "step.", "class")
 def page() -> str:
     """The text of the page. The same every time."""
     schema = recipe_schema()
-    keys = _Keys(schema)
-    lines = [_HEAD, "## Top-level keys", "", *keys.table(schema, "", deep=False)]
-    for name, each in schema["properties"].items():
+    keys = _Keys(schema["$defs"])
+    whole = {**schema["else"], "required": schema["required"]}  # a recipe that extends no other
+    lines = [_HEAD, "## Top-level keys", "", *keys.table(whole, "", deep=False)]
+    for name, each in whole["properties"].items():
         rows = list(keys.rows(each, name))
         if rows:
             lines += ["", f"## `{name}`", "", *keys.head, *rows]
@@ -88,16 +89,8 @@ class _Keys:
 
     head = ("| key | type | default | what it is |", "|---|---|---|---|")
 
-    def __init__(self, schema: Schema) -> None:
-        self.definitions: dict[str, Schema] = schema["$defs"]
-        whole = schema["else"]["properties"]  # what a piece of recipe need not have
-        kinds = whole["check"]["additionalProperties"]["properties"]
-        self.demanded = {
-            **{f"check.NAME.{name}": each["required"] for name, each in kinds.items()},
-            "attach.PREFIX": whole["attach"]["additionalProperties"]["required"],
-            "base": whole["base"]["then"]["required"],
-            "randomize": whole["randomize"]["required"],
-        }
+    def __init__(self, definitions: dict[str, Schema]) -> None:
+        self.definitions = definitions
 
     def table(self, schema: Schema, path: str, deep: bool = True) -> list[str]:
         return [*self.head, *self.rows(schema, path, deep)]
@@ -105,7 +98,7 @@ class _Keys:
     def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
         """A row for each key in what the schema describes, and in that, as deep as it goes."""
         for kind in self._kinds(schema):
-            required = {*kind.get("required", ()), *self.demanded.get(path, ())}
+            required = {*kind.get("required", ())}
             for rule in (*kind.get("allOf", ()), kind.get("else", {})):
                 required |= {*rule.get("required", ())}
             for name, each in kind.get("properties", {}).items():

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from composer.diagnostics.suggest import closest
 from composer.document.node import Key, Mapping, Node, Scalar
 from composer.document.node import Sequence as List
 from composer.recipe.fault import Fault, Path
@@ -31,7 +32,7 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
     lost: set[str] = set()
     for _ in range(_ROUNDS):
         for path in _outermost(_way(node, fault.at) for fault in faults):
-            if not path or (len(path) == 1 and path[0] in _INDISPENSABLE):
+            if not path or (len(path) == 1 and _is_indispensable(path[0])):
                 return None
             lost.update(_texts(node, path))
             node = _without(node, path)
@@ -39,6 +40,13 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
         if recipe is not None:
             return Remains(recipe, node, frozenset(lost))
     return None
+
+
+def _is_indispensable(key: str | int) -> bool:
+    """Whether a key at the top, or what was meant by it, is one without which nothing else can be judged."""
+    if key in Recipe.model_fields:
+        return key in _INDISPENSABLE
+    return any(meant in _INDISPENSABLE for meant in closest(str(key), Recipe.model_fields))
 
 
 def _way(node: Node, path: Path) -> Path:

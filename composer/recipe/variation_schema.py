@@ -7,6 +7,7 @@ from typing import Any
 from composer.expand.expand import SETTLED
 from composer.expand.parameter import TYPES
 from composer.expand.variants import NO_PIECE
+from composer.recipe.piece_schema import loosened
 from composer.recipe.reference import Schema
 
 _VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
@@ -28,6 +29,8 @@ _PARAMETER: Schema = {
     },
     "additionalProperties": False,
 }
+# What a file that extends another says for itself.
+_OWN = ("recipe", "extends")
 _CELL: Schema = {"type": "object", "additionalProperties": _VALUE}
 _HEAD: dict[str, Schema] = {
     "extends": {"type": "string", "minLength": 1, "description": "Another recipe, over which this file is merged."},
@@ -83,17 +86,22 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     for name in _SINGLETONS:
         _into(properties[name], "when", _WHEN)
     _into(properties["check"]["additionalProperties"], "when", _WHEN)
-    pieces = {
-        name: {"description": each.get("description", ""), "$ref": f"#/properties/{name}"}
-        for name, each in properties.items()
-        if name not in NO_PIECE
-    }
+    pieces = loosened(properties, definitions)
     definitions["Piece"] = {
         "type": "object",
-        "properties": pieces,
+        "properties": {name: each for name, each in pieces.items() if name not in NO_PIECE},
         "additionalProperties": False,
         "description": "A piece of recipe: any of its keys. `null` takes out what the recipe has there.",
     }
+    _demand_less_of_what_extends(schema, pieces)
+
+
+def _demand_less_of_what_extends(schema: Schema, pieces: Schema) -> None:
+    """A file that extends another is a piece of recipe too, with the keys that a whole one alone has."""
+    whole = {name: schema.pop(name) for name in ("properties", "additionalProperties")}
+    schema["if"] = {"required": ["extends"]}
+    schema["then"] = {**whole, "properties": {**pieces, **{name: whole["properties"][name] for name in _OWN}}}
+    schema["else"] = whole
 
 
 def _into(schema: Any, key: str, value: Schema) -> None:

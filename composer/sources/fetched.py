@@ -41,7 +41,7 @@ def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
     return SourceError(
         "lock-stale",
         f"`{reference.text}` is not in the lock",
-        help="run `mjcompose lock` and commit the lock",
+        help=f"run `mjcompose lock {fetching.recipe}` and commit the lock",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +12,7 @@ from composer.sources.origin import Origin
 
 if TYPE_CHECKING:
     from composer.sources.lock import Lock
+    from composer.sources.source import Source
 
 
 def quiet(message: str) -> None:
@@ -24,7 +26,8 @@ class Fetching:
     `offline`: nothing is fetched, what is not in the store is an error. `locked`: what the lock does not pin is
     an error. `lock` is the lock of the recipe, `lock_file` where it is or is to be, `recipe` the recipe as
     messages name it. `fresh` are the origins whose pin is not to be used, None for all of them. `origins` has
-    what was resolved in this run, by id: a branch that moves meanwhile is the same commit for all parts.
+    what was resolved in this run, by id: a branch that moves meanwhile is the same commit for all parts. `first` has
+    the first file of each that was asked for.
     """
 
     offline: bool = False
@@ -35,6 +38,13 @@ class Fetching:
     fresh: frozenset[str] | None = frozenset()
     progress: Callable[[str], None] = quiet
     origins: dict[str, Origin] = field(default_factory=dict)
+    first: dict[str, Source] = field(default_factory=dict)
+
+    def around(self, path: Path) -> Origin | None:
+        """What a file or folder was fetched or installed with; the innermost where folders lie in one another."""
+        real = Path(os.path.realpath(path))
+        found = [each for each in self.origins.values() if real.is_relative_to(os.path.realpath(each.root))]
+        return max(found, key=lambda each: len(os.path.realpath(each.root)), default=None)
 
     def pin(self, id: str) -> str | None:
         """The commit or sha256 that the lock has for an origin."""

@@ -20,6 +20,7 @@ from composer.sources.source import Source
 from composer.sources.store import Entry, Store
 
 _COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
+_NO_ROOM = re.compile("No space left|File too large|quota exceeded|signal 25", re.IGNORECASE)
 _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 
@@ -98,17 +99,20 @@ class _Repository:
         with self.store.lock(commit, self.fetching.progress):
             if (entry := self.store.get("git", commit)) is not None:  # another process has fetched it
                 return entry
-            with self.store.usable(), tempfile.TemporaryDirectory(prefix="mjcompose-") as folder:
-                repository = Path(folder)
-                self._get(commit, repository, pinned)
-                tree = self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
-                return self.store.add(
-                    "git",
-                    commit,
-                    self.id,
-                    lambda target: self._write(repository, commit, target),
-                    {"tree": tree},
-                )
+            about: dict[str, str] = {}
+            return self.store.add(
+                "git", commit, self.id, lambda target: self._fill(target, commit, pinned, about), about
+            )
+
+    def _fill(self, target: Path, commit: str, pinned: bool, about: dict[str, str]) -> None:
+        """The files of the commit; its repository is beside them meanwhile, so that a kill leaves nothing elsewhere."""
+        with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+            repository = Path(folder)
+            self._get(commit, repository, pinned)
+            about["tree"] = (
+                self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
+            )
+            self._write(repository, commit, target)
 
     def _get(self, commit: str, repository: Path, pinned: bool) -> None:
         """Have the commit in `repository`: alone where the other side gives it, else with all that it has."""
@@ -139,6 +143,11 @@ class _Repository:
             raise self._unreachable(failure) from None
 
     def _unreachable(self, failure: GitFailure) -> SourceError:
+        if _NO_ROOM.search(failure.said):
+            return SourceError(
+                "store-unusable", f"the store `{self.store.folder}` has no room for `{self.reference.name}`",
+                notes=words_of(failure), help="make room, or name another folder in `MJCOMPOSE_CACHE`",
+            )  # fmt: skip
         return SourceError(
             "source-fetch", f"the repository `{self.reference.name}` cannot be fetched", notes=words_of(failure),
             help="see that `git ls-remote` with that address works; with `--offline` what is in the store is used",

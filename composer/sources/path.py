@@ -20,6 +20,12 @@ def resolve(reference: Reference, relative_to: Path) -> Source:
     if not has_format(wanted):
         raise nearby.without_suffix(reference.text, _existing(reference.path, wanted, relative_to))
     if not os.path.isfile(wanted):
+        if os.path.exists(wanted):
+            raise SourceError(
+                "source-kind",
+                f"the model reference `{reference.text}` is neither a file nor a folder",
+                help="name a model file",
+            )
         hint = "`~` is not expanded: write the whole path" if reference.path.startswith("~") else None
         if reference.path.startswith("menagerie/"):
             hint = f"write `menagerie:{PurePath(reference.path).relative_to('menagerie').with_suffix('')}`"

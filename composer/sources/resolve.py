@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
-from composer.sources import archive, descriptions, git, menagerie, package, path
+from composer.sources import archive, descriptions, git, licence, menagerie, package, path
 from composer.sources.fetching import Fetching
 from composer.sources.reference import Kind, Reference, parse
 from composer.sources.source import Source
@@ -23,6 +24,7 @@ def resolve(
     source = _resolve(parse(reference), relative_to, environment, fetching)
     if source.origin is not None:
         fetching.origins[source.origin.id] = source.origin
+        fetching.first.setdefault(source.origin.id, source)
     return source
 
 
@@ -31,7 +33,7 @@ def _resolve(
 ) -> Source:
     match reference.kind:
         case Kind.PATH:
-            return path.resolve(reference, relative_to)
+            return _of_the_same(path.resolve(reference, relative_to), relative_to, fetching)
         case Kind.PACKAGE:
             return package.resolve(reference)
         case Kind.MENAGERIE:
@@ -42,3 +44,17 @@ def _resolve(
             return git.resolve(reference, environment, fetching)
         case Kind.ARCHIVE:
             return archive.resolve(reference, environment, fetching)
+
+
+def _of_the_same(source: Source, relative_to: Path, fetching: Fetching) -> Source:
+    """A path in a recipe that was fetched leads to a file that was fetched with it."""
+    origin = fetching.around(relative_to)
+    if origin is None or fetching.around(source.path) != origin:
+        return source
+    asked = fetching.first.get(origin.id, source)
+    own = licence.find(source.path, origin.root)
+    of_the_whole = tuple(each for each in asked.licences if not each.is_relative_to(origin.root))
+    return replace(
+        source, package=asked.package, version=asked.version, licence=asked.licence,
+        licences=own or of_the_whole, origin=origin,
+    )  # fmt: skip

@@ -83,8 +83,9 @@ class Store:
     ) -> Entry:
         """Make an entry: `fill` writes its files into the empty folder that it is given.
 
-        Under the lock of `key`, which the caller holds. Whatever happens in between, the entry is there as a
-        whole or not at all. Raises what `fill` raises, and SourceError where the disk refuses.
+        `about` is read when that is done. Under the lock of `key`, which the caller holds. Whatever happens in
+        between, the entry is there as a whole or not at all. Raises what `fill` raises, and SourceError where the disk
+        refuses.
         """
         with self.usable():
             self._sweep(key)

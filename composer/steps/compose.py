@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
@@ -16,8 +16,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.angles import model_angle
 from composer.link.files import add_file
-from composer.link.key_layouts import keys_of, remove_keys
-from composer.link.keyframes import replaced
+from composer.link.key_layouts import remove_keys
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
@@ -28,8 +27,6 @@ from composer.plan.parts import BASE, called
 from composer.plan.plan import (
     AddElement,
     AppendElement,
-    DrawValues,
-    EditElements,
     Plan,
     SetDefault,
     SetSingleton,
@@ -37,15 +34,11 @@ from composer.plan.plan import (
 from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
-from composer.steps.edit import edit, is_of_keys
-from composer.steps.editing import Editing
 from composer.steps.elements import Making, settle_joints
 from composer.steps.keyframe import write_keyframes
 from composer.steps.load import Library, Loader
 from composer.steps.loose_ends import check_names
 from composer.steps.members import Hung, hung, placed
-from composer.steps.own_edits import OwnEdits
-from composer.steps.randomize import draw_values
 from composer.steps.section import append, set_default, set_singleton
 from composer.steps.subtree import Wanted, wanted
 from composer.tree.classes import MAIN
@@ -56,6 +49,7 @@ from composer.tree.watch import Watch, nobody
 if TYPE_CHECKING:
     from composer.engine import Session
     from composer.link.subtree import Subtree
+    from composer.steps.changes import Changes
 
 Result = TypeVar("Result")
 
@@ -177,19 +171,17 @@ class Composer:
         if not link(linking):
             return None
         _carry_out(plan, linking, making)
-        drawn: tuple[list[Drawn], list[Tabled]] = ([], [])
-        if not self.context.sink.has_errors:  # without what is at fault a selector means other things
-            _edit(plan.edits, False, Editing(linking, making, plan.scope, self.parts))
-            _draw(plan.draws, False, Editing(linking, making, plan.scope, self.parts), *drawn)
+        changes = self._changes(plan, linking, making)
+        if (
+            changes and not self.context.sink.has_errors
+        ):  # without what is at fault a selector means other things
+            changes.of_elements()
         write_keyframes(plan, linking, making)
         if self.context.sink.error_count > before:
             return None
         finish(linking)
-        own_keys = _taken_out(linking) if any(is_of_keys(step) for step in plan.edits) else []
-        _edit(plan.edits, True, Editing(linking, making, plan.scope, self.parts))
-        if own_keys:
-            base.section("keyframe").extend(own_keys)
-        _draw(plan.draws, True, Editing(linking, making, plan.scope, self.parts), *drawn)
+        if changes:
+            changes.of_keys()
         roots = [base.root, *(unit.root for unit in units)]
         self.hung[base.root] = hung(
             plan, wanted(plan, stands), parts, [self.hung.get(root, []) for root in roots]
@@ -197,8 +189,18 @@ class Composer:
         if self.context.sink.error_count > before:
             return None
         return Composed(
-            linking.flat(), tuple(linking.files), drawn=(*plan.drawn, *drawn[0]), tabled=tuple(drawn[1])
+            linking.flat(),
+            tuple(linking.files),
+            drawn=(*plan.drawn, *(changes.drawn if changes else ())),
+            tabled=tuple(changes.tabled) if changes else (),
         )
+
+    def _changes(self, plan: Plan, linking: Linking, making: Making) -> Changes | None:
+        if not (plan.edits or plan.draws):
+            return None
+        from composer.steps.changes import Changes  # few recipes need it
+
+        return Changes(plan, linking, making, self.parts)
 
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
         """From which part each element comes, before they are one model; a nested recipe has noted its own."""
@@ -232,12 +234,14 @@ class Composer:
             self.watch([unit], subtree)
             self.subtrees[plan.file, wanted.at] = subtree
         if wanted.drop or wanted.edit:
+            from composer.steps.own_edits import OwnEdits  # few recipes need it
+
             edits = OwnEdits(plan, wanted, unit, self.context, self.measure, self.watch)
             dropped = edits.carry_out()
             if dropped is None:
                 return None
             if wanted.drop:
-                from composer.link.subtree import Subtree  # few recipes need it
+                from composer.link.subtree import Subtree
 
                 known = self.subtrees.get((plan.file, wanted.at), Subtree(None, ()))
                 self.subtrees[plan.file, wanted.at] = Subtree(known.body, (*known.left, *dropped))
@@ -260,51 +264,6 @@ def _top_tags(plan: Plan) -> Iterator[str]:
 
 def _empty(plan: Plan) -> Unit:
     return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
-
-
-def _edit(steps: Iterable[EditElements], of_keys: bool, editing: Editing) -> None:
-    """The edits of the whole model: first all but those of keys, which are laid out when all else is settled."""
-    for step in steps:
-        if is_of_keys(step) == of_keys:
-            removes = of_keys and step.edit.remove
-            stand_ins = _stand_ins(editing.linking) if removes else []
-            edit(step, editing)
-            for key in stand_ins:
-                if (section := key.getparent()) is not None:
-                    section.remove(key)
-            editing.linking.watch(editing.linking.units, step)
-
-
-def _draw(
-    steps: Iterable[DrawValues], of_keys: bool, editing: Editing, drawn: list[Drawn], tabled: list[Tabled]
-) -> None:
-    """The draws of a sample, on what is there after all edits; those of keys when these are laid out."""
-    for step in steps:
-        if is_of_keys(step) == of_keys:
-            values, rows = draw_values(step, editing)
-            drawn += values
-            tabled += rows
-            editing.linking.watch(editing.linking.units, step)
-
-
-def _stand_ins(linking: Linking) -> list[Node]:
-    """Keys that came along and that the recipe writes anew: they are there to be removed, as they were before."""
-    base = linking.base
-    keys = [base.root.makeelement("key", {"name": name}) for name in sorted(replaced(linking))]
-    if keys:
-        base.section("keyframe").extend(keys)
-    return keys
-
-
-def _taken_out(linking: Linking) -> list[Node]:
-    """The keys that the recipe writes, taken out of the model: edits come before them."""
-    names = {key.name for key in linking.written_keys}
-    own = [key for key in keys_of(linking.base) if key.get("name") in names]
-    for key in own:
-        section = key.getparent()
-        assert section is not None
-        section.remove(key)
-    return own
 
 
 def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:

@@ -17,7 +17,10 @@ NESTED = ("body", "frame", "replicate")
 
 @dataclass(slots=True)
 class DefaultClass:
-    """One class: its own settings by element tag; what is not here comes from `parent`."""
+    """One class: its own settings by element tag; what is not here comes from `parent`.
+
+    The top class is one for each top-level `<default>`: a class has what was said before it was declared.
+    """
 
     name: str
     parent: DefaultClass | None
@@ -73,10 +76,11 @@ class Classes:
 
     @cached_property
     def by_name(self) -> dict[str, DefaultClass]:
-        main = DefaultClass(MAIN, None)
-        found = {MAIN: main}
-        for section in self._root.iterchildren("default"):
-            _read(section, main, found)
+        found = {MAIN: DefaultClass(MAIN, None)}
+        for at, section in enumerate(self._root.iterchildren("default")):
+            if at:  # what a later section says of the top class does not reach the classes of an earlier one
+                found[MAIN] = DefaultClass(MAIN, found[MAIN])
+            _read(section, found[MAIN], found)
         return found
 
     def give(self, tag: str, *attributes: str) -> bool:

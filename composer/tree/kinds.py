@@ -38,7 +38,16 @@ def kind_of(node: Node) -> ElementType:
         return GRAMMAR.element(str(node.tag))
     if parent.tag == ROOT:
         return GRAMMAR.section(str(node.tag))
-    return child_kind(section_of(node), str(parent.tag), str(node.tag))
+    return _only_kind(parent.tag, node.tag) or child_kind(section_of(node), str(parent.tag), str(node.tag))
+
+
+@cache
+def _only_kind(parent: str, tag: str) -> ElementType | None:
+    """The element type of a tag below another one, where that is the same in every section."""
+    outer = [GRAMMAR.section(parent)] if parent in _sections() else []
+    outer += [GRAMMAR.within(section)[parent] for section in _sections() if parent in GRAMMAR.within(section)]
+    found = {kind.children[tag].path for kind in outer if tag in kind.children}
+    return GRAMMAR.element(found.pop()) if len(found) == 1 else None
 
 
 @cache

@@ -24,13 +24,11 @@ class NameIndex:
     """Names as they are written in one model, in both directions.
 
     `declared` has the element of a name, `uses` who refers to one; neither `world` nor `main` is in it, as
-    nothing may take them. `repeated` has what declares a name that another element had first. A node's names are
-    forgotten before it changes and noted again after.
+    nothing may take them. A node's names are forgotten before it changes and noted again after.
     """
 
     declared: dict[str, dict[str, Node]] = field(default_factory=dict)
     uses: dict[str, dict[str, dict[Use, None]]] = field(default_factory=dict)
-    repeated: set[Node] = field(default_factory=set)
 
     @classmethod
     def of(cls, root: Node) -> NameIndex:
@@ -52,12 +50,11 @@ class NameIndex:
         for kind, namespace, attribute, name in _names_in(node, section):
             if kind != DECLARES:
                 self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None
-            elif declares and self.declared.setdefault(namespace, {}).setdefault(name, node) is not node:
-                self.repeated.add(node)
+            elif declares:
+                self.declared.setdefault(namespace, {}).setdefault(name, node)
 
     def forget(self, node: Node, section: str) -> None:
         """Drop the names of one node, as they are written in it now."""
-        self.repeated.discard(node)
         for kind, namespace, attribute, name in _names_in(node, section):
             if kind == DECLARES:
                 names = self.declared.get(namespace, {})

@@ -103,7 +103,7 @@ class Origins:
     def carried(self, old: Node, new: Node) -> Origins:
         """The same knowledge for `new`, a deep copy of `old`."""
         if not self.owners and not self.settings:
-            return Origins(texts=self.texts)
+            return Origins(texts=dict(self.texts))
         owners = {copy: self.owners[node] for node, copy in _side_by_side(old, new) if node in self.owners}
         settings = {
             copy: dict(self.settings[node]) for node, copy in _side_by_side(old, new) if node in self.settings
@@ -111,7 +111,7 @@ class Origins:
         renamed = {
             copy: list(self.renamed[node]) for node, copy in _side_by_side(old, new) if node in self.renamed
         }
-        return Origins(owners, self.texts, settings, renamed)
+        return Origins(owners, dict(self.texts), settings, renamed)
 
     def text(self, file: str) -> SourceText | None:
         """The text of a file, read when it is first asked for; None where there is none to be had."""

@@ -18,6 +18,7 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.grammar import GRAMMAR
 from composer.tree import xml_fault
+from composer.tree.comments import take_header_in
 from composer.tree.files import join
 from composer.tree.unit import Unit
 
@@ -74,7 +75,8 @@ def parse_text(
     root = parse_xml(data, file, sink)
     if root is None:
         return None
-    unit = Unit(root, file, directory, label, contents or {})
+    header = take_header_in(root)
+    unit = Unit(root, file, directory, label, contents or {}, header=header)
     unit.origins.texts[file] = data
     if root.tag != "mujoco":
         sink.error(
@@ -154,6 +156,7 @@ class _Includes:
         if included.tag not in ("mujoco", "mujocoinclude"):
             refuse(f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`")
             return
+        take_header_in(included)
         self.expand(included, shown, path.parent)
         parent = element.getparent()
         assert parent is not None
@@ -185,6 +188,8 @@ def _read(path: Path) -> bytes:
         data = piece = os.read(file, size + 1)
         while piece and len(data) != size:  # no plain file, or one that is being written
             data += (piece := os.read(file, _MAX_BYTES))
+            if len(data) > _MAX_BYTES:
+                raise OSError(f"it is larger than {_MAX_BYTES >> 20} MiB")
         return data
     finally:
         os.close(file)

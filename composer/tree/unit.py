@@ -24,8 +24,8 @@ class Unit:
     `directory` is the folder of the main file, against which MuJoCo resolves every file of the model; `label` names
     the unit's folder in a bundle; `contents` has the files that are not found on disk by their written path: their
     bytes, or where they are; `part_keys` has, of a composition, the keys of each part that it is made of, by path
-    (`left/gripper`). A unit is changed in place by edits and consumed by the linker: `copied()` first to
-    keep it.
+    (`left/gripper`); `header` are the comments in the root that stood before it. A unit is changed in place by edits
+    and consumed by the linker: `copied()` first to keep it.
     """
 
     root: Node
@@ -35,6 +35,7 @@ class Unit:
     contents: Mapping[str, bytes | Path] = field(default_factory=dict)
     origins: Origins = field(default_factory=Origins)
     part_keys: Mapping[str, PartKeys] = field(default_factory=dict)
+    header: tuple[Node, ...] = ()
 
     @cached_property
     def settings(self) -> Settings:
@@ -64,12 +65,18 @@ class Unit:
         """A deep copy that shares nothing but file contents."""
         root = copy.deepcopy(self.root)
         origins = self.origins.carried(self.root, root)
-        return Unit(root, self.file, self.directory, self.label, self.contents, origins)
+        header = tuple(root[self.root.index(comment)] for comment in self.header)
+        return Unit(root, self.file, self.directory, self.label, self.contents, origins, header=header)
 
     def section(self, tag: str) -> Node:
         """The last section of that tag, to which new elements go; made where there is none."""
         found = next(self.root.iterchildren(tag, reversed=True), None)
         if found is None:
             found = self.root.makeelement(tag)
-            self.root.insert(place_of(self.root, tag), found)
+            self.insert(found)
         return found
+
+    def insert(self, section: Node) -> None:
+        """Put a new section in its place, below the header."""
+        at = self.root.index(self.header[-1]) + 1 if self.header else 0
+        self.root.insert(max(at, place_of(self.root, str(section.tag))), section)

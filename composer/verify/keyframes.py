@@ -78,7 +78,14 @@ def _match(matching: Matching, keys: Keys) -> Iterator[tuple[int, int]]:
             unnamed.append(index)
             continue
         there = given.get(name, name if keys is Keys.MERGE else matching.prefix + name)
-        target = composed.ids["key"].get(there, ABSENT)
+        # That of a model which MuJoCo itself attaches to the part has the prefix, whatever becomes of the others.
+        found = [
+            composed.ids["key"][each]
+            for each in (there, matching.prefix + name)
+            if each in composed.ids["key"]
+        ]
+        alike = (each for each in found if not _says_otherwise(matching, index, each))
+        target = next(alike, found[0] if found else ABSENT)
         taken.add(target)
         yield index, target
     prefix = matching.prefix

@@ -99,13 +99,11 @@ _FLEX_RUNS_TO_THE_NEXT = (
     ("flex_bendingadr", "flex_bending"),
     ("flex_texcoordadr", "flex_texcoord"),
 )
-FROM_THE_WORLD = frozenset(
-    "flex_vert0 flex_vertmetric flex_node flexedge_length0 flex_stiffness flex_bending".split()
-)
+FROM_THE_WORLD = frozenset("flex_vertmetric flex_node flexedge_length0 flex_stiffness flex_bending".split())
 """Flex data that MuJoCo computes from positions in the world, so that a moved part has it up to rounding."""
 
-IN_THE_WORLD = frozenset({"flex_node0"})
-"""Flex data that is a position in the world."""
+IN_THE_WORLD = frozenset({"flex_node0", "flex_vert0"})
+"""Flex data that is a position in the world, or in the flex's box along the axes of the world."""
 
 
 def _flex(model: Model, index: int) -> Iterator[Run]:

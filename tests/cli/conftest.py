@@ -12,6 +12,7 @@ if TESTS not in sys.path:
     sys.path.insert(0, TESTS)
 
 from cli.shell import ARM, COVER, RECIPE, REJECTED, TOOL, WRONG  # noqa: E402
+from sources.conftest import no_pauses, robots, web  # noqa: E402, F401
 
 
 @pytest.fixture

@@ -312,9 +312,9 @@ def test_same_bytes_everywhere(folder: Path, tmp_path: Path) -> None:
     shutil.copytree(folder, other)
     os.utime(other / "models" / "arm.xml", (1, 1))
     kwargs = {} if sys.platform == "win32" else {"preexec_fn": lambda: os.umask(0o077)}
-    here = process("build", "cell.yaml", "-o", "out.zip", cwd=folder,
+    here = process("build", "--no-cache", "cell.yaml", "-o", "out.zip", cwd=folder,
                    env=environment(PYTHONHASHSEED="1", TZ="UTC", LC_ALL="C"))  # fmt: skip
-    there = process("build", str(other / "cell.yaml"), "-o", str(other / "out.zip"), cwd=tmp_path,
+    there = process("build", "--no-cache", str(other / "cell.yaml"), "-o", str(other / "out.zip"), cwd=tmp_path,
                     env=environment(PYTHONHASHSEED="2", TZ="Asia/Tokyo", LC_ALL="C.UTF-8"), **kwargs)  # fmt: skip
     assert (here.returncode, there.returncode) == (0, 0), here.stderr + there.stderr
     assert (folder / "out.zip").read_bytes() == (other / "out.zip").read_bytes()
@@ -350,6 +350,8 @@ def test_an_interruption_while_mujoco_works(
     started = subprocess.Popen(
         [sys.executable, "-m", "composer", "build", "slow.yaml", "-o", "out.zip"],
         env=environment(TMPDIR=str(temporary)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        # tests that were started in the background of a shell ignore it, and so would what they start
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     children = Path(f"/proc/{started.pid}/task/{started.pid}/children")
     deadline = time.monotonic() + 60

@@ -174,3 +174,144 @@ def test_lock_of_no_recipe(work: Path) -> None:
     assert result.exit_code == 1
     assert "did you mean `cell.yaml`?" in result.stderr
     assert not (work / "cel.lock").exists()
+
+
+def test_a_recipe_without_sources(work: Path) -> None:
+    (work / "cell.yaml").write_text("recipe: 1\nname: empty\n")
+    assert run("lock", "cell.yaml").stdout == "  no sources to pin\nwrote cell.lock\n"
+
+
+def test_what_is_fetched_to_be_extended_is_locked(work: Path) -> None:
+    """It need not give a model, nor anything that is left in the end; what it extends itself is locked too."""
+    robots = work.parent / "robots"
+    commit(robots, **{"slow.yaml": "recipe: 1\nextends: ./dark.yaml\noption: {timestep: 0.004}\n",
+                      "dark.yaml": "recipe: 1\noption: {timestep: 0.005}\n"})  # fmt: skip
+    source = f"git+file://{robots}@main"
+    (work / "beside.yaml").write_text(f"recipe: 1\nextends: {source}#slow.yaml\n")
+    (work / "cell.yaml").write_text(
+        "recipe: 1\nextends: ./beside.yaml\nbase: ./tool.xml\noption: {timestep: 0.001}\n"
+    )
+    assert run("lock", "cell.yaml").exit_code == 0
+    locked = told(work)
+    assert set(locked) == {source, "./tool.xml"}  # a recipe beside this one is as free as this one
+    assert set(locked[source]["files"]) == {"slow.yaml", "dark.yaml"}  # type: ignore[call-overload]
+    assert locked[source]["used_by"] == ["extends"]
+    assert run("build", "cell.yaml", "-o", "one/", "--locked").exit_code == 0
+    new = commit(robots, **{"dark.yaml": "recipe: 1\noption: {gravity: [0, 0, 0]}\n"})
+    assert run("build", "cell.yaml", "-o", "two/", "--locked").exit_code == 0
+    assert snapshot(work / "one") == snapshot(work / "two")
+    assert f"is now {new[:12]}" in run("update", "cell.yaml", "extends").stdout
+    assert run("build", "cell.yaml", "-o", "two/", "--locked").exit_code == 0
+    assert snapshot(work / "one") != snapshot(work / "two")
+    read = {each["path"] for each in json.loads((work / "two" / "manifest.json").read_text())["read"]}
+    assert read == {"beside.yaml", "cell.yaml", "tool.xml", f"{source}#slow.yaml", f"{source}#dark.yaml"}
+
+
+def test_what_a_nested_recipe_extends_is_locked(work: Path) -> None:
+    (work / "common.yaml").write_text("recipe: 1\nbase: ./tool.xml\n")
+    (work / "inner.yaml").write_text("recipe: 1\nextends: ./common.yaml\n")
+    (work / "cell.yaml").write_text("recipe: 1\nattach:\n  in: {model: ./inner.yaml}\n")
+    assert run("lock", "cell.yaml").exit_code == 0
+    used_by = {id: locked["used_by"] for id, locked in told(work).items()}
+    assert used_by == {
+        "./common.yaml": ["in/extends"],
+        "./inner.yaml": ["in"],
+        "./tool.xml": ["in/base"],
+    }
+    (work / "common.yaml").write_text("recipe: 1\nname: other\nbase: ./tool.xml\n")
+    result = run("build", "cell.yaml", "-o", "out/", "--locked")
+    assert result.exit_code == 1
+    assert (
+        "cell.yaml:3:3: error[source-changed]: `./common.yaml` is not what `cell.lock` pins" in result.stderr
+    )
+    assert "`common.yaml` changed" in result.stderr
+
+
+def test_an_extended_recipe_of_the_matrix_is_pinned_too(work: Path) -> None:
+    robots = work.parent / "robots"
+    commit(
+        robots,
+        **{"all.yaml": "recipe: 1\nvariants: {size: {s: {}, l: {}}}\nmatrix: {axes: {size: [s, l]}}\n"},
+    )
+    (work / "cell.yaml").write_text(
+        f"recipe: 1\nextends: git+file://{robots}@main#all.yaml\nbase: ./tool.xml\n"
+    )
+    assert run("lock", "cell.yaml").exit_code == 0
+    commit(robots, **{"all.yaml": "recipe: 1\nvariants: {size: {s: {}}}\n"})
+    assert run("build", "cell.yaml", "--all", "--locked").exit_code == 0
+    assert {path.name for path in (work / "build").iterdir()} == {"cell-s.zip", "cell-l.zip"}
+
+
+def test_a_lock_has_what_variants_and_cells_choose(work: Path) -> None:
+    for name in ("a", "b", "c", "d"):
+        (work / f"{name}.xml").write_text(TOOL)
+    (work / "cell.yaml").write_text(
+        "recipe: 1\nbase: ./tool.xml\nparams: {what: {type: string, default: a}}\n"
+        "variants:\n"
+        "  tool: {none: {}, b: {attach: {t: {model: ./b.xml}}}}\n"
+        "  both: {no: {}, yes: {attach: {u: {model: ./c.xml, when: {tool: b}}}}}\n"
+        "  gone: {no: {}, yes: {attach: {v: {model: ./gone.xml}}}}\n"
+        "attach: {p: {model: './${what}.xml'}}\n"
+        "matrix: {axes: {what: [a, d]}}\n"
+    )
+    result = run("lock", "cell.yaml")
+    assert result.exit_code == 0
+    assert set(told(work)) == {"./tool.xml", "./a.xml", "./b.xml", "./c.xml", "./d.xml"}
+    assert result.stderr.count("warning[source-not-found]") == 1  # no build that anyone asked for
+    chosen = ("--variant", "tool=b", "--variant", "both=yes", "--locked")
+    assert run("build", "cell.yaml", "-o", "out/", *chosen).exit_code == 0
+    assert run("build", "cell.yaml", "--all", "--locked").exit_code == 0
+
+
+def test_update_of_a_part_of_a_nested_recipe(work: Path) -> None:
+    old = git(work.parent / "robots", "rev-parse", "HEAD")
+    inner = f"recipe: 1\nattach:\n  arm: {{model: git+file://{work.parent}/robots@main#arm/arm.xml}}\n"
+    (work / "inner.yaml").write_text(inner)
+    (work / "cell.yaml").write_text(
+        "recipe: 1\nattach:\n  left: {model: ./inner.yaml}\n  right: {model: ./inner.yaml}\n"
+    )
+    run("lock", "cell.yaml")
+    new = commit(work.parent / "robots", **{"arm/arm.xml": ARM.replace("0.02", "0.03")})
+    assert "up to date" in run("update", "cell.yaml", "left").stdout  # the recipe itself, which is the same
+    result = run("update", "cell.yaml", "left/arm")
+    assert f"{old[:12]} is now {new[:12]}" in result.stdout
+    assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
+    assert not (work / "inner.lock").exists()
+
+
+def test_parts_that_a_fetched_recipe_has_beside_it(work: Path) -> None:
+    """They belong to what it was fetched with: here and there a `tool.xml` are two."""
+    assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
+    manifest = json.loads((work / "out" / "manifest.json").read_text())
+    source = f"git+file://{work.parent}/robots@main"
+    origins = {
+        (each["path"], each["origin"]["id"] if each["origin"] else None) for each in manifest["inputs"]
+    }
+    assert origins == {("arm/arm.xml", source), ("tool.xml", source), ("tool.xml", None)}
+    read = {each["path"] for each in manifest["read"]}
+    assert {"tool.xml", f"{source}#tool.xml", f"{source}#arm/cell.yaml"} <= read
+    assert not any("store" in path for path in read)
+
+
+def test_a_lock_has_what_draws_choose(work: Path) -> None:
+    (work / "other.xml").write_text(TOOL)
+    (work / "cell.yaml").write_text(
+        "recipe: 1\nbase: ./tool.xml\nparams: {what: {type: string, default: tool}}\n"
+        "attach: {p: {model: './${what}.xml'}}\n"
+        "randomize: {seed: 1, samples: 8, fields: {w: {param: what, choice: [tool, other]}}}\n"
+    )
+    assert run("lock", "cell.yaml").exit_code == 0
+    assert set(told(work)) == {"./tool.xml", "./other.xml"}
+
+
+def test_a_branch_and_a_tag_of_one_commit_are_two_sources(work: Path) -> None:
+    robots = work.parent / "robots"
+    git(robots, "tag", "v1")
+    ids = {f"git+file://{robots}@{revision}" for revision in ("main", "v1")}
+    main, tag = sorted(ids)
+    (work / "cell.yaml").write_text(
+        f"recipe: 1\nbase: {main}#arm/arm.xml\nattach:\n  tool: {{model: {tag}#tool.xml, site: flange}}\n"
+    )
+    assert run("lock", "cell.yaml").exit_code == 0
+    assert set(told(work)) == ids
+    assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0

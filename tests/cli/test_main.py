@@ -56,8 +56,10 @@ def test_a_bug_is_told_without_a_trace(folder: Path, monkeypatch: pytest.MonkeyP
     def broken(*_: object, **__: object) -> None:
         raise KeyError("a thing\nnobody thought of")
 
+    monkeypatch.setattr(
+        "composer.cli.build.progress", broken
+    )  # first: it imports the module, which takes the other
     monkeypatch.setattr(reporting, "progress", broken)
-    monkeypatch.setattr("composer.cli.build.progress", broken)
     result = CliRunner().invoke(main, ["build", "cell.yaml"])
     assert result.exit_code == 70
     assert "this is a bug in mjcompose: KeyError in" in result.output

@@ -49,3 +49,9 @@ def test_without_sources_it_is_a_warning_and_with_a_recipe_an_error(runner: CliR
 
 def test_no_bundle_is_wrong_usage(runner: CliRunner) -> None:
     assert runner.invoke(main, ["verify"]).exit_code == 2
+
+
+def test_a_bundle_without_parts(runner: CliRunner) -> None:
+    Path("r.yaml").write_text("recipe: 1\nname: empty\n")
+    assert runner.invoke(main, ["build", "r.yaml", "-o", "empty.zip"]).exit_code == 0
+    assert runner.invoke(main, ["verify", "empty.zip"]).stdout == "empty.zip: ok: 2 files, no parts\n"

@@ -248,3 +248,11 @@ def test_one_line_settles_all_conflicts_of_a_section() -> None:
     assert settling(wanted, ()).endswith(f"`visual: {{{both}}}`")
     added = settling(wanted, {"visual/map/force"})
     assert "the recipe's `visual`" in added and added.endswith(f"`{both}`")
+
+
+def test_of_several_sections_of_a_part_the_last_counts(workshop: Workshop) -> None:
+    options = '<option timestep=".004"/><option timestep=".002"><flag contact="disable"/></option>'
+    part = f'<mujoco>{options}<worldbody/><option><flag contact="enable"/></option></mujoco>'
+    linked = workshop.link(BASE, part)
+    assert linked.codes == []
+    assert linked.model().opt.timestep == 0.002

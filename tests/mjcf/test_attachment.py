@@ -271,10 +271,10 @@ def test_names_clash_across_models(arm: mjcf.RootElement, gripper: mjcf.RootElem
     arm.attach(gripper)
     with pytest.raises(mjcf.MjcfError, match="which would have two"):
         gripper.model = "gripper"
-    with pytest.raises(mjcf.MjcfError, match="geom `hand/left_pad` already"):
+    with pytest.raises(mjcf.MjcfError, match="geom is called `hand/left_pad` already"):
         arm.worldbody.add("geom", name="hand/left_pad")
     arm.worldbody.add("geom", name="hand/new", size=[1])
-    with pytest.raises(mjcf.MjcfError, match="geom `hand/new` already"):
+    with pytest.raises(mjcf.MjcfError, match="geom is called `hand/new` already"):
         gripper.worldbody.add("geom", name="new")
     assert gripper.model == "hand"
 

@@ -241,7 +241,7 @@ def test_default_classes_are_elements() -> None:
     assert red.name == "red" and geom.dclass is red and red.geom.tag == "geom"
     geom.dclass = model.default
     assert geom.dclass is model.default and 'class="main"' in repr(geom)
-    with pytest.raises(mjcf.MjcfError, match="default class `red`"):
+    with pytest.raises(mjcf.MjcfError, match="default class is called `red`"):
         model.default.add("default", dclass="red")
 
 

@@ -101,13 +101,6 @@ def test_what_mujoco_cannot_have_is_told_in_pythons_words(arm: mjcf.RootElement)
     assert fault.span is not None and fault.span.file == __file__
 
 
-def test_names_that_clash_in_a_source_are_told() -> None:
-    model = mjcf.from_xml_string("<mujoco><worldbody><geom name='g'/>\n<geom name='g'/></worldbody></mujoco>")
-    with pytest.raises(mjcf.MjcfError, match="the geom `g`") as caught:
-        model.to_xml_string()
-    assert caught.value.diagnostics[0].span.line == 2  # type: ignore[union-attr]
-
-
 def test_a_model_that_nothing_hangs_on_is_as_the_linker_leaves_it(
     arm: mjcf.RootElement, gripper: mjcf.RootElement
 ) -> None:

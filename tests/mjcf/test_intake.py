@@ -22,6 +22,23 @@ def test_all_faults_of_a_text_are_told_at_once() -> None:
     ]
 
 
+def test_names_that_stand_twice_are_told_where_the_second_one_is() -> None:
+    with pytest.raises(mjcf.MjcfError) as caught:
+        mjcf.from_xml_string(
+            "<mujoco><worldbody><body name='x'><joint name='j'/></body><body name='x'>\n<freejoint name='j'/></body>"
+            "</worldbody><asset>\n<mesh file='a/m.stl'/><mesh file='b/m.stl'/><model name='x' file='a.xml'/>"
+            "<model name='x' file='a.xml'/></asset><default><default class='c'/>\n<default class='c'/></default>"
+            "<worldbody>\n<geom name='' size='1'/><geom name='' size='1'/></worldbody></mujoco>"
+        )
+    told = [(fault.code, fault.message, fault.span and fault.span.line) for fault in caught.value.diagnostics]
+    assert told == [
+        ("name-clash", "another body is called `x` already", 1),
+        ("name-clash", "another joint is called `j` already", 2),
+        ("name-clash", "another mesh is called `m` already", 3),
+        ("class-clash", "another default class is called `c` already", 4),
+    ]
+
+
 def test_sections_written_twice_become_one() -> None:
     text = (
         "<mujoco><compiler angle='radian'/><option timestep='0.1'><flag contact='disable'/></option>"

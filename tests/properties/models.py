@@ -11,6 +11,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 from properties.elements import Maker, element
 from properties.mending import mended
+from properties.scattering import scatter
 
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
@@ -62,6 +63,8 @@ class _Builder:
         self._inside(world, make.pick((0, 1, 2)), joints=False)
         for section in ("contact", "tendon", "equality", "actuator", "sensor", "custom"):
             self._section(section, make.pick((0, 1, 2, 3)))
+        if make.chance(25):
+            scatter(self.root, make)
         text, compiled = mended(self.root, make)
         self._keys(compiled)
         text, compiled = mended(self.root, make)

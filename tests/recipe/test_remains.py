@@ -53,3 +53,8 @@ def test_without_base_version_or_separator_nothing_can_be_judged() -> None:
     assert remaining("recipe: 2\nbase: ./arm.xml\n") is None
     assert remaining("recipe: 1\nbase: [1]\n") is None
     assert remaining("recipe: 1\nseparator: '#'\n") is None
+
+
+def test_nothing_remains_without_the_base_however_it_is_spelt() -> None:
+    assert remaining("recipe: 1\nbsae: ./arm.xml\nadd: []\n") is None
+    assert remaining("recipe: 1\ncolour: ./arm.xml\nadd: []\n") is not None

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from composer.sources import SourceError, resolve
+from composer.sources import SourceError
+from composer.sources.resolve import resolve
 
 
 @pytest.fixture

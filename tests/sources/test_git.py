@@ -6,9 +6,10 @@ from typing import Any
 
 import pytest
 
-from composer.sources import SourceError, resolve
+from composer.sources import SourceError
 from composer.sources.fetching import Fetching
 from composer.sources.lock import Lock, Locked
+from composer.sources.resolve import resolve
 
 
 @pytest.fixture

@@ -15,8 +15,9 @@ from typing import Any
 
 import pytest
 
-from composer.sources import SourceError, resolve
+from composer.sources import SourceError
 from composer.sources.fetching import Fetching
+from composer.sources.resolve import resolve
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
 

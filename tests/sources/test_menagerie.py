@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from composer.sources import Source, SourceError, resolve
+from composer.sources import Source, SourceError
+from composer.sources.resolve import resolve
 
 needs_library = pytest.mark.skipif(
     find_spec("mujoco_menagerie") is None, reason="mujoco-menagerie is missing"

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from composer.sources import SourceError, resolve
+from composer.sources import SourceError
+from composer.sources.fetching import Fetching
+from composer.sources.resolve import resolve
 
 METADATA = "Metadata-Version: 2.1\nName: {}\nVersion: {}\n"
 
@@ -61,6 +63,18 @@ def test_a_dotted_name_is_a_folder(installed: Path) -> None:
 def test_the_licence_of_the_distribution_is_the_last_resort(installed: Path) -> None:
     source = resolve("package:mjct_robots/hands/b.xml", relative_to=Path(), environment={})
     assert source.licences == (installed / "mjct_robots-1.2.dist-info" / "licenses" / "LICENSE",)
+
+
+def test_what_a_recipe_in_a_package_names_is_of_the_package(installed: Path) -> None:
+    (installed / "mjct_robots" / "hands" / "cell.yaml").write_text("recipe: 1\n")
+    fetching = Fetching()
+    recipe = resolve(
+        "package:mjct_robots/hands/cell.yaml", relative_to=Path(), environment={}, fetching=fetching
+    )
+    for name, folder in (("./b.xml", "licenses"), ("../arms/a.xml", "arms")):
+        inside = resolve(name, relative_to=recipe.path.parent, environment={}, fetching=fetching)
+        assert (inside.package, inside.version) == ("mjct-robots", "1.2")
+        assert [file.parent.name for file in inside.licences] == [folder]
 
 
 def test_a_distribution_may_have_another_name(installed: Path) -> None:

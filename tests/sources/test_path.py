@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 
-from composer.sources import Source, SourceError, resolve
+from composer.sources import Source, SourceError
+from composer.sources.resolve import resolve
 
 
 @pytest.fixture
@@ -44,6 +46,14 @@ def test_finds_a_file(project: Path, text: str, kind: str) -> None:
 def test_an_absolute_path_stands_alone(project: Path) -> None:
     wanted = project / "arm.urdf"
     assert resolve(str(wanted), relative_to=project / "elsewhere", environment={}).path == wanted
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_a_pipe_is_no_file(project: Path) -> None:
+    os.mkfifo(project / "pipe.xml")
+    error = fail("./pipe.xml", project)
+    assert error.code == "source-kind"
+    assert error.message == "the model reference `./pipe.xml` is neither a file nor a folder"
 
 
 def test_a_missing_file_names_those_beside_it(project: Path) -> None:

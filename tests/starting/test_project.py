@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,9 @@ def shell(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     tools = tmp_path_factory.mktemp("tools")
     scripts = {
         "mjcompose": f'exec "{sys.executable}" -m composer "$@"',
-        "gh": f'printf "%s\\n" "$*" >> "{tools}/gh.log"; cat "${{5}}" >> "{tools}/gh.log"',
+        # asked for comments it gives the number in `gh.old`; what it is to write goes to `gh.log`
+        "gh": f"""case "$*" in *--method*) printf '%s\\n' "$*" >> "{tools}/gh.log"; last="${{@: -1}}"
+            cat "${{last#body=@}}" >> "{tools}/gh.log"; exit "${{GH_FAILS:-0}}";; *) cat "{tools}/gh.old" || true;; esac""",
     }
     for name, script in scripts.items():
         (tools / name).write_text(f"#!/bin/bash\n{script}\n", encoding="utf-8")
@@ -123,26 +126,77 @@ def test_the_action_tells_what_is_wrong(project: Path, shell: dict[str, str]) ->
     assert ran.returncode == 1 and ran.stdout.startswith("::error file=recipes/my_arms.yaml,line=")
 
 
-def test_the_action_comments_on_what_changes(project: Path, shell: dict[str, str], tmp_path: Path) -> None:
-    script, env = step("Diff")
-    env |= {"GITHUB_OUTPUT": str(tmp_path / "output"), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary")}
-    log = Path(shell["TOOLS"], "gh.log")
-    assert sh(script, project, {**shell, **env}).returncode == 0
-    assert (tmp_path / "output").read_text() == "changed=false\n" and not log.exists()
+@pytest.fixture
+def diff(project: Path, shell: dict[str, str], tmp_path: Path) -> Callable[..., tuple[str, str, str]]:
+    """Runs the step that compares: what it writes as a comment, in the summary, and as its output."""
+    log, old = Path(shell["TOOLS"], "gh.log"), Path(shell["TOOLS"], "gh.old")
 
+    def diff(written: str = "", **more: str) -> tuple[str, str, str]:
+        script, env = step("Diff")
+        for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY"):
+            env[name] = str(tmp_path / name)
+            (tmp_path / name).write_text("")
+        log.write_text("")
+        old.write_text(written)
+        ran = sh(script, project, {**shell, **env, "GITHUB_REPOSITORY": "me/arms", **more})
+        assert ran.returncode == 0, ran.stderr
+        summary = (tmp_path / "GITHUB_STEP_SUMMARY").read_text(encoding="utf-8")
+        return (
+            log.read_text(encoding="utf-8"),
+            summary + ran.stdout,
+            (tmp_path / "GITHUB_OUTPUT").read_text(),
+        )
+
+    return diff
+
+
+def change(project: Path) -> None:
     part = project / "models" / "pendulum" / "pendulum.xml"
-    part.write_text(
-        part.read_text(encoding="utf-8").replace('damping="0.1"', 'damping="0.3"'), encoding="utf-8"
+    part.write_text(part.read_text(encoding="utf-8").replace('damping="0.1"', 'damping="0.3"'))
+
+
+def test_the_action_says_nothing_where_nothing_changes(diff: Callable[..., tuple[str, str, str]]) -> None:
+    assert diff() == ("", "", "changed=false\n")
+    comment, _, _ = diff(written="99\n")
+    assert comment.startswith("api --silent --method PATCH repos/me/arms/issues/comments/99 ")
+    assert "no longer changes a model" in comment
+
+
+def test_the_action_comments_on_what_changes(
+    project: Path, diff: Callable[..., tuple[str, str, str]]
+) -> None:
+    change(project)
+    recipes = project / "recipes"
+    shutil.copy(recipes / "my_arms.yaml", recipes / "a new one.yaml")
+    comment, summary, output = diff()
+    assert output == "changed=true\n"
+    assert comment.startswith("api --silent --method POST repos/me/arms/issues/7/comments --field body=@")
+    assert "<!-- mjcompose -->\n## recipes/a new one.yaml\n\nThis recipe is new" in comment
+    assert "damping" in comment and "0.3" in comment and summary in comment
+    assert "--method PATCH repos/me/arms/issues/comments/99 " in diff(written="98\n99\n")[0]
+
+
+def test_the_action_tells_recipes_that_are_gone(
+    project: Path, shell: dict[str, str], diff: Callable[..., tuple[str, str, str]]
+) -> None:
+    more = "mkdir recipes/deep && cp recipes/my_arms.yaml 'recipes/old one.yaml' && cp README.md recipes/deep/x.yaml"
+    push = "git add -A && git commit -qm more && git push -q origin main"
+    assert (
+        sh(f"{more} && {push} && git rm -q -r 'recipes/old one.yaml' recipes/deep", project, shell).returncode
+        == 0
     )
-    new = project / "recipes" / "new.yaml"
-    shutil.copy(project / "recipes" / "my_arms.yaml", new)
-    ran = sh(script, project, {**shell, **env})
-    assert ran.returncode == 0, ran.stderr
-    assert (tmp_path / "output").read_text().endswith("changed=true\n")
-    comment = log.read_text(encoding="utf-8")
-    assert comment.startswith("pr comment 7 --body-file")
-    assert "damping" in comment and "0.3" in comment and "new.yaml\n\nThis recipe is new" in comment
-    assert (tmp_path / "summary").read_text(encoding="utf-8") in comment
+    comment, _, output = diff()
+    assert "## recipes/old one.yaml\n\nThis recipe is gone." in comment and "deep" not in comment
+    assert output == "changed=true\n"
+
+
+def test_of_a_fork_no_comment_can_be_written(
+    project: Path, diff: Callable[..., tuple[str, str, str]]
+) -> None:
+    change(project)
+    _, said, output = diff(GH_FAILS="1")
+    assert "damping" in said and "::warning::no comment could be written" in said
+    assert output == "changed=true\n"
 
 
 def test_nothing_is_overwritten(project: Path, shell: dict[str, str]) -> None:

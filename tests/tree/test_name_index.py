@@ -30,15 +30,6 @@ def test_names_are_found_by_namespace() -> None:
     assert index.find("geom", "b") is None
 
 
-def test_what_repeats_a_name_is_known_until_it_goes() -> None:
-    root = etree.fromstring("<mujoco><worldbody><site name='s'/><site name='s'/></worldbody></mujoco>")
-    index = NameIndex.of(root)
-    assert index.repeated == {root[0][1]}
-    index.forget(root[0][1], "worldbody")
-    assert not index.repeated
-    assert index.find("site", "s") is root[0][0]
-
-
 def test_references_are_found_from_what_they_refer_to() -> None:
     index = NameIndex.of(ROOT)
     assert [(node.tag, name) for node, name in index.users("material", "m")] == [

@@ -62,7 +62,7 @@ def test_lines_stay_what_they_are_where_the_text_is_mended() -> None:
     text = "\n\n<?xml version='1.0'?>\n<!-- -- -->\n" + TEXT
     unit = parse_text(text, Sink(), file="a.xml", directory=Path(), label="a")
     assert unit is not None
-    assert unit.origins.span(unit.root[0][0], unit.file) == Span("a.xml", 7, 5, 7, 10)
+    assert unit.origins.span(unit.root[1][0], unit.file) == Span("a.xml", 7, 5, 7, 10)
 
 
 def test_what_a_program_has_set_is_on_its_line() -> None:

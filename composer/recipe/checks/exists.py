@@ -180,7 +180,7 @@ KIND = Kind(
                     key: {
                         "type": "object",
                         "description": f"only what has a body of that name {where} it",
-                        "properties": {"body": {**NAME, "description": "a name, or a glob over names"}},
+                        "properties": {"body": {**NAME, "description": "a glob over the names of bodies"}},
                         "required": ["body"],
                         "additionalProperties": False,
                     }

@@ -1,0 +1,85 @@
+"""The edits and draws of a whole recipe, in two rounds: all but those of keys, then these, when keys are laid out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from lxml.etree import _Element as Node
+
+from composer.link.key_layouts import keys_of
+from composer.link.keyframes import replaced
+from composer.link.linking import Linking
+from composer.plan.drawn import Drawn, Tabled
+from composer.plan.plan import Plan
+from composer.steps.edit import edit, is_of_keys
+from composer.steps.editing import Editing
+from composer.steps.elements import Making
+from composer.steps.randomize import draw_values
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """What a recipe changes in its model; `drawn` and `tabled` grow with what was drawn."""
+
+    plan: Plan
+    linking: Linking
+    making: Making
+    parts: Mapping[Node, str]
+    drawn: list[Drawn] = field(default_factory=list)
+    tabled: list[Tabled] = field(default_factory=list)
+
+    def of_elements(self) -> None:
+        """All but those of keys."""
+        self._edit(of_keys=False)
+        self._draw(of_keys=False)
+
+    def of_keys(self) -> None:
+        """Those of keys; edits come before the keys that the recipe writes itself."""
+        own = self._taken_out() if any(is_of_keys(step) for step in self.plan.edits) else []
+        self._edit(of_keys=True)
+        if own:
+            self.linking.base.section("keyframe").extend(own)
+        self._draw(of_keys=True)
+
+    def _edit(self, of_keys: bool) -> None:
+        editing = self._editing()
+        for step in self.plan.edits:
+            if is_of_keys(step) == of_keys:
+                stand_ins = self._stand_ins() if of_keys and step.edit.remove else []
+                edit(step, editing)
+                for key in stand_ins:
+                    if (section := key.getparent()) is not None:
+                        section.remove(key)
+                self.linking.watch(self.linking.units, step)
+
+    def _draw(self, of_keys: bool) -> None:
+        """On what is there after all edits."""
+        editing = self._editing()
+        for step in self.plan.draws:
+            if is_of_keys(step) == of_keys:
+                values, rows = draw_values(step, editing)
+                self.drawn.extend(values)
+                self.tabled.extend(rows)
+                self.linking.watch(self.linking.units, step)
+
+    def _editing(self) -> Editing:
+        return Editing(self.linking, self.making, self.plan.scope, self.parts)
+
+    def _stand_ins(self) -> list[Node]:
+        """Keys that came along and that the recipe writes anew: they are there to be removed, as they were before."""
+        base = self.linking.base
+        keys = [base.root.makeelement("key", {"name": name}) for name in sorted(replaced(self.linking))]
+        if keys:
+            base.section("keyframe").extend(keys)
+        return keys
+
+    def _taken_out(self) -> list[Node]:
+        """The keys that the recipe writes, taken out of the model."""
+        names = {key.name for key in self.linking.written_keys}
+        own = [key for key in keys_of(self.linking.base) if key.get("name") in names]
+        for key in own:
+            section = key.getparent()
+            assert section is not None
+            section.remove(key)
+        return own

@@ -1,0 +1,27 @@
+"""Comments of a model: which of them go along when what they stand above goes into another model."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+
+from lxml.etree import _Comment as Comment
+from lxml.etree import _Element as Node
+
+
+def take_header_in(root: Node) -> tuple[Node, ...]:
+    """Move the comments before a root, with a licence perhaps, inside; what is outside is lost when trees move."""
+    found = [each for each in root.itersiblings(preceding=True) if isinstance(each, Comment)]
+    for comment in found:
+        comment.tail = None
+        root.insert(0, comment)
+    return tuple(reversed(found))
+
+
+def above(section: Node, header: Container[Node]) -> list[Node]:
+    """The comments right above a section that are not of the header."""
+    found: list[Node] = []
+    for sibling in section.itersiblings(preceding=True):
+        if not isinstance(sibling, Comment) or sibling in header:
+            break
+        found.append(sibling)
+    return found[::-1]
