@@ -14,10 +14,10 @@ from composer.build.samples import sample_name, with_samples
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
-from composer.document.node import Mapping, Node, Scalar, find, to_python
-from composer.expand.matrix import Cell, cells
+from composer.document.node import Node, Scalar, to_python
+from composer.expand.matrix import Cell
 from composer.plan.locked import use_lock
-from composer.plan.read import read_recipe
+from composer.plan.matrix import read_matrix
 
 
 def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = None) -> list[Cell]:
@@ -27,13 +27,10 @@ def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = Non
     """
     if use_lock(recipe, context) is None:
         return []
-    path = context.folder / recipe
-    node = read_recipe(path, context)
-    if not isinstance(node, Mapping):
+    matrix = read_matrix(recipe, context)
+    if matrix is None:
         return []
-    named = find(node, ("name",))
-    name = named.text if isinstance(named, Scalar) else path.stem
-    return with_samples(node, cells(node, name, context.sink), name, given or {}, context.sink)
+    return with_samples(matrix.document, matrix.cells, matrix.name, given or {}, context.sink)
 
 
 def picked(every: Sequence[Cell], names: Iterable[str], sink: Sink) -> list[Cell]:

@@ -19,6 +19,7 @@ from composer.plan.copies import copies
 from composer.plan.drawn import Drawn
 from composer.plan.drawn_parameters import drawn_parameters
 from composer.plan.locked import use_lock
+from composer.plan.matrix import read_matrix
 from composer.plan.order import in_order
 from composer.plan.parts import called, parts_of
 from composer.plan.plan import (
@@ -64,11 +65,16 @@ def plan_what_remains(
 ) -> Plan | None:
     """The plan without what is at fault, in which later stages can look for more; None without a base.
 
-    `name` is that of a cell of the matrix; without it, the recipe's own. `sample` counts the draws, 0 has none.
+    `name` is that of a cell of the matrix; without it, the recipe's own, and the matrix is looked at too. `sample`
+    counts the draws, 0 has none.
     """
     if use_lock(recipe, context) is None:
         return None
-    return _Planner(context).plan(context.folder / recipe, (), given=given or {}, name=name, sample=sample)
+    path = context.folder / recipe
+    plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
+    if name is None and plan is not None:
+        read_matrix(path, context)
+    return plan
 
 
 class _Planner:
