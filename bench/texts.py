@@ -1,4 +1,4 @@
-"""Models read and written by `composer.mjcf`, against lxml's parse and tostring of the same."""
+"""Models read and written by `composer.mjcf`, against lxml's parse and tostring of the same files."""
 
 from __future__ import annotations
 
@@ -23,9 +23,13 @@ def rows() -> list[Row]:
 
 def _of(file: Path) -> list[Row]:
     path, root, tree = str(file), mjcf.from_path(file), etree.parse(str(file))
+    paths = [
+        path,
+        *(os.path.join(os.path.dirname(path), str(each.get("file"))) for each in tree.iter("include")),
+    ]
     best = best_times(
         {
-            "parse": lambda: etree.parse(path),
+            "parse": lambda: [etree.parse(each) for each in paths],
             "from_path": lambda: mjcf.from_path(path),
             "tostring": lambda: etree.tostring(tree),
             "to_xml_string": root.to_xml_string,

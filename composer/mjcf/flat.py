@@ -118,7 +118,7 @@ def text(model: Model, conflict: Policy) -> str:
 
 def name_files(flat: Flat) -> None:
     """Write the names that `contents` has into the model; the linker's paths will do where no file name repeats."""
-    bases = {use.path.rpartition("/")[2].lower() for use in flat.files}
+    bases = {use.path[use.path.rfind("/") :].lower() for use in flat.files}
     if len(bases) == len(flat.files):
         return
     for use, name in _told_apart(flat.files):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -102,16 +102,17 @@ class Origins:
 
     def carried(self, old: Node, new: Node) -> Origins:
         """The same knowledge for `new`, a deep copy of `old`."""
-        if not self.owners and not self.settings:
+        if not (self.owners or self.settings or self.renamed):
             return Origins(texts=dict(self.texts))
-        owners = {copy: self.owners[node] for node, copy in _side_by_side(old, new) if node in self.owners}
-        settings = {
-            copy: dict(self.settings[node]) for node, copy in _side_by_side(old, new) if node in self.settings
-        }
-        renamed = {
-            copy: list(self.renamed[node]) for node, copy in _side_by_side(old, new) if node in self.renamed
-        }
-        return Origins(owners, dict(self.texts), settings, renamed)
+        found = Origins(texts=dict(self.texts))
+        for node, copy in zip(old.iter(), new.iter(), strict=True):
+            if node in self.owners:
+                found.owners[copy] = self.owners[node]
+            if node in self.settings:
+                found.settings[copy] = dict(self.settings[node])
+            if node in self.renamed:
+                found.renamed[copy] = list(self.renamed[node])
+        return found
 
     def text(self, file: str) -> SourceText | None:
         """The text of a file, read when it is first asked for; None where there is none to be had."""
@@ -124,7 +125,3 @@ class Origins:
             text = None
         self.texts[file] = text
         return text
-
-
-def _side_by_side(old: Node, new: Node) -> Iterator[tuple[Node, Node]]:
-    return zip(old.iter(), new.iter(), strict=True)
