@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from composer.build.tool import PACKAGES, installed
+from composer.build.packages import PACKAGES, installed
 from composer.context import Context
 from composer.pipeline import Built
 from composer.plan.plan import Plan

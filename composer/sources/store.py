@@ -23,9 +23,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from composer.sources.blobs import WRITING, Blob, blobs
+from composer.sources.blob import Blob, blobs_in
+from composer.sources.blobs import WRITING
 from composer.sources.digest import differences, files_below, sha256_of
 from composer.sources.error import SourceError
+from composer.sources.store_folder import store_folder
 
 KINDS = ("git", "archive")
 DEFAULT_LIMIT = 10 * 1024**3
@@ -63,11 +65,7 @@ class Store:
     def of(cls, environment: Mapping[str, str]) -> Store:
         """The user's store: `MJCOMPOSE_CACHE`, or where the system keeps caches; `MJCOMPOSE_CACHE_SIZE` bounds it."""
         limit = _size(environment.get("MJCOMPOSE_CACHE_SIZE", ""))
-        if named := environment.get("MJCOMPOSE_CACHE"):
-            return cls(Path(os.path.abspath(os.path.expanduser(named))), limit)
-        from platformdirs import user_cache_path
-
-        return cls(user_cache_path("mjcompose", appauthor=False), limit)
+        return cls(Path(store_folder(environment)), limit)
 
     def get(self, kind: str, key: str) -> Entry | None:
         """The entry, marked as used now; None where there is none."""
@@ -179,7 +177,7 @@ class Store:
         Spares `keep`, and entries that were used in the last `grace` seconds. What was removed.
         """
         removed: list[Entry | Blob] = []
-        everything: list[Entry | Blob] = [*self.entries(), *blobs(self.folder)]
+        everything: list[Entry | Blob] = [*self.entries(), *blobs_in(self.folder)]
         everything.sort(key=lambda each: (each.used, each.key))
         size = sum(each.size for each in everything)
         for each in everything:
