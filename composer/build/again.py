@@ -90,16 +90,25 @@ def _takes_any_text(stream: Any) -> bool:
     return stream is not None and stream.encoding.lower() in ("utf-8", "utf8")
 
 
-def _are_as_they_were(inputs: Iterable[tuple[str, list[int] | None]]) -> bool:
-    """Whether all files have their stamps; None is that of a file which is not there."""
-    for path, stamp in inputs:
+def _are_as_they_were(inputs: Iterable[tuple[str, list[int] | None, str | None]]) -> bool:
+    """Whether all files have their stamps; None is that of a file which is not there.
+
+    Of folders only the licences count, for outputs come and go beside them.
+    """
+    for path, stamp, licences in inputs:
         try:
             now = list(stamp_of(os.stat(path)))
         except (FileNotFoundError, NotADirectoryError):
             now = None
-        if now != stamp:
+        if now != stamp and (licences is None or licences != _licences(path)):
             return False
     return True
+
+
+def _licences(folder: str) -> str:
+    from composer.sources.licence_name import licence_names
+
+    return licence_names(folder)
 
 
 def _write(out: str, pieces: Iterable[Any], inputs: Iterable[Any], store: str) -> bool:
@@ -119,7 +128,7 @@ def _write(out: str, pieces: Iterable[Any], inputs: Iterable[Any], store: str) -
     except FileNotFoundError:
         pass
     else:
-        if not S_ISREG(there.st_mode) or any(stamp and stamp[3] == there.st_ino for _, stamp in inputs):
+        if not S_ISREG(there.st_mode) or any(stamp and stamp[3] == there.st_ino for _, stamp, _ in inputs):
             return False
     with staged_file(Path(out)) as stage, stage.open("wb") as stream:
         for piece in pieces:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from composer.build.stamp import Stamp, stamp_of
-from composer.sources.licence import is_licence
+from composer.sources.licence_name import licence_names
 
 ABSENT = ""
 # Within this time of its last change a file may change again and keep its stamp: its content is asked then.
@@ -99,6 +99,6 @@ def _sha256(path: str) -> str:
 
 def _licences(folder: str) -> str:
     try:
-        return "\n".join(sorted(name for name in os.listdir(folder) if is_licence(name)))
+        return licence_names(folder)
     except OSError:
         return ABSENT

@@ -59,7 +59,8 @@ def note(
         return
     seen = [each for answer in whole for each in answer.inputs]
     seen += [cache.files.look(os.path.abspath(path)) for path in more_inputs]
-    if any(each.state and each.stamp is None for each in seen):
+    folders = {each.path for each in seen if os.path.isdir(each.path)}
+    if any(each.state and each.stamp is None and each.path not in folders for each in seen):
         return
     pieces = None
     if output is not None:
@@ -70,7 +71,7 @@ def note(
             return
     receipt = {
         "tool": tool_stamp(),
-        "inputs": [[each.path, each.stamp] for each in seen],
+        "inputs": [[each.path, each.stamp, each.state if each.path in folders else None] for each in seen],
         "packages": [file for answer in whole for _, _, file in answer.packages],
         "used": [["built", answer.record] for answer in whole],
         "told": told,
