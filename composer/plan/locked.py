@@ -14,7 +14,7 @@ from composer.diagnostics.span import Span
 from composer.plan.plan import Plan
 from composer.plan.read import EXTENDS
 from composer.plan.used_files import files_of_recipe, files_of_source
-from composer.sources.digest import differences, sha256_of
+from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
 from composer.sources.lock import Lock, Locked, SourceKind, lock_path, read_lock
 from composer.sources.origin import Origin
@@ -62,7 +62,7 @@ def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Co
     return Lock(
         mjcompose=__version__,
         mujoco=_mujoco(),
-        sources={id: locked for id, use in uses.items() if (locked := _locked(use)) is not None},
+        sources={id: locked for id, use in uses.items() if (locked := _locked(use, fetching)) is not None},
     )
 
 
@@ -73,7 +73,7 @@ def check_lock(plan: Plan, context: Context) -> None:
         return
     shown = context.shown(fetching.lock_file)
     for id, use in _Gathering(fetching, fetching.lock_file.parent, context.folder).of([plan]).items():
-        now, before = _locked(use), fetching.lock.sources.get(id)
+        now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
             continue
         name = next(iter(use.used_by))
@@ -116,7 +116,6 @@ class _Gathering:
         self.folder = folder
         self.shown_from = shown_from
         self.uses: dict[str, _Use] = {}
-        self.read: dict[Source, list[Path]] = {}
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _Use]:
         for plan in plans:
@@ -164,21 +163,22 @@ class _Gathering:
                     use.licences.add(name)
 
     def _files_of(self, source: Source) -> list[Path]:
-        if source not in self.read:
-            self.read[source] = list(files_of_source(source))
-        return self.read[source]
+        read = self.fetching.files
+        if source not in read:
+            read[source] = list(files_of_source(source))
+        return read[source]
 
 
 def _local_id(path: str) -> str:
     return path if path.startswith("../") or os.path.isabs(path) else f"./{path}"
 
 
-def _locked(use: _Use) -> Locked | None:
+def _locked(use: _Use, fetching: Fetching) -> Locked | None:
     """The entry of a source; None where nothing of it can be read."""
     files = {}
     for name, path in use.files.items():
         try:
-            files[name] = sha256_of(path)
+            files[name] = fetching.digest(path)
         except OSError:
             continue  # told by those who need it
     if not files:

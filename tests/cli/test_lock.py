@@ -315,3 +315,19 @@ def test_a_branch_and_a_tag_of_one_commit_are_two_sources(work: Path) -> None:
     assert run("lock", "cell.yaml").exit_code == 0
     assert set(told(work)) == ids
     assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
+
+
+def test_a_matrix_hashes_every_file_once(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from composer.sources import fetching
+
+    (work / "cell.yaml").write_text(
+        (work / "cell.yaml").read_text() + "params: {g: 1}\noption: {gravity: [0, 0, '${g}']}\n"
+        "matrix: {axes: {g: [1, 2, 3]}}\n"
+    )
+    assert run("lock", "cell.yaml").exit_code == 0
+    hashed: list[Path] = []
+    real = fetching.sha256_of
+    monkeypatch.setattr(fetching, "sha256_of", lambda path: (hashed.append(path), real(path))[1])
+    result = run("build", "cell.yaml", "--all", "--locked", "--no-verify", "-o", "out/{name}.zip")
+    assert result.exit_code == 0 and len(list((work / "out").iterdir())) == 3
+    assert hashed and len(hashed) == len(set(hashed))
