@@ -81,6 +81,14 @@ def check_lock(plan: Plan, context: Context) -> None:
             tell = context.sink.error if fetching.locked else context.sink.warning
             tell("lock-stale", f"`{id}` is not in the lock `{shown}`", use.span,
                  help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
+        elif wrong := [*_wrong(before, now)]:
+            context.sink.error(
+                "lock-invalid",
+                f"what `{shown}` says of `{id}` cannot be: it was not made so",
+                use.span,
+                notes=[Note(each) for each in wrong],
+                help="take the lock from version control, or remove it and run `mjcompose lock`",
+            )
         elif changes := differences(
             {
                 file: digest
@@ -97,6 +105,14 @@ def check_lock(plan: Plan, context: Context) -> None:
                 notes=[Note(change) for change in changes[:_SHOWN]] + _more(changes),
                 help=f"if that is meant, run `mjcompose update {plan.file} {name}`",
             )
+
+
+def _wrong(before: Locked, now: Locked) -> Iterator[str]:
+    """What a lock says of a source, and its pin, which is right, contradicts: somebody has edited it."""
+    for what in ("kind", "tree"):
+        was, there = getattr(before, what), getattr(now, what)
+        if was != there and before.pin == now.pin:
+            yield f"its {what} is `{there}`, and not `{was or 'nothing'}`"
 
 
 def _more(changes: tuple[str, ...]) -> list[Note]:

@@ -331,3 +331,19 @@ def test_a_matrix_hashes_every_file_once(work: Path, monkeypatch: pytest.MonkeyP
     result = run("build", "cell.yaml", "--all", "--locked", "--no-verify", "-o", "out/{name}.zip")
     assert result.exit_code == 0 and len(list((work / "out").iterdir())) == 3
     assert hashed and len(hashed) == len(set(hashed))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("tree", "0" * 40), ("kind", "archive"), ("kind", "path"), ("tree", None)]
+)
+def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value: str | None) -> None:
+    run("lock", "cell.yaml")
+    lock = json.loads((work / "cell.lock").read_text())
+    (source,) = [each for each in lock["sources"].values() if each["kind"] == "git"]
+    source[key] = value
+    (work / "cell.lock").write_text(json.dumps(lock))
+    for more in ((), ("--locked",)):
+        result = run("build", "cell.yaml", "--no-verify", *more)
+        assert result.exit_code == 1
+        assert "cell.yaml:2:7: error[lock-invalid]: what `cell.lock` says of `git+file:" in result.stderr
+        assert f"  = note: its {key} is `" in result.stderr
