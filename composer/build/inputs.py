@@ -84,5 +84,5 @@ def may_move(context: Context) -> bool:
     fetching = context.fetching
     if fetching is None:
         return False
-    fetched = [each for each in fetching.origins.values() if each.kind in ("git", "archive")]
+    fetched = [each for each in fetching.origins.values() if each.is_fetched]
     return any(fetching.pin(each.id) is None and (each.pin or "?") not in each.id for each in fetched)

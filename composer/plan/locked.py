@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
@@ -67,12 +67,21 @@ def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Co
 
 
 def check_lock(plan: Plan, context: Context) -> None:
-    """Tell what differs from the lock, if there is one: bytes that changed, sources that are not in it."""
+    """Tell what differs from the lock, if there is one: bytes that changed, sources that are not in it.
+
+    What was fetched and names files of this machine is told with or without a lock.
+    """
     fetching = context.fetching
-    if fetching is None or fetching.lock is None or fetching.lock_file is None:
+    if fetching is None or not (fetching.lock or any(each.is_fetched for each in fetching.origins.values())):
         return
-    shown = context.shown(fetching.lock_file)
-    for id, use in _Gathering(fetching, fetching.lock_file.parent, context.folder).of([plan]).items():
+    lock_file = fetching.lock_file or lock_path(plan.path)
+    uses = _Gathering(fetching, lock_file.parent, context.folder).of([plan])
+    for id, use in uses.items():
+        _check_reach(id, use, context)
+    if fetching.lock is None:
+        return
+    shown = context.shown(lock_file)
+    for id, use in uses.items():
         now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
             continue
@@ -81,14 +90,6 @@ def check_lock(plan: Plan, context: Context) -> None:
             tell = context.sink.error if fetching.locked else context.sink.warning
             tell("lock-stale", f"`{id}` is not in the lock `{shown}`", use.span,
                  help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
-        elif wrong := [*_wrong(before, now)]:
-            context.sink.error(
-                "lock-invalid",
-                f"what `{shown}` says of `{id}` cannot be: it was not made so",
-                use.span,
-                notes=[Note(each) for each in wrong],
-                help="take the lock from version control, or remove it and run `mjcompose lock`",
-            )
         elif changes := differences(
             {
                 file: digest
@@ -97,7 +98,7 @@ def check_lock(plan: Plan, context: Context) -> None:
             },
             now.files,
         ):
-            tell = context.sink.warning if before.is_local and not fetching.locked else context.sink.error
+            tell = context.sink.warning if now.is_local and not fetching.locked else context.sink.error
             tell(
                 "source-changed",
                 f"`{id}` is not what `{shown}` pins",
@@ -105,6 +106,28 @@ def check_lock(plan: Plan, context: Context) -> None:
                 notes=[Note(change) for change in changes[:_SHOWN]] + _more(changes),
                 help=f"if that is meant, run `mjcompose update {plan.file} {name}`",
             )
+        elif wrong := [*_wrong(before, now)]:
+            context.sink.error(
+                "lock-invalid",
+                f"what `{shown}` says of `{id}` cannot be: it was not made so",
+                use.span,
+                notes=[Note(each) for each in wrong],
+                help="take the lock from version control, or remove it and run `mjcompose lock`",
+            )
+
+
+def _check_reach(id: str, use: _Use, context: Context) -> None:
+    if use.origin is None or not use.origin.is_fetched:
+        return
+    outside = sorted(name for name in use.files if name.startswith("../") or os.path.isabs(name))
+    if outside:
+        context.sink.error(
+            "source-outside",
+            f"`{id}` names files that were not fetched with it",
+            use.span,
+            notes=[Note(f"`{context.shown(use.files[name])}`") for name in outside[:_SHOWN]] + _more(outside),
+            help="a model that is fetched must hold all that it needs",
+        )
 
 
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:
@@ -115,7 +138,7 @@ def _wrong(before: Locked, now: Locked) -> Iterator[str]:
             yield f"its {what} is `{there}`, and not `{was or 'nothing'}`"
 
 
-def _more(changes: tuple[str, ...]) -> list[Note]:
+def _more(changes: Sequence[str]) -> list[Note]:
     return [Note(f"and {len(changes) - _SHOWN} more")] if len(changes) > _SHOWN else []
 
 
@@ -151,8 +174,8 @@ class _Gathering:
             if prefix or source.origin is not None:
                 self._put(source.path, [source.path, *source.licences], source, label, asked or place)
         for file in files_of_recipe(plan, self.shown_from):
-            fetched = self.fetching.around(file) or self.fetching.around(plan.path)
-            self._put(file if fetched else plan.path, [file], None, prefix or plan.path.name, asked)
+            main = plan.path if self.fetching.around(file) is None else file
+            self._put(main, [file], None, prefix or plan.path.name, asked)
         models = [("base", plan.base.model, plan.base.span)]
         models += [(part.prefix.removesuffix(plan.separator), part.model, part.span) for part in plan.parts]
         for name, model, span in models:

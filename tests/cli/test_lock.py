@@ -347,3 +347,32 @@ def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value:
         assert result.exit_code == 1
         assert "cell.yaml:2:7: error[lock-invalid]: what `cell.lock` says of `git+file:" in result.stderr
         assert f"  = note: its {key} is `" in result.stderr
+
+
+@pytest.mark.parametrize("locked", [False, True])
+def test_what_is_fetched_reaches_no_file_of_this_machine(work: Path, locked: bool) -> None:
+    """Neither by an absolute path nor by a way out of the repository: such a file is another one elsewhere."""
+    robots = work.parent / "robots"
+    secret = work.parent / "secret.obj"
+    secret.write_text(COVER)
+    (work.parent / "secret.xml").write_text(TOOL)
+    if locked:
+        run("lock", "cell.yaml")
+    before = snapshot(work)
+    commit(robots, **{
+        "arm/mesh.xml": ARM.replace("cover.obj", str(secret)),
+        "arm/far.xml": ARM.replace('"cover.obj"', f'"cover.obj" file="{"../" * 12}{secret.relative_to("/")}"').replace('file="cover.obj" ', ""),
+        "arm/include.xml": f'<mujoco><include file="{work.parent / "secret.xml"}"/></mujoco>',
+        "arm/recipe.yaml": f"recipe: 1\nattach: {{x: {{model: {work.parent / 'secret.xml'}}}}}\n",
+        "arm/element.yaml": f"recipe: 1\nasset: {{mesh: {{m: {{file: {secret}}}}}}}\n",
+    })  # fmt: skip
+    for name in ("mesh.xml", "far.xml", "include.xml", "recipe.yaml", "element.yaml"):
+        (work / "evil.yaml").write_text(
+            f"recipe: 1\nattach: {{x: {{model: git+file://{robots}@main#arm/{name}}}}}\n"
+        )
+        result = run("build", "evil.yaml", "--no-verify", "-o", "out.zip")
+        assert result.exit_code == 1, name
+        assert "error[source-outside]: `" in result.stderr, (name, result.stderr)
+        assert not (work / "out.zip").exists()
+    (work / "evil.yaml").unlink()
+    assert snapshot(work) == before
