@@ -26,7 +26,7 @@ from composer.build.question import Question, differences
 from composer.build.record import KeptFile, Record, from_json, to_json
 from composer.sources import blobs
 from composer.sources.blobs import key_of
-from composer.sources.store import Store
+from composer.sources.store import ENTRY, KINDS, Store
 
 if TYPE_CHECKING:
     from composer.bundle.packing import Packed
@@ -79,8 +79,20 @@ class Cache:
                 return Found(why=(LOST,))
             if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
                 self._refresh(question, answer, answers)
+            for kind, key in self.used(answer):
+                with contextlib.suppress(OSError):  # somebody else's store, which may be read
+                    os.utime(self.store.folder / kind / key)
             return Found(record, answer)
         return Found(why=self._why(question, answers))
+
+    def used(self, answer: Answer) -> list[tuple[str, str]]:
+        """What in the store an answer stands on, by folder and name: it is used when the answer is."""
+        own = os.path.join(self.store.folder, "")
+        inside = (
+            each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own)
+        )
+        entries = {f"{path[0]}{os.sep}{path[1]}" for path in inside if path[0] in KINDS and len(path) > 2}
+        return [("built", answer.record), *((entry, ENTRY) for entry in sorted(entries))]
 
     def keep(
         self, question: Question, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]

@@ -73,7 +73,7 @@ def note(
         "tool": tool_stamp(),
         "inputs": [[each.path, each.stamp, each.state if each.path in folders else None] for each in seen],
         "packages": [file for answer in whole for _, _, file in answer.packages],
-        "used": [["built", answer.record] for answer in whole],
+        "used": [each for answer in whole for each in cache.used(answer)],
         "told": told,
         "told_if_written": None if output is None else output.told_if_written,
         "out": None if output is None else [output.path, output.content],

@@ -30,6 +30,7 @@ from composer.sources.error import SourceError
 from composer.sources.store_folder import store_folder
 
 KINDS = ("git", "archive")
+ENTRY = "entry.json"
 DEFAULT_LIMIT = 10 * 1024**3
 GRACE = 3600.0
 """Seconds for which an entry that was used is not pruned on its own: a build may still be reading it."""
@@ -73,7 +74,7 @@ class Store:
         entry = self._read(kind, folder)
         if entry is not None:
             with contextlib.suppress(OSError):  # somebody else's store, which may be read
-                os.utime(folder / "entry.json")
+                os.utime(folder / ENTRY)
         return entry
 
     def add(
@@ -103,7 +104,7 @@ class Store:
                     "about": dict(about),
                     "files": dict(sorted(files.items())),
                 }
-                with (stage / "entry.json").open("w", encoding="utf-8") as stream:
+                with (stage / ENTRY).open("w", encoding="utf-8") as stream:
                     json.dump(told, stream, indent=1)
                     stream.flush()
                     os.fsync(stream.fileno())
@@ -243,8 +244,8 @@ class Store:
 
     def _read(self, kind: str, folder: Path) -> Entry | None:
         try:
-            text = (folder / "entry.json").read_text(encoding="utf-8")
-            used = (folder / "entry.json").stat().st_mtime
+            text = (folder / ENTRY).read_text(encoding="utf-8")
+            used = (folder / ENTRY).stat().st_mtime
             told: Any = json.loads(text)
             return Entry(
                 kind, folder.name, folder, told["origin"], told["size"], told["files"], told["about"], used

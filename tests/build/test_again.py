@@ -230,3 +230,22 @@ def test_the_folder_of_the_store_is_the_systems(tmp_path: Path, monkeypatch: pyt
     for caches in ("", " ", str(tmp_path)):
         monkeypatch.setenv("XDG_CACHE_HOME", caches)
         assert store_folder({"XDG_CACHE_HOME": caches}) == user_cache_dir("mjcompose", appauthor=False)
+
+
+def test_what_is_told_again_keeps_what_it_was_fetched_with(recipes: Path, store: Path) -> None:
+    git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
+    for words in (["init", "-q"], ["add", "models"], ["commit", "-q", "-m", "first"]):
+        subprocess.run([*git, *words], cwd=recipes, check=True)
+    head = subprocess.run(
+        [*git, "rev-parse", "HEAD"], cwd=recipes, check=True, capture_output=True, text=True
+    )
+    (recipes / "cell.yaml").write_text(
+        f"recipe: 1\nbase: git+file://{recipes}@{head.stdout.strip()}#models/arm.xml\n"
+    )
+    command(*BUILD)
+    (entry,) = store.glob("git/*/entry.json")
+    for wait in (10**15, 0, 0):
+        os.utime(entry, (0, 0))
+        how = command(*BUILD, wait=wait)[0]
+        assert entry.stat().st_mtime > 0
+    assert how == "told"
