@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
 from composer.document import Mapping, Scalar, load, locate, to_python
 
 FORMAT = 1
 SourceKind = Literal["path", "package", "menagerie", "descriptions", "git", "archive"]
 _Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 _GitHash = Annotated[str, StringConstraints(pattern=r"^([0-9a-f]{40}|[0-9a-f]{64})$")]
+_MERGE = re.compile(r"^<<<<<<< ", re.MULTILINE)
 
 
 class _Part(BaseModel):
@@ -92,6 +95,12 @@ def read_lock(path: Path, shown: str, sink: Sink) -> Lock | None:
 
 def from_text(text: bytes | str, shown: str, sink: Sink) -> Lock | None:
     """The lock that a text is; one fault of it at its place goes to `sink`. No I/O."""
+    plain = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    if mark := _MERGE.search(plain):
+        line = plain.count("\n", 0, mark.start()) + 1
+        sink.error("lock-invalid", f"`{shown}` has the marks of a merge in it", Span(shown, line, 1, line, 8),
+                   help="take one side of the merge, and run `mjcompose lock`")  # fmt: skip
+        return None
     own = Sink()
     node = load(text, shown, own)
     if own.errors:

@@ -76,3 +76,11 @@ def test_a_lock_edited_by_hand_has_one_fault_with_its_place(old: str, new: str, 
 @pytest.mark.parametrize("text", ["", "null", "[]", json.dumps("text")])
 def test_what_is_no_lock_at_all(text: str) -> None:
     assert "is no lock" in fault(text)[1]
+
+
+def test_the_marks_of_a_merge_are_told_at_their_line() -> None:
+    sink = Sink()
+    assert from_text('{\n  "lock": 1,\n<<<<<<< HEAD\n  "mujoco": "4"\n=======\n', "a.lock", sink) is None
+    (told,) = sink.errors
+    assert (told.code, told.span and told.span.line) == ("lock-invalid", 3)
+    assert told.message == "`a.lock` has the marks of a merge in it"
