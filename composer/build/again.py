@@ -54,7 +54,8 @@ def told_again(arguments: Sequence[str], environment: Mapping[str, str]) -> bool
     if told is None:
         return False
     for is_error, text in told:
-        stream = sys.stderr if is_error else sys.stdout
+        stream: Any = sys.stderr if is_error else sys.stdout
+        stream.reconfigure(errors="surrogateescape")  # names of files that are no text
         stream.write(text)
         stream.flush()
     return True
@@ -114,8 +115,8 @@ def _licences(folder: str) -> str:
 def _write(out: str, pieces: Iterable[Any], inputs: Iterable[Any], store: str) -> bool:
     """Put an output together from the store, where nothing is or an earlier output; False where that cannot be.
 
-    A piece is its bytes in hexadecimal; or the kind and key of a blob, or a file and its sha256, and where in it the
-    bytes begin.
+    A piece is its bytes in hexadecimal; or the kind and key of a blob, or a file and its sha256, where in it the bytes
+    begin, and how many they are.
     """
     from hashlib import sha256
     from pathlib import Path
@@ -135,7 +136,7 @@ def _write(out: str, pieces: Iterable[Any], inputs: Iterable[Any], store: str) -
             if isinstance(piece, str):
                 stream.write(bytes.fromhex(piece))
                 continue
-            kind, key, start = piece
+            kind, key, start, size = piece
             if kind == FILE:
                 path, digest = key
                 with open(path, "rb") as source:
@@ -144,7 +145,7 @@ def _write(out: str, pieces: Iterable[Any], inputs: Iterable[Any], store: str) -
                     raise ValueError(path)
             else:
                 content = blobs.get(store, kind, key)
-            if content is None:
+            if content is None or len(content) - start != size:
                 raise ValueError(key)
             stream.write(memoryview(content)[start:])
     return True

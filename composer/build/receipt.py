@@ -50,12 +50,12 @@ def note(
 ) -> None:
     """Remember what a command told, `answers` being all that it depends on besides `more_inputs`.
 
-    Nothing is remembered where an answer is missing, or a file was written too lately for its stamp to tell whether it
-    is the same.
+    Nothing is remembered where an answer is missing or the store refused something, or where a file was written too
+    lately for its stamp to tell whether it is the same.
     """
     known = list(answers)
     whole = [each for each in known if each is not None]
-    if len(whole) != len(known):
+    if len(whole) != len(known) or cache.broken:
         return
     seen = [each for answer in whole for each in answer.inputs]
     seen += [cache.files.look(os.path.abspath(path)) for path in more_inputs]
@@ -87,7 +87,7 @@ def note(
 def _pieces(out: str, record: Record) -> list[Any] | None:
     """The output as bytes of its own and those that are elsewhere, in order."""
     if record.text is not None:
-        return [["raw", record.text, 0]]
+        return [["raw", record.text, 0, os.path.getsize(out)]]
     kept = {file.path: file for file in record.files}
     found: list[Any] = []
     with zipfile.ZipFile(out) as archive, open(out, "rb") as stream:
@@ -96,7 +96,7 @@ def _pieces(out: str, record: Record) -> list[Any] | None:
             stream.seek(info.header_offset)
             start = info.header_offset + 30 + sum(_LOCAL_HEADER.unpack(stream.read(_LOCAL_HEADER.size)))
             stream.seek(at)
-            found += [stream.read(start - at).hex(), _place(kept[info.filename])]
+            found += [stream.read(start - at).hex(), [*_place(kept[info.filename]), info.compress_size]]
             at = start + info.compress_size
         stream.seek(at)
         found.append(stream.read().hex())

@@ -249,3 +249,20 @@ def test_what_is_told_again_keeps_what_it_was_fetched_with(recipes: Path, store:
         how = command(*BUILD, wait=wait)[0]
         assert entry.stat().st_mtime > 0
     assert how == "told"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names are text here")
+def test_names_that_are_no_text(recipes: Path) -> None:
+    (recipes / "cell.yaml").rename(os.fsdecode(os.fsencode(recipes) + b"/caf\xe9.yaml"))
+    words = [sys.executable, "-m", "composer", "build", b"caf\xe9.yaml", "--no-verify", "-o", b"caf\xe9.zip"]
+    program = _PROGRAM.format(
+        arguments=("build", "caf\udce9.yaml", "--no-verify", "-o", "caf\udce9.zip"), wait=0
+    )
+    first, again = (
+        subprocess.run([sys.executable, "-c", program], env=environment(), capture_output=True)
+        for _ in range(2)
+    )
+    assert again.stderr.endswith(b"told\n") and again.returncode == 0
+    assert again.stdout.startswith(b"caf\xe9.zip is up to date\n")
+    assert first.stdout.startswith(b"wrote caf\xe9.zip\n")
+    assert subprocess.run(words, env=environment(), capture_output=True).returncode == 0
