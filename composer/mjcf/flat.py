@@ -79,7 +79,7 @@ def flatten(
     mounting = Mounting(model, copy)
     measure = _measure(sink) if mounting.parts else None
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
-        prune(unit.root)
+        prune(unit)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
     if not mounting.parts:
         if check_keys:
@@ -94,7 +94,7 @@ def flatten(
         if not sink.has_errors:
             finish(linking)
         mounting.clear_up()
-        prune(linking.base.root)
+        prune(linking.base)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
     return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)))
