@@ -176,7 +176,7 @@ def set_model_name(model: Model, name: str | None) -> None:
         for namespace, uses in list(here.names.uses.items()):
             own = here.names.declared.get(namespace, {})
             for used in [used for used in uses if used.startswith(old) and used not in own]:
-                edit.follow_in(here, namespace, used, new + used[len(old) :])
+                here.names.follow(namespace, used, new + used[len(old) :])
         old, new = here.prefix + old, here.prefix + new
 
 

@@ -22,8 +22,8 @@ from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode
 from composer.tree.classes import ORIENTATIONS
-from composer.tree.kinds import attribute_of, naming_attribute, section_of, spoken
-from composer.tree.name_index import MAY_REPEAT, is_list, renamed
+from composer.tree.kinds import attribute_of, naming_attribute, spoken
+from composer.tree.name_index import MAY_REPEAT
 
 
 @dataclass(slots=True)
@@ -164,17 +164,8 @@ def _child_at(parent: Node, position: int) -> Node | None:
 def follow(model: Model, namespace: str, old: str, new: str) -> None:
     """Everything that refers to a renamed element refers to it by its new name, in models above as well."""
     for here in (model, *model.ancestors()):
-        follow_in(here, namespace, old, new)
+        here.names.follow(namespace, old, new)
         old, new = here.prefix + old, here.prefix + new
-
-
-def follow_in(model: Model, namespace: str, old: str, new: str) -> None:
-    """The same in one model alone, with the names as that model sees them."""
-    for node, attribute in model.names.users(namespace, old):
-        model.forget(node)
-        listed = is_list(node, attribute, section_of(node))
-        node.set(attribute, renamed(str(node.get(attribute)), old, new, listed))
-        model.note(node)
 
 
 def _take_contents(model: Model, edit: Edit) -> None:

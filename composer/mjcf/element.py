@@ -267,7 +267,12 @@ class Element:
         >>> model.find('joint', 'slide') is None
         True
         """
-        found = finding.first(Target(self._alive()._model, self._node), tag, name)
+        model, node = self._model, self._node
+        if type(name) is str and type(tag) is str and node is model.unit.root:
+            known = finding.at_hand(model, tag, name)
+            if known is not None:
+                return known
+        found = finding.first(Target(self._alive()._model, node), tag, name)
         return None if found is None else view(*found)
 
     def find_all(
