@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import operator
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,8 +15,26 @@ from composer.mjcf.errors import MjcfError, failure
 def as_path(argument: str, value: object) -> Path:
     """An argument that has to be a path."""
     if isinstance(value, str | os.PathLike):
-        return Path(value)
+        path = Path(value)
+        if "\0" in str(path):
+            raise _expects(argument, "a path", str(path).replace("\0", "\\0"))
+        return path
     raise _expects(argument, "a path", type(value).__name__)
+
+
+def as_name(argument: str, value: object) -> str:
+    """An argument that has to be text."""
+    if isinstance(value, str):
+        return value
+    raise _expects(argument, "a name", repr(value))
+
+
+def as_index(argument: str, value: object) -> int:
+    """An argument that has to be a whole number, Python's or numpy's."""
+    if not isinstance(value, bool):
+        with contextlib.suppress(TypeError):  # arrays have the method too
+            return operator.index(value)  # type: ignore[arg-type]
+    raise _expects(argument, "an integer", repr(value))
 
 
 def as_files(argument: str, value: object) -> dict[str, bytes]:

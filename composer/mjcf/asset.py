@@ -11,7 +11,7 @@ from lxml import etree
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
-from composer.tree.files import join, stem, written_path
+from composer.tree.files import in_archive, join, stem, written_path
 from composer.tree.settings import read_settings
 
 
@@ -56,12 +56,10 @@ class Asset:
         try:
             return self.path.read_bytes()
         except OSError as error:
-            archive = next((above for above in self.path.parents if above.is_file()), None)
+            message = f"the file `{self.path}` cannot be read: {error.strerror or str(error)}"
+            archive = in_archive(self.path)
             if archive is not None:
-                inner = self.path.relative_to(archive).as_posix()
-                raise failure("asset-missing", f"`{archive}` has no file `{inner}`", call_site()) from None
-            reason = error.strerror or str(error)
-            message = f"the file `{self.path}` cannot be read: {reason}"
+                message = "`{}` has no file `{}`".format(*archive)
             raise failure("asset-missing", message, call_site()) from None
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from html import escape
 from typing import TYPE_CHECKING, cast
 
 from lxml import etree
@@ -45,13 +46,17 @@ class AttachmentFrame(Element):
         return view(self._model, attachment.container)
 
     def __repr__(self) -> str:
-        return super().__repr__().replace("<body", f'<body name="{self.name}"', 1)
+        return self._named(super().__repr__())
 
     def __str__(self) -> str:
-        return super().__str__().replace("<body", f'<body name="{self.name}"', 1)
+        return self._named(super().__str__())
 
     def _own_name(self) -> str | None:
         return None if self._removed else self._attachment.child.prefix
+
+    def _named(self, text: str) -> str:
+        name = self._own_name()
+        return text if name is None else text.replace("<body", f'<body name="{escape(name)}"', 1)
 
     @property
     def _attachment(self) -> Attachment:

@@ -13,6 +13,7 @@ from composer.diagnostics.span import Span
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
 from composer.mjcf import edit, finding
+from composer.mjcf.arguments import as_index, as_name
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element_list import ElementList
@@ -149,7 +150,7 @@ class Element:
         >>> ball.origin_of('size').column
         32
         """
-        known = attribute_of(self._kind, attribute)
+        known = attribute_of(self._kind, as_name("attribute", attribute))
         if known is None:
             raise unknown_attribute(self._kind, attribute)
         if self._alive()._node.get(known.name) is None:
@@ -185,13 +186,11 @@ class Element:
         >>> [geom.name for geom in world.geom]
         ['first', 'last']
         """
-        return self._add(tag, position, attributes)
+        return self._add(tag, as_index("position", position), attributes)
 
     def _add(self, tag: str, position: int | None, attributes: Mapping[str, object]) -> Element:
         self._alive()
         kind = self._child_kind(tag)
-        if position is not None and (not isinstance(position, int) or isinstance(position, bool)):
-            raise failure("wrong-type", f"`position` expects an integer, got `{position!r}`", call_site())
         once = kind.max_count == 1 or self._kind.tag == "mujoco"
         existing = next(self._node.iterchildren(kind.tag), None) if once else None
         if existing is not None and (len(existing) or existing.attrib):
@@ -307,7 +306,7 @@ class Element:
         >>> arm.enter_scope('gripper') is gripper
         True
         """
-        model = self._alive()._model
+        model, prefix = self._alive()._model, as_name("prefix", prefix)
         found = finding.attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
         return None if found is None else cast("RootElement", view(found, found.unit.root))
 
@@ -332,7 +331,7 @@ class Element:
         >>> arm.get('pos'), arm.get('quat'), arm.get('mass', 'bodies have none')
         (array([0., 0., 1.]), None, 'bodies have none')
         """
-        known = attribute_of(self._kind, attribute)
+        known = attribute_of(self._kind, as_name("attribute", attribute))
         value = None if known is None else self._read(known)
         return default if value is None else value
 

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from composer.mjcf import traversal
-from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import failure
+from composer.mjcf.arguments import as_name
 from composer.mjcf.misspelled import unknown_tag
 from composer.mjcf.model import Model, Target
 from composer.tree.kinds import Query, kind_of, query, section_of, tags_of
@@ -23,8 +22,7 @@ def first(here: Target, tag: str, name: str | None) -> Target | None:
     wanted = _query(here, tag, from_root)
     if name is None:
         return next(_matches(here, wanted), None)
-    if not isinstance(name, str):
-        raise failure("wrong-type", f"`name` expects a name, got `{name!r}`", call_site())
+    name = as_name("name", name)
     for namespace in wanted.namespaces:
         found = here.model.lookup(namespace, name)
         if found is None:

@@ -8,7 +8,7 @@ import re
 import numpy as np
 
 from composer.grammar.attribute import Attribute
-from composer.grammar.check import check_python, check_value, plain
+from composer.grammar.check import check_python, check_value, expected, plain
 from composer.grammar.format import to_text
 from composer.grammar.number import items, parse_real
 from composer.tree.classes import ORIENTATIONS
@@ -92,6 +92,8 @@ def _flat(attribute: Attribute, value: object) -> object:
         if not open_ended:
             raise BadValue(f"expects a flat array, got one of shape {tuple(shape)}")
         value = np.asarray(value).reshape(-1)
+    if isinstance(value, bytes | bytearray):
+        raise BadValue(f"expects {expected(attribute)}, got `{value!r}`")
     value = plain(value)
     if not isinstance(value, list | tuple):
         return value

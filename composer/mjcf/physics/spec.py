@@ -45,8 +45,9 @@ def to_spec(model: Model, conflict: Policy) -> Any:
     mujoco = engine()
     flat = flatten(model, conflict)
     name_files(flat)
+    files = contents(flat)
     try:
-        spec = mujoco.MjSpec.from_string(to_text(flat.unit.root), assets=contents(flat))
+        spec = mujoco.MjSpec.from_string(to_text(flat.unit.root), assets=files)
     except (ValueError, mujoco.FatalError) as error:
         raise refused(error, write(flat.unit.root), flat) from None
     tell(flat)
