@@ -19,6 +19,7 @@ from composer.mjcf.reference import describe
 from composer.mjcf.removal import release
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
 from composer.tree.kinds import kind_of
+from composer.tree.name_index import SEPARATOR
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
@@ -168,6 +169,8 @@ def set_model_name(model: Model, name: str | None) -> None:
     if attachment is not None:
         _check_prefix(attachment.parent, model, name or model.unit.label, itself=model)
     text = written.texts["model"]
+    if attachment is not None:
+        _check_lists(attachment.parent, old, (text or model.unit.label) + SEPARATOR)
     if text is None:
         edit.drop(model.unit.root, "model")
     else:
@@ -183,6 +186,14 @@ def set_model_name(model: Model, name: str | None) -> None:
             for used in [used for used in uses if used.startswith(old) and used not in own]:
                 here.names.follow(namespace, used, new + used[len(old) :])
         old, new = here.prefix + old, here.prefix + new
+
+
+def _check_lists(parent: Model, old: str, new: str) -> None:
+    """A prefix with a space in it cannot stand before names that are in lists."""
+    for namespace, uses in parent.names.uses.items() if len(new.split()) > 1 else ():
+        for used in uses:
+            if used.startswith(old):
+                edit.check_lists(parent, namespace, used, new + used[len(old) :])
 
 
 def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = None) -> None:
