@@ -439,12 +439,17 @@ class Element:
         setattr(self, name, None)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Element:
-        raise failure(
-            "not-supported",
-            "an element cannot be copied without its model",
-            call_site(),
-            help="copy the model: `copy.deepcopy(element.root)`",
-        )
+        """Among other things that are copied: the element of the copy of its model."""
+        if not memo:
+            raise failure(
+                "not-supported",
+                "an element cannot be copied without its model",
+                call_site(),
+                help="copy the model: `copy.deepcopy(element.root)`",
+            )
+        from composer.mjcf.duplicate import copied
+
+        return copied(self, memo)
 
     def __copy__(self) -> Element:
         return self.__deepcopy__({})
