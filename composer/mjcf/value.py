@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 
 import numpy as np
@@ -33,6 +34,8 @@ def encode(attribute: Attribute, value: object) -> str:
     Numbers are written so that they read back to the same bits. An array of more than one dimension is
     taken row by row where the attribute has no fixed length.
     """
+    if isinstance(value, os.PathLike) and attribute.type == "file":
+        value = os.fspath(value)
     if isinstance(value, str):
         written = attribute.is_number or attribute.type in _WRITTEN
         fault = check_value(attribute, value) if written else check_python(attribute, value)
