@@ -158,13 +158,15 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
                 part.unit.origins.owners.setdefault(child, owner)
         frame.extend([*above(worldbody, part.unit.header), *worldbody])
         part.unit.root.remove(worldbody)
-    part.content = parent
+    if all(part.unit.file != earlier.unit.file for earlier in linking.parts[: linking.parts.index(part)]):
+        for comment in reversed(part.unit.header):
+            frame.insert(0, comment)
     if next(frame.iterchildren("*"), None) is not None:
-        if all(part.unit.file != earlier.unit.file for earlier in linking.parts[: linking.parts.index(part)]):
-            for comment in reversed(part.unit.header):
-                frame.insert(0, comment)
         parent.append(frame)
         part.content = frame
+    else:
+        parent.extend(list(frame))  # comments of a part without bodies
+        part.content = parent
     if len(outer) > count:
         tops[part] = outer[-1]
     if part.layout is not None and part.layout.in_world_coordinates:
