@@ -26,11 +26,13 @@ from composer.link.sections import sections
 from composer.link.several_defaults import several_defaults
 from composer.link.spurious import note_replicates, spurious
 from composer.link.submodels import submodels
+from composer.link.unrolling import unrolling
 
 Pass = Callable[[Linking], None]
 
 # In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
 PASSES: tuple[Pass, ...] = (
+    unrolling,
     note_flexes,
     flex_turns,
     note_replicates,

@@ -53,7 +53,7 @@ class _Suspect(NamedTuple):
 
 
 def several_defaults(linking: Linking) -> None:
-    """Write the gain of an actuator that would find another one; refuse it where that cannot be written."""
+    """Write the gain that several top-level `<default>` give an actuator; refuse it where that cannot be written."""
     wrapped = [part.unit for part in linking.parts]
     if linking.base_class is not None:
         wrapped.append(linking.base)
