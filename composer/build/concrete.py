@@ -24,7 +24,9 @@ def concrete(plan: Plan) -> list[object]:
     for each in plans(plan):
         told = [[name, repr(value)] for name, value in sorted(each.scope.items())]
         values = list(_values(each.document, ""))
-        found.append([each.name, str(each.path), told, values, [_source(model) for model in models(each)]])
+        read = [[file, reading.angle, reading.eulerseq] for file, reading in each.readings.others.items()]
+        sources = [_source(model) for model in models(each)]
+        found.append([each.name, str(each.path), told, values, read, sources])
     return found
 
 

@@ -36,6 +36,7 @@ from composer.plan.plan import (
     WriteKeyframe,
 )
 from composer.plan.read import folder_of, read_recipe
+from composer.plan.reading import Reading, Readings, check_bare_angles, readings_of
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.checks.unchanged import Unchanged
@@ -126,6 +127,7 @@ class _Planner:
         parts = self._without_rings(tuple(self._parts(recipe, document, inside)), recipe.separator)
         if base is None:
             return None
+        readings = self._readings(path, recipe, document, concrete)
         steps = tuple(_steps(recipe, document, randomize, sample))
         plan = Plan(
             name=name or recipe.name or as_text(path.stem),
@@ -135,8 +137,7 @@ class _Planner:
             document=document,
             separator=recipe.separator,
             conflict=recipe.conflict,
-            angle=recipe.angle,
-            eulerseq=recipe.eulerseq,
+            readings=readings,
             base=base,
             parts=parts,
             steps=steps,
@@ -187,6 +188,16 @@ class _Planner:
             return None
         self.sink.forgive(found.lost | (concrete.lost if concrete else frozenset()))
         return found.recipe, found.document, concrete
+
+    def _readings(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> Readings:
+        """How bare angles are read: in a file that says nothing, as nothing."""
+        whole = Reading(recipe.angle, recipe.eulerseq)
+        files = self.context.recipes[path].said
+        if concrete is None or len(files) < 2:
+            return Readings(document, whole)
+        readings = readings_of(concrete, document, whole, files, self.sink)
+        check_bare_angles(readings, self.sink)
+        return readings
 
     def _base(
         self, recipe: Recipe, document: Mapping, inside: tuple[tuple[Path, Span | None], ...]

@@ -84,11 +84,13 @@ def _place(step: AttachPart, making: Making) -> Place:
     if attachment.quat is not None:
         offset["quat"] = _numbers(attachment.quat)
     elif attachment.euler is not None:
-        angles = [in_radians(angle, making) for angle in attachment.euler]
-        offset["quat"] = numbers.text(quat_from_euler(angles, making.eulerseq))
+        reading = making.readings.at((*step.at, "euler"))
+        angles = [in_radians(angle, reading) for angle in attachment.euler]
+        offset["quat"] = numbers.text(quat_from_euler(angles, reading.eulerseq))
     elif attachment.axisangle is not None:
         *axis, angle = attachment.axisangle
-        offset["quat"] = _text(quat_from_axisangle([plain(each) for each in axis], in_radians(angle, making)))
+        radians = in_radians(angle, making.readings.at((*step.at, "axisangle")))
+        offset["quat"] = _text(quat_from_axisangle([plain(each) for each in axis], radians))
     elif attachment.xyaxes is not None:
         offset["xyaxes"] = _numbers(attachment.xyaxes)
     elif attachment.zaxis is not None:

@@ -151,7 +151,7 @@ class Composer:
             remove_keys(base)
         self.watch([base, *units], plan)
         making = Making(
-            plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
+            plan.document, plan.file, self.context.sink, plan.readings,
             "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
         )  # fmt: skip
         base.origins.texts[plan.file] = plan.path

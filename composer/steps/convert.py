@@ -111,7 +111,7 @@ def _given(
 ) -> dict[str, str]:
     """The attributes that the entry gives, as text."""
     kind = GRAMMAR.element(f"actuator/{to}")
-    values = Values(editing, node, index)
+    values = Values(editing, node, index, at)
     found: dict[str, str] = {}
     for name, item in written.items():
         path = (*at, name)

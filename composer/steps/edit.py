@@ -27,7 +27,7 @@ from composer.recipe.value import read_value
 from composer.steps.convert import convert
 from composer.steps.edit_values import POLYNOMIALS, Unusable, Values
 from composer.steps.editing import Editing
-from composer.steps.elements import settle_joints, turned, update
+from composer.steps.elements import settle_joints, update
 from composer.steps.loose_ends import not_there
 from composer.steps.mass import Masses
 from composer.steps.move import move
@@ -126,7 +126,7 @@ class Change:
 
     def carry_out(self, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
         kind = kind_of(node)
-        values = Values(self.editing, node, index)
+        values = Values(self.editing, node, index, at)
         for key, item in written.items():
             path = (*at, key)
             if isinstance(item, dict):
@@ -167,7 +167,8 @@ class Change:
         faults: list[Fault] = []
         read = read_value(attribute, given, at, editing.called(node), faults)
         joint = joint_type(node, editing.classes) if attribute.angle == "joint" else None
-        if read is not None and editing.making.angle is None and attribute.angle is not None:
+        silent = editing.making.readings.at(at).angle is None
+        if read is not None and silent and attribute.angle is not None:
             bare = bare_angle(attribute, read, joint, at, editing.called(node))
             faults += [bare] if bare is not None else []
         for fault in faults[:1]:
@@ -278,20 +279,22 @@ class Change:
                 self._fault(Fault("wrong-type", "a factor has no unit", at), node)
             return float(given)  # type: ignore[arg-type]
         if is_angle:
-            if not isinstance(given, Angle) and given != 0 and making.angle is None:
+            reading = making.readings.at(at)
+            if not isinstance(given, Angle) and given != 0 and reading.angle is None:
                 help = f"write `{given}deg` or `{given}rad`, or `angle: degree` at the top of the recipe"
                 message = (
                     f"`{attribute.name}` of {self.editing.called(node)} is an angle and {given} has no unit"
                 )
                 self._fault(Fault("bare-angle", message, at, help=help), node)
             radians = numbers.joint_radians if attribute.angle == "joint" else numbers.orientation_radians
-            return turned(given, making, radians)
+            return making.turned(given, reading, radians)
         return given.radians if isinstance(given, Angle) else float(given)  # type: ignore[arg-type]
 
     def _same_sequence(self, node: Node, at: Path) -> None:
         making = self.editing.making
-        if making.eulerseq != making.model_eulerseq:
-            sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{making.eulerseq}`"
+        sequence = making.readings.at(at).eulerseq
+        if sequence != making.model_eulerseq:
+            sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{sequence}`"
             message = f"`euler` of {self.editing.called(node)} turns in {sequences}"
             self._fault(Fault("not-supported", message, at, help="set the whole orientation"), node)
 
@@ -327,8 +330,8 @@ class Change:
 def _take_files(editing: Editing) -> None:
     """A file that an edit names is relative to the recipe."""
     making, linking = editing.making, editing.linking
-    folder = (making.folder / making.file).parent
     for node, attribute, name in making.files:
+        folder = making.folder_of(node, attribute)
         linking.files = [
             use for use in linking.files if use.element is not node or use.attribute != attribute
         ]

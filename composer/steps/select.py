@@ -83,8 +83,8 @@ def _selection(editing: Editing) -> Selection:
 
 
 def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
-    values = Values(editing, node, 0)
     at = (*selector.at, "where")
+    values = Values(editing, node, 0, at)
     if isinstance(selector.where, str):
         scope = {**values.scope, **attributes_scope(values)}
         scope["name"] = values.scope["name"]
@@ -108,7 +108,7 @@ def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
             have = now
         meant = values.of(wanted, (*at, key), have)
         if isinstance(meant, str) and attribute.is_number and (angle := Angle.read(meant)) is not None:
-            unit = editing.making.angle or "radian"
+            unit = editing.making.readings.at(at).angle or "radian"
             meant = angle.radians if unit == "radian" else angle.radians / RADIANS_PER_DEGREE
         if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_glob(meant):
             if not matcher(meant, editing.linking.separator)(str(have)):
