@@ -109,6 +109,10 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
 def _text(path: Path, context: Context) -> bytes | None:
     shown = context.shown(path)
     try:
+        if path.is_fifo() and not _is_given_by_the_shell(path):
+            message = f"`{shown}` is a named pipe, which might keep a build waiting for ever"
+            context.sink.error("file-unreadable", message, help="name a file")
+            return None
         with path.open("rb") as stream:
             text = stream.read(MAX_SIZE + 1)
     except OSError as error:
@@ -123,6 +127,11 @@ def _text(path: Path, context: Context) -> bytes | None:
         )
         return None
     return text
+
+
+def _is_given_by_the_shell(path: Path) -> bool:
+    """Whether it is standard input, or the output of `<(command)`."""
+    return str(path) == "/dev/stdin" or str(path.parent) in ("/dev/fd", "/proc/self/fd")
 
 
 def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> None:

@@ -34,8 +34,9 @@ from composer.steps.move import move
 from composer.steps.remove import remove
 from composer.steps.rename import rename
 from composer.steps.select import counted
+from composer.steps.unset import missed, tell_missed, unset
 from composer.tree.classes import MAIN, ORIENTATIONS
-from composer.tree.effective import chain, levels
+from composer.tree.effective import levels
 from composer.tree.kinds import kind_of, section_of
 from composer.tree.names import WORLD, references
 from composer.tree.selector import paths_of
@@ -66,8 +67,10 @@ def is_of_keys(step: EditElements | DrawValues) -> bool:
 
 def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
     entry = step.edit
+    names = () if isinstance(entry.unset, Mapping) else tuple(entry.unset)
+    lacked = {node: missed(editing, node) for node in found} if names else {}
     if entry.unset:
-        _unset(editing, found, entry.unset, (*entry.at, "unset"))
+        unset(editing, found, entry.unset, (*entry.at, "unset"))
     masses = Masses(editing, found)
     for verb in ("set", "scale", "offset"):
         written: Mapping[str, Any] = getattr(entry, verb)
@@ -82,40 +85,9 @@ def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
             pose = {name: value for name, value in entry.move.items() if name != "to"}
             if pose:
                 Change(editing, "set", masses).carry_out(node, index, pose, (*entry.at, "move"))
+    tell_missed(editing, lacked, names, (*entry.at, "unset"))
     if entry.rename is not None:
         rename(editing, found, entry.rename, (*entry.at, "rename"))
-
-
-def _unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
-    """Take attributes away; one that no selected element writes is told."""
-    if isinstance(names, Mapping):
-        for tag, inner in names.items():
-            below = [child for node in found for child in node.iterchildren(tag)]
-            _unset(editing, below, inner, (*at, tag))
-        return
-    for position, name in enumerate(names):
-        writing = [node for node in found if node.get(name) is not None]
-        if not writing:
-            given = next((node for node in found if editing.effective(node, name) is not None), None)
-            by_class = (
-                given is not None and kind_of(given).takes_class and _given_by_class(editing, given, name)
-            )
-            help = "its class gives it: change it there, `select: {default: CLASS}`" if by_class else None
-            editing.sink.error(
-                "unknown-attribute",
-                f"`{name}` is written on none of the selected elements",
-                editing.span((*at, position)),
-                help=help,
-            )
-            raise Unusable
-        for node in writing:
-            editing.forget(node)
-            del node.attrib[name]
-            editing.note(node)
-
-
-def _given_by_class(editing: Editing, node: Node, name: str) -> bool:
-    return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))
 
 
 class Change:

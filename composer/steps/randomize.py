@@ -79,7 +79,8 @@ class _Draws:
     def _with_unit(self, node: Node, drawn: Any) -> Any:
         """The draw as it would be written beside the attribute, of whose file bare angles need not be."""
         entry = self.step.field
-        unit, items = entry.drawing.unit, drawn if isinstance(drawn, list) else [drawn]
+        unit: str | None = entry.drawing.unit
+        items = drawn if isinstance(drawn, list) else [drawn]
         turned = [True] * len(items)
         if unit is None and entry.operation != "scale":
             unit, turned = (

@@ -16,7 +16,7 @@ from composer.steps.edit_values import Unusable, Values, attributes_scope, equal
 from composer.steps.editing import Editing
 from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of
-from composer.tree.pattern import SECONDS, SlowPattern
+from composer.tree.pattern import SlowPattern
 from composer.tree.select import BadXPath, Selection
 from composer.tree.selector import XPATH, Selector
 
@@ -29,12 +29,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     try:
         return selection.of(selector)
     except SlowPattern as slow:
-        editing.sink.error(
-            "selector",
-            f"the regular expression `/{slow}/` takes longer than {SECONDS:g} seconds",
-            editing.span(path),
-            help="write it without repetitions inside repetitions, or use a glob",
-        )
+        editing.sink.error("selector", slow.message, editing.span(path), help=slow.help)
     except BadXPath as error:
         editing.sink.error(
             "selector",
