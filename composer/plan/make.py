@@ -74,7 +74,7 @@ def plan_what_remains(
     path = context.folder / recipe
     plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
     if name is None and plan is not None:
-        read_matrix(path, context)
+        read_matrix(path, context, given)
     return plan
 
 

@@ -34,6 +34,7 @@ SEVERAL = {
     "check_nested",
     "keyframe_several",
     "draw_faults",
+    "draw_in_cells",
     "draw_parameters",
     "draw_refused",
     "draw_table",
