@@ -10,7 +10,7 @@ from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
 
 _QUOTED = re.compile(r"`([^`]*)`")
-_STEP = re.compile(r"[/:.\s]")
+_STEP = re.compile(r"[/:.\s{},]")
 
 
 class Sink:
@@ -32,6 +32,12 @@ class Sink:
         An earlier fault took them away, so that what lacks them may be right. Such errors stop the work all the same.
         """
         self._forgiven.update(names)
+
+    def fork(self) -> Sink:
+        """An empty sink that forgives what this one does."""
+        sink = Sink()
+        sink.forgive(self._forgiven)
+        return sink
 
     def _is_forgiven(self, diagnostic: Diagnostic) -> bool:
         if diagnostic.severity is not Severity.ERROR:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,6 +53,19 @@ class Sequence:
 
 
 Node = Scalar | Mapping | Sequence
+
+
+def texts(node: Node) -> Iterator[str]:
+    """Every key and value, as it is written."""
+    if isinstance(node, Scalar):
+        yield node.text
+    elif isinstance(node, Sequence):
+        for item in node.items:
+            yield from texts(item)
+    else:
+        for name, (_, value) in node.entries.items():
+            yield name
+            yield from texts(value)
 
 
 def to_python(node: Node) -> Any:

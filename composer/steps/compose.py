@@ -172,11 +172,13 @@ class Composer:
             return None
         _carry_out(plan, linking, making)
         changes = self._changes(plan, linking, making)
-        if (
-            changes and not self.context.sink.has_errors
-        ):  # without what is at fault a selector means other things
+        are_named = True
+        if changes and self.context.sink.has_errors:  # without what is at fault a selector means other things
+            are_named = changes.in_doubt()
+        elif changes:
             changes.of_elements()
-        write_keyframes(plan, linking, making)
+        if are_named:
+            write_keyframes(plan, linking, making)
         if self.context.sink.error_count > before:
             return None
         finish(linking)

@@ -23,6 +23,7 @@ CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
 SEVERAL = {
     "several_expressions",
     "everything_at_once",
+    "edit_beside_others",
     "edit_unset",
     "extends_without_angle",
     "several_sources",
