@@ -38,6 +38,8 @@ def bodies(linking: Linking) -> None:
                 _nowhere(linking, part)
             if not lost:
                 _ring(linking, waiting)
+            prefixes = [part.prefix for part in waiting if part.prefix]
+            linking.sink.forgive([*prefixes, *(each.removesuffix(linking.separator) for each in prefixes)])
             return
         waiting = [part for part in waiting if part not in ready]
     _in_order(linking, tops)
