@@ -36,6 +36,15 @@ def collect(
     return files
 
 
+def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> None:
+    """Tell the files that are missing, of a model that will not be bundled for another fault."""
+    for use in {use.path: use for use in uses if use.content is None}.values():
+        try:
+            os.stat(use.source)
+        except OSError as error:
+            _missing(model, use, error, sink, shown)
+
+
 def _store(
     model: Unit,
     use: FileUse,

@@ -141,7 +141,9 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         pose = {}
     pose = pose or offset
     if part.joints or part.mocap:
-        body = _child(linking, part, parent, "body", {"name": part.prefix, **pose})
+        body = _child(
+            linking, part, parent, "body", {**({"name": part.prefix} if part.prefix else {}), **pose}
+        )
         if part.mocap:
             body.set("mocap", "true")
         if any(flex.part is part for flex in linking.flexes):
@@ -150,7 +152,8 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
             undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
             added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
             _declare_joint(linking, part, added)
-        linking.names.declared.setdefault("body", {})[part.prefix] = body
+        if part.prefix:
+            linking.names.declared.setdefault("body", {})[part.prefix] = body
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
     for worldbody in list(part.unit.root.iterchildren("worldbody")):

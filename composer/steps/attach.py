@@ -42,6 +42,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
     joint = step.attachment.joint
     if joint is None:
         return
+    named = {"name": step.prefix} if step.prefix else {}
     if joint == "weld":
         part.weld = True
     elif joint in ("free", "mocap") and floats_by_itself(part.unit, mocap=joint == "mocap"):
@@ -49,9 +50,9 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
     elif joint == "mocap":
         part.mocap = True
     elif joint == "free":
-        part.joints = (Joint("freejoint", {"name": step.prefix}),)
+        part.joints = (Joint("freejoint", named),)
     elif joint == "ball":
-        part.joints = (Joint("joint", {"name": step.prefix, "type": "ball", "class": "main"}),)
+        part.joints = (Joint("joint", {**named, "type": "ball", "class": "main"}),)
     elif isinstance(joint, tuple):
         part.joints = tuple(
             Joint(
@@ -61,7 +62,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
             for each in joint
         )
     else:
-        part.joints = (Joint("joint", {"name": step.prefix, **joint_attributes(joint, making)}),)
+        part.joints = (Joint("joint", {**named, **joint_attributes(joint, making)}),)
 
 
 def check_joints(step: AttachPart, linking: Linking, making: Making) -> None:

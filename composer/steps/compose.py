@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.bundle.collect import check_files
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -179,6 +180,8 @@ class Composer:
             changes.of_elements()
         if are_named:
             write_keyframes(plan, linking, making)
+        if self.context.sink.has_errors:
+            check_files(linking.base, linking.files, self.context.sink, self.context.shown)
         if self.context.sink.error_count > before:
             return None
         finish(linking)

@@ -33,6 +33,7 @@ SEVERAL = {
     "check_failed",
     "check_names",
     "check_nested",
+    "files_beside_others",
     "keyframe_several",
     "draw_faults",
     "draw_in_cells",
