@@ -10,7 +10,7 @@ from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
 
 _QUOTED = re.compile(r"`([^`]*)`")
-_STEP = re.compile(r"[/:.\s{},]")
+_STEP = re.compile(r"[/:.\s]")
 
 
 class Sink:
@@ -39,13 +39,14 @@ class Sink:
         sink.forgive(self._forgiven)
         return sink
 
+    def forgives(self, name: str) -> bool:
+        """Whether an earlier fault may be the reason that there is nothing of this name."""
+        return name in self._forgiven or not self._forgiven.isdisjoint(_STEP.split(name))
+
     def _is_forgiven(self, diagnostic: Diagnostic) -> bool:
         if diagnostic.severity is not Severity.ERROR:
             return True
-        named = _QUOTED.findall(diagnostic.message)
-        return any(
-            name in self._forgiven or not self._forgiven.isdisjoint(_STEP.split(name)) for name in named
-        )
+        return any(map(self.forgives, _QUOTED.findall(diagnostic.message)))
 
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code not in CODES:

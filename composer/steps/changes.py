@@ -60,10 +60,11 @@ class Changes:
     def _edit_by_name(self, sink: Sink) -> bool:
         editing = self._editing()
         for step in self.plan.edits:
-            before, is_one = sink.error_count, step.edit.select.is_one_name
-            if is_one and not is_of_keys(step):
+            before, selector = sink.error_count, step.edit.select
+            is_certain = selector.is_one_name and not sink.forgives(selector.pattern)
+            if is_certain and not is_of_keys(step):
                 edit(step, editing)
-            if step.edit.rename is not None and (not is_one or sink.error_count > before):
+            if step.edit.rename is not None and (not is_certain or sink.error_count > before):
                 return False
         return True
 
