@@ -68,6 +68,18 @@ def texts(node: Node) -> Iterator[str]:
             yield from texts(value)
 
 
+def spans(node: Node) -> Iterator[Span]:
+    """Where everything is written: every key and value."""
+    yield node.span
+    if isinstance(node, Sequence):
+        for item in node.items:
+            yield from spans(item)
+    elif isinstance(node, Mapping):
+        for key, value in node.entries.values():
+            yield key.span
+            yield from spans(value)
+
+
 def to_python(node: Node) -> Any:
     """Plain dicts, lists and values, without places. Recursive: `load` keeps trees shallow."""
     if isinstance(node, Scalar):

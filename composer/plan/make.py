@@ -22,6 +22,7 @@ from composer.plan.locked import use_lock
 from composer.plan.matrix import read_matrix
 from composer.plan.order import in_order
 from composer.plan.parts import called, parts_of
+from composer.plan.pieces import check_pieces
 from composer.plan.plan import (
     AddElement,
     AppendElement,
@@ -74,7 +75,9 @@ def plan_what_remains(
     path = context.folder / recipe
     plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
     if name is None and plan is not None:
-        read_matrix(path, context, given)
+        matrix = read_matrix(path, context, given)
+        if matrix is not None:
+            check_pieces(matrix.document, given or {}, context.sink)
     return plan
 
 

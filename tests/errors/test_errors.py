@@ -34,6 +34,7 @@ SEVERAL = {
     "check_names",
     "check_nested",
     "files_beside_others",
+    "variant_pieces",
     "keyframe_several",
     "draw_faults",
     "draw_in_cells",

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.verify.kinds.finding import Finding, failed, unknown
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.verify.kinds.finding import Finding, failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
 _NAMED = ("geom", "body", "flex")
@@ -25,7 +26,10 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     unmet = [(at, side) for at, pair in enumerate(excluded) for side, names in enumerate(pair) if not names]
     if unmet:
         at, side = unmet[0]
-        return [unknown("geom or body", asked["exclude"][at][side], known, "exclude", at, side)]
+        glob = asked["exclude"][at][side]
+        notes = (exists_note("name", sorted(known), glob).message,)
+        message = f"`{glob}` names no geom and no body"
+        return [Finding(message, ("exclude", at, side), notes, "unknown-name", did_you_mean(glob, known))]
     deepest: dict[tuple[Side, Side], float] = {}
     most = 0.0
     for contact in data.contact:

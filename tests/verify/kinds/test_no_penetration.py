@@ -64,4 +64,4 @@ def test_options_that_switch_contacts_off_hide_nothing(ask) -> None:
 def test_what_is_excluded_must_be_there(ask) -> None:
     (finding,) = ask(MODEL, 'no_penetration: {exclude: [["a/*", "/.*thre+/"], ["b/*", "c/**"]]}')
     assert (finding.code, finding.at) == ("unknown-name", ("exclude", 1, 1))
-    assert finding.message == "there is no geom or body `c/**`"
+    assert finding.message == "`c/**` names no geom and no body"
