@@ -35,15 +35,22 @@ class Sink:
         """
         self._forgiven.update(names)
 
+    def fork(self) -> Sink:
+        """An empty sink that forgives what this one does."""
+        sink = Sink()
+        sink.forgive(self._forgiven)
+        return sink
+
+    def forgives(self, name: str) -> bool:
+        """Whether an earlier fault may be the reason that there is nothing of this name."""
+        return name in self._forgiven or not self._forgiven.isdisjoint(_STEP.split(name))
+
     def _is_forgiven(self, diagnostic: Diagnostic) -> bool:
         if diagnostic.severity is not Severity.ERROR:
             return True
         if diagnostic.code.startswith(_OF_FILES):
             return False
-        named = _QUOTED.findall(diagnostic.message)
-        return any(
-            name in self._forgiven or not self._forgiven.isdisjoint(_STEP.split(name)) for name in named
-        )
+        return any(map(self.forgives, _QUOTED.findall(diagnostic.message)))
 
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code not in CODES:

@@ -7,7 +7,6 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import get_args
 
 from composer.context import Context
@@ -18,7 +17,6 @@ from composer.link.defaults import choose_classes
 from composer.link.key_layouts import layouts
 from composer.link.link import finish, link, link_alone
 from composer.link.linking import FileUse, Linking, Measure, Policy
-from composer.mjcf.asset import Asset
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
 from composer.mjcf.loose_ends import check_references
@@ -57,6 +55,8 @@ def copied(model: Model) -> Unit:
     """A unit for the linker to use up."""
     unit = model.unit.copied()
     unit.label = label(model)
+    if unit.file == UNNAMED:
+        unit.file = model.name
     return unit
 
 
@@ -79,7 +79,7 @@ def flatten(
     mounting = Mounting(model, copy)
     measure = _measure(sink) if mounting.parts else None
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
-        prune(unit.root)
+        prune(unit)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
     if not mounting.parts:
         if check_keys:
@@ -94,7 +94,7 @@ def flatten(
         if not sink.has_errors:
             finish(linking)
         mounting.clear_up()
-        prune(linking.base.root)
+        prune(linking.base)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
     return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)))
@@ -145,11 +145,15 @@ def assets(model: Model) -> dict[str, bytes]:
 
 
 def contents(flat: Flat) -> dict[str, bytes]:
-    """The bytes of the files of a model by the names that `name_files` gives them."""
+    """The bytes of the files of a model by the names that `name_files` gives them. Raises `MjcfError`."""
+    from composer.bundle.collect import read
+
     found: dict[str, bytes] = {}
+    sink = Sink()
     for use, name in _told_apart(flat.files):
         if name not in found:
-            found[name] = Asset(path=Path(use.source)).contents if use.content is None else use.content
+            found[name] = read(flat.unit, use, sink) or b""
+    raise_errors(sink)
     return found
 
 
@@ -164,10 +168,10 @@ class _NamesChecked(Sink):
 def _measure(sink: Sink) -> Measure:
     """MuJoCo, in a process of its own, asked only for what the tree does not tell."""
 
-    def measure(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
+    def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
         from composer.steps.measure import measure_with
 
-        return measure_with(Context(sink))(unit, arrays)
+        return measure_with(Context(sink))(unit, arrays, attempt=attempt)
 
     return measure
 

@@ -26,7 +26,7 @@ def relocated_text(model: Model, label: str) -> str | None:
     if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label):
         return None
     files = _plain_files(unit)
-    if files is None or next(empty(unit.root), None) is not None:
+    if files is None or next(empty(unit), None) is not None:
         return None
     text = to_text(unit.root)
     if text.count(_FILE) != files:
