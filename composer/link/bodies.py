@@ -39,6 +39,8 @@ def bodies(linking: Linking) -> None:
                 _nowhere(linking, part)
             if not lost:
                 _ring(linking, waiting)
+            prefixes = [part.prefix for part in waiting if part.prefix]
+            linking.sink.forgive([*prefixes, *(each.removesuffix(linking.separator) for each in prefixes)])
             return
         waiting = [part for part in waiting if part not in ready]
     _in_order(linking, tops)
@@ -140,7 +142,9 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         pose = {}
     pose = pose or offset
     if part.joints or part.mocap:
-        body = _child(linking, part, parent, "body", {"name": part.prefix, **pose})
+        body = _child(
+            linking, part, parent, "body", {**({"name": part.prefix} if part.prefix else {}), **pose}
+        )
         if part.mocap:
             body.set("mocap", "true")
         if any(flex.part is part for flex in linking.flexes):
@@ -149,7 +153,8 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
             undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
             added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
             _declare_joint(linking, part, added)
-        linking.names.declared.setdefault("body", {})[part.prefix] = body
+        if part.prefix:
+            linking.names.declared.setdefault("body", {})[part.prefix] = body
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
     for worldbody in list(part.unit.root.iterchildren("worldbody")):
