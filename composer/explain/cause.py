@@ -365,7 +365,7 @@ _CHANGES: dict[str, Callable[[Causes, Change, Life], Reason | None]] = {
     "check_names": Causes._main,
 }
 _MADE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
-    "unrolling": Causes._unrolled,
+    "replicates": Causes._unrolled,
     "reductions": Causes._reduced,
     "inertia": Causes._inertia_made,
     "agreement": Causes._agreement_made,

@@ -15,7 +15,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.grammar.format import to_text
 from composer.link.linking import Flex, Linking, Part
-from composer.tree.classes import MAIN, childclass_of, through_frames
+from composer.tree.classes import MAIN, DefaultClass, childclass_of, through_frames
 from composer.tree.unit import Unit
 
 # What a flex decides itself, or MuJoCo refuses to it.
@@ -72,6 +72,8 @@ def check_flexes(linking: Linking) -> None:
         lost = [name for name in given if name in flex.joint and not _neutral(name)]
         if not _same(given, flex.joint) or lost:
             _refuse(linking, flex, given)
+        elif flex.part is not None and body is not None and _will_be_set(linking, body):
+            _refuse_set(linking, flex.part, flex)
 
 
 def top_joint(unit: Unit) -> dict[str, str]:
@@ -84,11 +86,24 @@ def top_joint(unit: Unit) -> dict[str, str]:
 
 
 def _given_by(linking: Linking, body: Node) -> dict[str, str]:
-    name = str(body.get("childclass") or childclass_of(body) or "")
-    found = linking.base.classes.get(name or MAIN)
+    found = _class_of(linking, body)
     kind = GRAMMAR.element("default/joint")
     values = {each: found.lookup("joint", each) for each in kind.attributes}
     return _taken({each: value[0] for each, value in values.items() if value is not None})
+
+
+def _will_be_set(linking: Linking, body: Node) -> bool:
+    """Whether the recipe sets joint defaults of the base's top class, which the body has."""
+    if "joint" not in linking.isolate_base:
+        return False
+    found: DefaultClass | None = _class_of(linking, body)
+    while found is not None and found.name != linking.base_class:
+        found = found.parent
+    return found is not None
+
+
+def _class_of(linking: Linking, body: Node) -> DefaultClass:
+    return linking.base.classes.get(str(body.get("childclass") or childclass_of(body) or MAIN))
 
 
 def _taken(written: Mapping[str, str]) -> dict[str, str]:
@@ -121,6 +136,17 @@ def _refuse(linking: Linking, flex: Flex, given: Mapping[str, str]) -> None:
         notes=(
             Note("a flex takes the joint defaults of the body it stands in, in the world those of `main`"),
         ),
+        help="put the `<flexcomp>` into a `<body>` of its own",
+    )
+
+
+def _refuse_set(linking: Linking, part: Part, flex: Flex) -> None:
+    linking.sink.error(
+        "not-supported",
+        f"the flex of `{part.called}` would take the joint defaults that the recipe sets for `main`: "
+        f"it hangs on the {part.place.kind} `{part.place.name}`",
+        linking.span(flex.unit, flex.element),
+        notes=(Note("a flex takes the joint defaults of the body it stands in"),),
         help="put the `<flexcomp>` into a `<body>` of its own",
     )
 

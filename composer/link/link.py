@@ -21,21 +21,20 @@ from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
 from composer.link.reductions import reductions
+from composer.link.replicates import replicates
 from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
 from composer.link.several_defaults import several_defaults
-from composer.link.spurious import note_replicates, spurious
+from composer.link.spurious import spurious
 from composer.link.submodels import submodels
-from composer.link.unrolling import unrolling
 
 Pass = Callable[[Linking], None]
 
 # In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
 PASSES: tuple[Pass, ...] = (
-    unrolling,
     note_flexes,
     flex_turns,
-    note_replicates,
+    replicates,
     layouts,
     reductions,
     choose_classes,

@@ -21,7 +21,6 @@ from composer.link.defaults import defaults
 from composer.link.linking import Linking
 from composer.link.multiplied import actuators_in_order, element_of
 from composer.tree.classes import MAIN, Classes, DefaultClass
-from composer.tree.effective import default_text, position
 from composer.tree.unit import Unit
 
 _OF_ANY_KIND = ("general", "motor", "plugin")
@@ -153,6 +152,8 @@ def _write(
     unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, str], DefaultClass | None]
 ) -> None:
     """Write what the class gives that `gain` finds, where the composition gives another value."""
+    from composer.tree.effective import default_text  # few models need it
+
     tag = str(actuator.tag)
     own = unit.classes.get(actuator.get("class"))
     alone, there = gain(unit.classes, own, tag), _found(unit.classes, own, tag)
@@ -196,8 +197,10 @@ def _found_nowhere(classes: Classes, own: DefaultClass, tag: str) -> DefaultClas
 
 
 def _is_of(found: DefaultClass, tag: str) -> bool:
-    kinds = sorted((each for name in _tags() for each in found.elements.get(name, ())), key=position)
-    return bool(kinds) and kinds[-1].tag == tag
+    """Whether a class is of that kind by its own last word."""
+    own = found.elements.get(tag)
+    section = own[0].getparent() if own else None
+    return section is not None and _actuators(section)[-1].tag == tag
 
 
 def _refuse(linking: Linking, unit: Unit, suspect: _Suspect) -> None:

@@ -1,4 +1,4 @@
-"""Passes: what the `<replicate>` of one unit would multiply in another, by a fault of MuJoCo.
+"""Pass: what the `<replicate>` of one unit would multiply in another, by a fault of MuJoCo.
 
 MuJoCo (3.12 to 4.0) takes for replicated what still resolves when the copy's number is appended to every name in
 it: a sensor without an object, a tuple of assets, and what refers to `j1` where there is a `j10` before the replicate,
@@ -23,12 +23,6 @@ _OF_NOTHING = ("numeric", "text")
 _COPIED = frozenset(
     "body joint geom site camera light tendon equality actuator sensor pair exclude flex skin".split()
 )
-
-
-def note_replicates(linking: Linking) -> None:
-    """Remember whose replicate is whose, while the units are apart."""
-    for unit in linking.units if linking.parts else ():
-        linking.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
 
 
 def spurious(linking: Linking) -> None:

@@ -1,4 +1,4 @@
-"""Pass: replicates that cannot stay as they are beside another unit are written out.
+"""Replicates that cannot stay as they are beside another unit are written out.
 
 That is where MuJoCo would multiply something of the other unit, too (see `spurious.py`), or where the model reads the
 angles in another sequence. Only what nothing outside the replicate refers to is written out: MuJoCo multiplies what
@@ -26,11 +26,10 @@ _EXPANDED = ("flexcomp", "composite", "attach")
 _IN_TREE = "worldbody"
 
 
-def unrolling(linking: Linking) -> None:
-    """Write out the copies of a replicate that would change another part, or be turned in another sequence."""
-    units = linking.units if linking.parts else ()
-    holding = [unit for unit in units if next(unit.root.iter("replicate"), None) is not None]
-    indices = {unit: NameIndex.of(unit.root) for unit in units} if holding else {}
+def unroll(linking: Linking, holding: list[Unit]) -> None:
+    """Write out the replicates that would change another unit, or turn in another sequence."""
+    units = linking.units
+    indices = {unit: NameIndex.of(unit.root) for unit in units}
     for unit in holding:
         for nest in list(_outermost(unit)):
             inside = list(inner_first(nest))

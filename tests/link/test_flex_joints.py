@@ -43,3 +43,14 @@ def test_a_flex_at_the_root_takes_the_defaults_of_its_mount(workshop: Workshop) 
     assert workshop.link(base, part).model().nflex == 1
     part = Piece(model("", FLEX), "p/", placed("body", "classed"))
     assert workshop.link(base, part).fault.code == "not-supported"
+
+
+def test_a_flex_at_the_root_does_not_take_what_the_recipe_sets(workshop: Workshop) -> None:
+    base = '<mujoco><worldbody><body name="plain"/></worldbody></mujoco>'
+    on_body = Piece(model("", FLEX), "p/", placed("body", "plain"))
+    fault = workshop.link(base, on_body, isolate_base=frozenset({"joint"})).fault
+    assert "the recipe sets for `main`" in fault.message
+    workshop.link(base, on_body, isolate_base=frozenset({"geom"})).check()
+    workshop.link(base, Piece(model("", FLEX), "p/"), isolate_base=frozenset({"joint"})).check()
+    inside = Piece(model("", f'<body name="own">{FLEX}</body>'), "p/", placed("body", "plain"))
+    workshop.link(base, inside, isolate_base=frozenset({"joint"})).check()
