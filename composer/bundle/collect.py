@@ -11,7 +11,7 @@ from pathlib import Path
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest
 from composer.link.linking import FileUse
-from composer.tree.files import NAMED_AFTER_FILE, stem
+from composer.tree.files import NAMED_AFTER_FILE, in_archive, stem
 from composer.tree.unit import Unit
 
 _LFS_POINTER = b"version https://git-lfs"
@@ -45,15 +45,8 @@ def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callabl
             _missing(model, use, error, sink, shown)
 
 
-def _store(
-    model: Unit,
-    use: FileUse,
-    files: dict[str, bytes],
-    stored: dict[tuple[str, bytes], str],
-    sink: Sink,
-    shown: Callable[[Path], str],
-) -> str | None:
-    """Where the bytes of a file are in the bundle: under its own path, or that of an equal file of its kind."""
+def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = str) -> bytes | None:
+    """The bytes of a file; None where they cannot be had, which is told."""
     content = use.content
     if content is None:
         try:
@@ -65,6 +58,21 @@ def _store(
         told = f"`{shown(Path(use.source))}` is not the file itself but where Git LFS has it"
         span = model.origins.span(use.element, model.file, use.attribute)
         sink.error("asset-missing", told, span, help="fetch the files of its repository: `git lfs pull`")
+        return None
+    return content
+
+
+def _store(
+    model: Unit,
+    use: FileUse,
+    files: dict[str, bytes],
+    stored: dict[tuple[str, bytes], str],
+    sink: Sink,
+    shown: Callable[[Path], str],
+) -> str | None:
+    """Where the bytes of a file are in the bundle: under its own path, or that of an equal file of its kind."""
+    content = read(model, use, sink, shown)
+    if content is None:
         return None
     if not use.shared:
         files[use.path] = content
@@ -96,6 +104,9 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
             f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}",
             None,
         )
+    archive = in_archive(source)
+    if archive is not None:
+        message, help = f"`{shown(archive[0])}` has no file `{archive[1]}`", None
     span = model.origins.span(use.element, model.file, use.attribute)
     sink.error("asset-missing", message, span, help=help)
 

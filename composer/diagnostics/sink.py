@@ -11,6 +11,8 @@ from composer.diagnostics.span import Span
 
 _QUOTED = re.compile(r"`([^`]*)`")
 _STEP = re.compile(r"[/:.\s]")
+_OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
+"""What these codes name are files and addresses, in which any word may stand."""
 
 
 class Sink:
@@ -46,6 +48,8 @@ class Sink:
     def _is_forgiven(self, diagnostic: Diagnostic) -> bool:
         if diagnostic.severity is not Severity.ERROR:
             return True
+        if diagnostic.code.startswith(_OF_FILES):
+            return False
         return any(map(self.forgives, _QUOTED.findall(diagnostic.message)))
 
     def add(self, diagnostic: Diagnostic) -> None:

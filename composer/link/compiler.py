@@ -7,7 +7,7 @@ from composer.link.inertia import MEASURED
 from composer.link.limits import model_autolimits
 from composer.link.linking import Linking
 
-_FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 _MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 _WHOLE_MODEL = ("fusestatic", "discardvisual")
 _NO_EFFECT = ("coordinate", "usethread", "conflict")
@@ -24,7 +24,7 @@ def compiler(linking: Linking) -> None:
         written.update({str(name): str(value) for name, value in element.items()})
         children.extend(list(element))
         root.remove(element)
-    for name in _FOLDERS:
+    for name in FOLDERS:
         written.pop(name, None)
     if linking.parts:
         for name in (*_MADE_EXPLICIT, *_NO_EFFECT, *_WHOLE_MODEL, "alignfree", "fitaabb"):

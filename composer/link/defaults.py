@@ -6,7 +6,7 @@ move to the class `base/`, because an attribute without a neutral value could no
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Mapping, Set
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -18,7 +18,7 @@ from composer.tree.comments import above
 from composer.tree.unit import Unit
 
 # Sections whose elements take a class but stand outside the body tree, where no childclass reaches them.
-_CLASSED = {
+_CLASSED: Mapping[str, tuple[str, ...] | None] = {
     "asset": ("mesh", "material", "texture"),
     "contact": ("pair",),
     "equality": None,
@@ -137,12 +137,11 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
         tags = _CLASSED[str(section.tag)]
         if section.tag in ("equality", "tendon") and section.tag not in kinds:
             continue
-        for element in section:
-            tag = element.tag
-            if not isinstance(tag, str) or (tags is not None and tag not in tags):
+        if section.tag in ("asset", "contact"):
+            tags = tuple(kinds.intersection(tags or ()))
+            if not tags:
                 continue
-            if section.tag in ("asset", "contact") and tag not in kinds:
-                continue
+        for element in section.iterchildren(*(tags or ("*",))):
             if element.get("class") is None:
                 element.set("class", name)
 

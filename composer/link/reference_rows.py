@@ -45,24 +45,22 @@ class Reference:
                     given = numbers.text(pose.pos if vector == "mpos" else pose.quat).split()
                 row += given
             return row
+        # Numbers still mean something if neither their holder's meaning nor its width has been edited.
+        emptied, second = self.linking.emptied, vector in ("qvel", "act")
         if vector in ("qpos", "qvel"):
             for joint, slot in layout.joints.items():
                 given = values.get(joint)
-                if given is not None and not self._holds(joint, given, slot.widths[vector == "qvel"]):
-                    given = None
-                if given is None:
-                    given = self._qpos(joint, slot) if vector == "qpos" else ["0"] * slot.widths[1]
+                if given is None or len(given) != slot.widths[second] or joint in emptied:
+                    given = ["0"] * slot.widths[1] if second else self._qpos(joint, slot)
                 row += given
             return row
         for actuator, slot in layout.actuators.items():
-            width = slot.widths[vector == "act"]
+            width = slot.widths[second]
             given = values.get(actuator)
-            row += given if given and self._holds(actuator, given, width) else ["0"] * width
+            if given is None or len(given) != width or element_of(actuator) in emptied:
+                given = ["0"] * width
+            row += given
         return row
-
-    def _holds(self, holder: Holder, given: list[str], width: int) -> bool:
-        """Whether numbers still mean something after what has been edited."""
-        return element_of(holder) not in self.linking.emptied and len(given) == width
 
     def _qpos(self, joint: Node, slot: Slot) -> list[str]:
         measured = self.linking.references.get(joint)

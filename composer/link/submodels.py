@@ -9,14 +9,13 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
+from composer.link.compiler import FOLDERS
 from composer.link.files import ASSETS, inside
 from composer.link.linking import FileUse, Linking
 from composer.tree.files import file_attributes, join, written_path
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.write import write
-
-_FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 
 
 def submodels(linking: Linking) -> None:
@@ -98,6 +97,6 @@ def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool) -> None:
             _bundle(linking, sub, nested, model_file, inner, keyed)
             nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
     for compiler in sub.root.iterchildren("compiler"):
-        for name in _FOLDERS:
+        for name in FOLDERS:
             if name in compiler.attrib:
                 del compiler.attrib[name]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import operator
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,22 +15,41 @@ from composer.mjcf.errors import MjcfError, failure
 def as_path(argument: str, value: object) -> Path:
     """An argument that has to be a path."""
     if isinstance(value, str | os.PathLike):
-        return Path(value)
-    raise _expects(argument, "a path", type(value).__name__)
+        path = Path(value)
+        if "\0" in str(path):
+            raise expects(argument, "a path", str(path).replace("\0", "\\0"))
+        return path
+    raise expects(argument, "a path", type(value).__name__)
+
+
+def as_name(argument: str, value: object) -> str:
+    """An argument that has to be text."""
+    if isinstance(value, str):
+        return value
+    raise expects(argument, "a name", repr(value))
+
+
+def as_index(argument: str, value: object) -> int:
+    """An argument that has to be a whole number, Python's or numpy's."""
+    if not isinstance(value, bool):
+        with contextlib.suppress(TypeError):  # arrays have the method too
+            return operator.index(value)  # type: ignore[arg-type]
+    raise expects(argument, "an integer", repr(value))
 
 
 def as_files(argument: str, value: object) -> dict[str, bytes]:
     """An argument that has to be the bytes of files by path, or None."""
     if not isinstance(value, Mapping | None):
-        raise _expects(argument, "bytes by path", type(value).__name__)
+        raise expects(argument, "bytes by path", type(value).__name__)
     found: dict[str, bytes] = {}
     for name, content in (value or {}).items():
         if not isinstance(name, str) or not isinstance(content, bytes):
             got = f"{type(content).__name__}` by `{type(name).__name__}"
-            raise _expects(argument, "bytes by path", got)
+            raise expects(argument, "bytes by path", got)
         found[name] = content
     return found
 
 
-def _expects(argument: str, what: str, got: str) -> MjcfError:
+def expects(argument: str, what: str, got: object) -> MjcfError:
+    """The fault of an argument that is something else."""
     return failure("wrong-type", f"`{argument}` expects {what}, got `{got}`", call_site())

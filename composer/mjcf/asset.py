@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import posixpath
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from lxml import etree
 
+from composer.mjcf.arguments import as_path, expects
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
-from composer.tree.files import join, stem, written_path
+from composer.tree.files import in_archive, join, stem, written_path
 from composer.tree.settings import read_settings
 
 
@@ -34,18 +37,25 @@ class Asset:
         extension: str = "",
         prefix: str = "asset",
         *,
-        path: Path | None = None,
+        path: str | os.PathLike[str] | None = None,
     ) -> None:
         """`contents` or `path`, not both. The bytes of a path are read when they are asked for."""
         if (contents is None) == (path is None):
-            raise failure("wrong-type", "an `Asset` is made of `contents` or of a `path`, one of them")
-        if contents is not None and not (extension.startswith(".") and len(extension) > 1):
-            raise failure("wrong-type", f"`extension` expects a suffix such as `.stl`, got `{extension}`")
+            message = "an `Asset` is made of `contents` or of a `path`, one of them"
+            raise failure("wrong-type", message, call_site())
         self._data = contents
         self._model: Model | None = None
-        self.path = path
-        self.extension = extension if path is None else path.suffix
-        self.prefix = prefix if path is None else stem(path.name)
+        if path is not None:
+            self.path: Path | None = as_path("path", path)
+            self.extension, self.prefix = self.path.suffix, stem(self.path.name)
+            return
+        if not isinstance(contents, bytes):
+            raise expects("contents", "bytes", type(contents).__name__)
+        if not (isinstance(extension, str) and re.fullmatch(r"\.[^/\\]+", extension)):
+            raise expects("extension", "a suffix such as `.stl`", extension)
+        if not (isinstance(prefix, str) and re.fullmatch(r"[^/\\]+", prefix)):
+            raise expects("prefix", "the name of a file without folders", prefix)
+        self.path, self.extension, self.prefix = None, extension, prefix
 
     @property
     def contents(self) -> bytes:
@@ -56,12 +66,10 @@ class Asset:
         try:
             return self.path.read_bytes()
         except OSError as error:
-            archive = next((above for above in self.path.parents if above.is_file()), None)
+            message = f"the file `{self.path}` cannot be read: {error.strerror or str(error)}"
+            archive = in_archive(self.path)
             if archive is not None:
-                inner = self.path.relative_to(archive).as_posix()
-                raise failure("asset-missing", f"`{archive}` has no file `{inner}`", call_site()) from None
-            reason = error.strerror or str(error)
-            message = f"the file `{self.path}` cannot be read: {reason}"
+                message = "`{}` has no file `{}`".format(*archive)
             raise failure("asset-missing", message, call_site()) from None
 
     @property

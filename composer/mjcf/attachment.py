@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from html import escape
 from typing import TYPE_CHECKING, cast
 
 from lxml import etree
@@ -18,6 +19,7 @@ from composer.mjcf.reference import describe
 from composer.mjcf.removal import release
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
 from composer.tree.kinds import kind_of
+from composer.tree.name_index import SEPARATOR
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
@@ -45,13 +47,17 @@ class AttachmentFrame(Element):
         return view(self._model, attachment.container)
 
     def __repr__(self) -> str:
-        return super().__repr__().replace("<body", f'<body name="{self.name}"', 1)
+        return self._named(super().__repr__())
 
     def __str__(self) -> str:
-        return super().__str__().replace("<body", f'<body name="{self.name}"', 1)
+        return self._named(super().__str__())
 
     def _own_name(self) -> str | None:
         return None if self._removed else self._attachment.child.prefix
+
+    def _named(self, text: str) -> str:
+        name = self._own_name()
+        return text if name is None else text.replace("<body", f'<body name="{escape(name)}"', 1)
 
     @property
     def _attachment(self) -> Attachment:
@@ -163,6 +169,8 @@ def set_model_name(model: Model, name: str | None) -> None:
     if attachment is not None:
         _check_prefix(attachment.parent, model, name or model.unit.label, itself=model)
     text = written.texts["model"]
+    if attachment is not None:
+        _check_lists(attachment.parent, old, (text or model.unit.label) + SEPARATOR)
     if text is None:
         edit.drop(model.unit.root, "model")
     else:
@@ -176,8 +184,16 @@ def set_model_name(model: Model, name: str | None) -> None:
         for namespace, uses in list(here.names.uses.items()):
             own = here.names.declared.get(namespace, {})
             for used in [used for used in uses if used.startswith(old) and used not in own]:
-                edit.follow_in(here, namespace, used, new + used[len(old) :])
+                here.names.follow(namespace, used, new + used[len(old) :])
         old, new = here.prefix + old, here.prefix + new
+
+
+def _check_lists(parent: Model, old: str, new: str) -> None:
+    """A prefix with a space in it cannot stand before names that are in lists."""
+    for namespace, uses in parent.names.uses.items() if len(new.split()) > 1 else ():
+        for used in uses:
+            if used.startswith(old):
+                edit.check_lists(parent, namespace, used, new + used[len(old) :])
 
 
 def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = None) -> None:

@@ -2,36 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
+from composer.mjcf import committed_textures
+from composer.mjcf.committed_actuators import ACTUATORS, OF_ALL, is_plain
+from composer.mjcf.committed_actuators import commit as commit_actuator
+from composer.mjcf.edit import drop
 from composer.mjcf.element import Element, checked
 from composer.mjcf.model import Model
 from composer.mjcf.mounting import childclass_at
 from composer.tree.classes import ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
 from composer.tree.kinds import ROOT, kind_of
 
-_ACTUATORS = frozenset(GRAMMAR.section("actuator").children)
-# What actuators of every tag have, and MuJoCo keeps in one place for all: it comes from classes for any of them.
-_OF_ALL_ACTUATORS = frozenset(
-    name
-    for name in GRAMMAR.element("actuator/motor").attributes
-    if name != "class"
-    and all(name in GRAMMAR.element(f"actuator/{tag}").attributes for tag in ("general", "position"))
-)
 _SECTIONS_OF_NO_ELEMENTS = ("default", "extension")
+_NEVER_GIVEN = frozenset({"class", "texture"})  # textures are a matter of several elements
+# Attributes of which the nearest that is written counts alone.
+_ONE_OF = (
+    frozenset(ORIENTATIONS),
+    frozenset({"type", "directional"}),
+    frozenset({"kv", "dampratio"}),
+)
+# A single number stands for both.
+_NEVER_COMPLETED = frozenset({"springlength"})
 
 
 def commit_defaults(root_or_element: Element) -> None:
     """Write onto an element and all below it, attached models included, what their default classes give.
 
     The classes stay, and so does the compiled model. A list that is written shorter than its class has it
-    is completed, as MuJoCo does; an orientation is left as it is where there is one. The gains of an actuator
-    whose class speaks of those of another tag are left to the class: what MuJoCo makes of both together cannot
-    be written.
+    is completed, as MuJoCo does; an orientation is left as it is where there is one. An actuator whose class speaks of
+    actuators of another tag has what MuJoCo makes of both together; where its tag cannot say that, it becomes a
+    `general`, and an `MjcfWarning` tells. For such actuators MuJoCo is imported.
 
     >>> from composer import mjcf
     >>> model = mjcf.from_xml_string('<mujoco><default><geom rgba="1 0 0 1" friction="1 0.1"/></default>'
@@ -90,61 +95,60 @@ def _elements(top: Node) -> Iterator[Node]:
 
 
 def _commit(model: Model, node: Node, found: DefaultClass) -> None:
-    tag = default_tag(node)
+    if node.tag == "material":
+        committed_textures.commit(model, node, found)
     attributes = kind_of(node).attributes
-    actuator = tag in _ACTUATORS
-    given = (_given_to_actuator if actuator else _given)(found, tag, attributes)
-    turned = any(node.get(name) for name in ORIENTATIONS)
-    orientation = None if turned else found.orientation(tag)
-    changes: dict[str, str] = {}
+    given = _given(found, node, attributes)
+    changes: dict[str, str | None] = {}
     for name, value in given.items():
-        if name in ORIENTATIONS and (orientation is None or name != orientation[0]):
-            continue
         own = str(node.get(name) or "")
+        if not own and (_is_settled(node, name) or (name == "cranklength" and not node.get("cranksite"))):
+            continue
         whole = _completed(attributes[name], own, value)
         if whole != own:
             changes[name] = whole
-    if changes:
+    if node.tag == "camera" and (changes.get("sensorsize") or node.get("sensorsize")):
+        changes.pop(
+            "fovy", None
+        )  # MuJoCo takes one of the two, and looks at the other only where this is not there
+        if node.get("fovy"):
+            changes["fovy"] = None
+    if default_tag(node) in ACTUATORS and not is_plain(found, node):
+        commit_actuator(model, node, {name: value for name, value in changes.items() if value is not None})
+    elif changes:
         model.forget(node)
-        for name, value in changes.items():
-            node.set(name, value)
+        for name, written in changes.items():
+            if written is None:
+                drop(node, name)
+            else:
+                node.set(name, written)
         model.note(node)
 
 
-def _given(
-    found: DefaultClass, tag: str, attributes: Mapping[str, Attribute], *others: str
-) -> dict[str, str]:
-    """Every attribute that a class and those above it give by elements of these tags; the nearest counts."""
-    inherited = {} if found.parent is None else _given(found.parent, tag, attributes, *others)
-    for element in _written(found, (tag, *others)):
+def _given(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute]) -> dict[str, str]:
+    """Every attribute that a class and those above it give to an element; the nearest counts."""
+    inherited = {} if found.parent is None else _given(found.parent, node, attributes)
+    tag = default_tag(node)
+    for element in _written(found, ACTUATORS if tag in ACTUATORS else (tag,)):
         for key, value in element.items():
             name = str(key)
-            if name in attributes and name != "class" and str(value).strip():
-                inherited[name] = _completed(attributes[name], str(value), inherited.get(name, ""))
+            if name not in attributes or name in _NEVER_GIVEN or not str(value).strip():
+                continue
+            if element.tag != tag and name not in OF_ALL:
+                continue
+            for group in _ONE_OF:
+                if name in group:
+                    inherited = {each: text for each, text in inherited.items() if each not in group - {name}}
+            inherited[name] = _completed(attributes[name], str(value), inherited.get(name, ""))
     return inherited
 
 
-def _given_to_actuator(found: DefaultClass, tag: str, attributes: Mapping[str, Attribute]) -> dict[str, str]:
-    """The same for an actuator: what a class says of its gains counts where nothing is said of another tag's."""
-    of_all = {name: each for name, each in attributes.items() if name in _OF_ALL_ACTUATORS}
-    given = _given(found, tag, of_all, *sorted(_ACTUATORS - {tag}))
-    if not any(_shapes(found, other) for other in _ACTUATORS - {tag}):
-        given = {**_given(found, tag, attributes), **given}
-    return given
+def _is_settled(node: Node, name: str) -> bool:
+    """Whether an element says in another way what an attribute would say."""
+    return any(name in group and any(node.get(each) for each in group) for group in _ONE_OF)
 
 
-def _shapes(found: DefaultClass, tag: str) -> bool:
-    """Whether a class says what an actuator does; every tag but `general` says it by itself."""
-    here: DefaultClass | None = found
-    while here is not None:
-        for element in here.elements.get(tag, ()):
-            if tag != "general" or any(str(name) not in _OF_ALL_ACTUATORS for name in element.keys()):  # noqa: SIM118
-                return True
-        here = here.parent
-    return False
-
-
-def _written(found: DefaultClass, tags: tuple[str, ...]) -> list[Node]:
+def _written(found: DefaultClass, tags: Collection[str]) -> list[Node]:
     """The elements of one class that are of these tags, as they stand."""
     elements = [element for tag in tags for element in found.elements.get(tag, ())]
     if len(tags) > 1 and len(elements) > 1:
@@ -162,7 +166,7 @@ def _completed(attribute: Attribute, own: str, inherited: str) -> str:
     """A value with the end of the inherited one where it is shorter and its length is bounded."""
     if not own.strip():
         return inherited
-    if not attribute.is_number or attribute.max_length in (None, 1):
+    if not attribute.is_number or attribute.max_length in (None, 1) or attribute.name in _NEVER_COMPLETED:
         return own
     items, more = own.split(), inherited.split()
     return own if len(items) >= len(more) else " ".join([*items, *more[len(items) :]])

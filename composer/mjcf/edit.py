@@ -23,7 +23,7 @@ from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode
 from composer.tree.classes import ORIENTATIONS
 from composer.tree.kinds import attribute_of, naming_attribute, section_of, spoken
-from composer.tree.name_index import MAY_REPEAT, is_list, renamed
+from composer.tree.name_index import MAY_REPEAT, is_list
 
 
 @dataclass(slots=True)
@@ -164,17 +164,8 @@ def _child_at(parent: Node, position: int) -> Node | None:
 def follow(model: Model, namespace: str, old: str, new: str) -> None:
     """Everything that refers to a renamed element refers to it by its new name, in models above as well."""
     for here in (model, *model.ancestors()):
-        follow_in(here, namespace, old, new)
+        here.names.follow(namespace, old, new)
         old, new = here.prefix + old, here.prefix + new
-
-
-def follow_in(model: Model, namespace: str, old: str, new: str) -> None:
-    """The same in one model alone, with the names as that model sees them."""
-    for node, attribute in model.names.users(namespace, old):
-        model.forget(node)
-        listed = is_list(node, attribute, section_of(node))
-        node.set(attribute, renamed(str(node.get(attribute)), old, new, listed))
-        model.note(node)
 
 
 def _take_contents(model: Model, edit: Edit) -> None:
@@ -198,6 +189,9 @@ def _check_name(
         name = frame.child.prefix + (name or "")
     if not name:
         return
+    before = None if node is None or frame is not None else model.declared(node)
+    if before is not None:
+        check_lists(model, namespace, before[1], name)
     taken = model.top.lookup(namespace, model.full_prefix + name)
     if taken is None or (taken.model is model and taken.node is node):
         return
@@ -209,6 +203,23 @@ def _check_name(
         notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
         help="give one of the two another name",
     )
+
+
+def check_lists(model: Model, namespace: str, old: str, new: str) -> None:
+    """A name with a space in it cannot stand in a list of names. Raises `MjcfError`."""
+    if len(new.split()) == 1:
+        return
+    for here in (model, *model.ancestors()):
+        for user, attribute in here.names.users(namespace, old):
+            if is_list(user, attribute, section_of(user)):
+                raise failure(
+                    "wrong-type",
+                    f"`{old}` cannot be called `{new}`: {describe(here, user)} has it in a list of names, "
+                    "which cannot hold one with a space",
+                    call_site(),
+                    notes=(Note("the list is here", here.span(user)),),
+                )
+        old, new = here.prefix + old, here.prefix + new
 
 
 def _bad_value(

@@ -13,6 +13,7 @@ from composer.diagnostics.span import Span
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
 from composer.mjcf import edit, finding
+from composer.mjcf.arguments import as_index, as_name
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element_list import ElementList
@@ -149,7 +150,7 @@ class Element:
         >>> ball.origin_of('size').column
         32
         """
-        known = attribute_of(self._kind, attribute)
+        known = attribute_of(self._kind, as_name("attribute", attribute))
         if known is None:
             raise unknown_attribute(self._kind, attribute)
         if self._alive()._node.get(known.name) is None:
@@ -185,13 +186,11 @@ class Element:
         >>> [geom.name for geom in world.geom]
         ['first', 'last']
         """
-        return self._add(tag, position, attributes)
+        return self._add(tag, as_index("position", position), attributes)
 
     def _add(self, tag: str, position: int | None, attributes: Mapping[str, object]) -> Element:
         self._alive()
         kind = self._child_kind(tag)
-        if position is not None and (not isinstance(position, int) or isinstance(position, bool)):
-            raise failure("wrong-type", f"`position` expects an integer, got `{position!r}`", call_site())
         once = kind.max_count == 1 or self._kind.tag == "mujoco"
         existing = next(self._node.iterchildren(kind.tag), None) if once else None
         if existing is not None and (len(existing) or existing.attrib):
@@ -267,7 +266,12 @@ class Element:
         >>> model.find('joint', 'slide') is None
         True
         """
-        found = finding.first(Target(self._alive()._model, self._node), tag, name)
+        model, node = self._model, self._node
+        if type(name) is str and type(tag) is str and node is model.unit.root:
+            known = finding.at_hand(model, tag, name)
+            if known is not None:
+                return known
+        found = finding.first(Target(self._alive()._model, node), tag, name)
         return None if found is None else view(*found)
 
     def find_all(
@@ -302,7 +306,7 @@ class Element:
         >>> arm.enter_scope('gripper') is gripper
         True
         """
-        model = self._alive()._model
+        model, prefix = self._alive()._model, as_name("prefix", prefix)
         found = finding.attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
         return None if found is None else cast("RootElement", view(found, found.unit.root))
 
@@ -327,7 +331,7 @@ class Element:
         >>> arm.get('pos'), arm.get('quat'), arm.get('mass', 'bodies have none')
         (array([0., 0., 1.]), None, 'bodies have none')
         """
-        known = attribute_of(self._kind, attribute)
+        known = attribute_of(self._kind, as_name("attribute", attribute))
         value = None if known is None else self._read(known)
         return default if value is None else value
 
@@ -435,12 +439,17 @@ class Element:
         setattr(self, name, None)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Element:
-        raise failure(
-            "not-supported",
-            "an element cannot be copied without its model",
-            call_site(),
-            help="copy the model: `copy.deepcopy(element.root)`",
-        )
+        """Among other things that are copied: the element of the copy of its model."""
+        if not memo:
+            raise failure(
+                "not-supported",
+                "an element cannot be copied without its model",
+                call_site(),
+                help="copy the model: `copy.deepcopy(element.root)`",
+            )
+        from composer.mjcf.duplicate import copied
+
+        return copied(self, memo)
 
     def __copy__(self) -> Element:
         return self.__deepcopy__({})

@@ -73,6 +73,15 @@ class ElementList(Sequence["Element"]):
         for element in found if isinstance(found, list) else [found]:
             element.remove()
 
+    def __setitem__(self, index: SupportsIndex | str | slice, value: object) -> None:
+        """Not possible: elements are added where they stand."""
+        raise failure(
+            "wrong-type",
+            f"a {self.tag} of a list cannot be set",
+            call_site(),
+            help=f"set its attributes, or remove it and `insert('{self.tag}', position, …)` another one",
+        )
+
     def clear(self) -> None:
         """Take them all out of the model."""
         del self[:]

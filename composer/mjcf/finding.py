@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from composer.mjcf import traversal
-from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import failure
+from composer.mjcf.arguments import as_name
 from composer.mjcf.misspelled import unknown_tag
 from composer.mjcf.model import Model, Target
 from composer.tree.kinds import Query, kind_of, query, section_of, tags_of
 from composer.tree.names import WORLD
+
+if TYPE_CHECKING:
+    from composer.mjcf.element import Element
 
 
 def first(here: Target, tag: str, name: str | None) -> Target | None:
@@ -19,8 +22,7 @@ def first(here: Target, tag: str, name: str | None) -> Target | None:
     wanted = _query(here, tag, from_root)
     if name is None:
         return next(_matches(here, wanted), None)
-    if not isinstance(name, str):
-        raise failure("wrong-type", f"`name` expects a name, got `{name!r}`", call_site())
+    name = as_name("name", name)
     for namespace in wanted.namespaces:
         found = here.model.lookup(namespace, name)
         if found is None:
@@ -28,6 +30,19 @@ def first(here: Target, tag: str, name: str | None) -> Target | None:
         fits = kind_of(found.node).path in wanted.paths or (name == WORLD and namespace == "body")
         if fits and (from_root or traversal.is_below(here, found)):
             return found
+    return None
+
+
+def at_hand(model: Model, tag: str, name: str) -> Element | None:
+    """The element of that name in a model, if it is its own and has been asked for before: the most frequent case."""
+    wanted = query(tag, None)
+    for namespace in wanted.namespaces:
+        names = model.names.declared.get(namespace)
+        node = None if names is None else names.get(name)
+        if node is not None:
+            found = model.views.get(node)
+            if found is not None and found._kind.path in wanted.paths:
+                return found
     return None
 
 

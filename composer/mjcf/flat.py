@@ -7,10 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import get_args
-
-from lxml.etree import _Element as Node
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic
@@ -20,13 +17,13 @@ from composer.link.defaults import choose_classes
 from composer.link.key_layouts import layouts
 from composer.link.link import finish, link, link_alone
 from composer.link.linking import FileUse, Linking, Measure, Policy
-from composer.mjcf.asset import Asset
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
 from composer.mjcf.loose_ends import check_references
 from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.mounting import Mounting
-from composer.tree.kinds import HOLDS_ONE_OF_EACH
+from composer.mjcf.pruning import prune
+from composer.mjcf.relocated import relocated_text
 from composer.tree.unit import Unit
 from composer.tree.write import to_text
 
@@ -57,9 +54,16 @@ class Flat:
 def copied(model: Model) -> Unit:
     """A unit for the linker to use up."""
     unit = model.unit.copied()
-    if unit.label == UNNAMED or not unit.label:
-        unit.label = re.sub(r"[^\w.-]+", "_", model.name)
+    unit.label = label(model)
+    if unit.file == UNNAMED:
+        unit.file = model.name
     return unit
+
+
+def label(model: Model) -> str:
+    """The folder of a model's files."""
+    known = model.unit.label
+    return re.sub(r"[^\w.-]+", "_", model.name) if known == UNNAMED or not known else known
 
 
 def flatten(
@@ -70,17 +74,12 @@ def flatten(
     `copy` makes the units that are linked, of every model one. With `check_keys` the keys of a model that nothing
     hangs on are laid out, too, only to tell those that do not fit.
     """
-    if conflict not in get_args(Policy):
-        words = ", ".join(f"`{word}`" for word in get_args(Policy))
-        raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`", call_site())
-    names = Sink()
-    check_references(model, names)
-    raise_errors(names)
+    _check(model, conflict)
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
     measure = _measure(sink) if mounting.parts else None
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
-        _prune(unit.root)
+        prune(unit)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
     if not mounting.parts:
         if check_keys:
@@ -95,10 +94,20 @@ def flatten(
         if not sink.has_errors:
             finish(linking)
         mounting.clear_up()
-        _prune(linking.base.root)
+        prune(linking.base)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
     return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)))
+
+
+def _check(model: Model, conflict: Policy) -> None:
+    """What is wrong before anything is linked: the policy, and references to nothing."""
+    if conflict not in get_args(Policy):
+        words = ", ".join(f"`{word}`" for word in get_args(Policy))
+        raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`", call_site())
+    names = Sink()
+    check_references(model, names)
+    raise_errors(names)
 
 
 def tell(flat: Flat) -> None:
@@ -110,6 +119,10 @@ def tell(flat: Flat) -> None:
 
 def text(model: Model, conflict: Policy) -> str:
     """See `RootElement.to_xml_string`."""
+    _check(model, conflict)
+    known = relocated_text(model, label(model))
+    if known is not None:
+        return known
     flat = flatten(model, conflict, check_keys=False)
     name_files(flat)
     tell(flat)
@@ -132,11 +145,15 @@ def assets(model: Model) -> dict[str, bytes]:
 
 
 def contents(flat: Flat) -> dict[str, bytes]:
-    """The bytes of the files of a model by the names that `name_files` gives them."""
+    """The bytes of the files of a model by the names that `name_files` gives them. Raises `MjcfError`."""
+    from composer.bundle.collect import read
+
     found: dict[str, bytes] = {}
+    sink = Sink()
     for use, name in _told_apart(flat.files):
         if name not in found:
-            found[name] = Asset(path=Path(use.source)).contents if use.content is None else use.content
+            found[name] = read(flat.unit, use, sink) or b""
+    raise_errors(sink)
     return found
 
 
@@ -148,30 +165,13 @@ class _NamesChecked(Sink):
             super().add(diagnostic)
 
 
-def _prune(root: Node) -> None:
-    """Leave out what is empty because somebody only looked at it, and means nothing."""
-    for section in list(root.iterchildren("*")):
-        if section.tag in HOLDS_ONE_OF_EACH:
-            for child in reversed(list(section.iterdescendants("*"))):
-                if _is_empty(child):
-                    parent = child.getparent()
-                    assert parent is not None
-                    parent.remove(child)
-        if _is_empty(section):
-            root.remove(section)
-
-
-def _is_empty(node: Node) -> bool:
-    return not len(node) and not node.keys()
-
-
 def _measure(sink: Sink) -> Measure:
     """MuJoCo, in a process of its own, asked only for what the tree does not tell."""
 
-    def measure(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
+    def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
         from composer.steps.measure import measure_with
 
-        return measure_with(Context(sink))(unit, arrays)
+        return measure_with(Context(sink))(unit, arrays, attempt=attempt)
 
     return measure
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 SHOWN = 1000
 """Elements of a tree; what is more is counted only, as a page of a hundred thousand helps nobody."""
+_DEEPEST = 100
 _SIZE = 240, 320
 _STYLE = "font-family: monospace; white-space: pre; line-height: 1.4"
 _INSIDE = "margin-left: 1.5em"
@@ -60,17 +61,20 @@ def picture(root: RootElement) -> bytes | None:
 
 def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:
     """Write a node with all below it while there is room; gives how much room is left."""
+    if left <= 0:
+        return left - _count(model, node)
+    if depth > _DEEPEST:
+        lines.append(f"<div>… {_count(model, node)} elements</div>")
+        return left - 1
     left -= 1
-    shown = left >= 0
     children = list(node.iterchildren("*"))
     attached = [each for each in model.attachments.values() if each.host is node]
     tag = _start_tag(node, not children and not attached)
     if not children and not attached:
-        lines.append(f"<div>{tag}</div>" if shown else "")
+        lines.append(f"<div>{tag}</div>")
         return left
-    if shown:
-        is_open = " open" if depth < 2 or (node.tag == WORLD_SECTION and depth < 3) else ""
-        lines.append(f'<details{is_open}><summary>{tag}</summary><div style="{_INSIDE}">')
+    is_open = " open" if depth < 2 or (node.tag == WORLD_SECTION and depth < 3) else ""
+    lines.append(f'<details{is_open}><summary>{tag}</summary><div style="{_INSIDE}">')
     for child in children:
         left = _tree(model, child, lines, left, depth + 1)
     for attachment in attached:
@@ -78,10 +82,17 @@ def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> 
             lines.append(f"<div>{escape(attachment.child.prefix)} is attached here:</div>")
         for joint in attachment.frame:
             left = _tree(model, joint, lines, left, depth + 1)
-        left = _tree(attachment.child, attachment.child.unit.root, lines, left, max(depth, 2))
-    if shown:
-        lines.append("</div></details>")
+        left = _tree(attachment.child, attachment.child.unit.root, lines, left, max(depth + 1, 2))
+    lines.append("</div></details>")
     return left
+
+
+def _count(model: Model, node: Node) -> int:
+    """A node and all below it, what is attached there included."""
+    hanging = (each for each in model.attachments.values() if node in (each.host, *each.host.iterancestors()))
+    return sum(1 for _ in node.iter("*")) + sum(
+        len(each.frame) + _count(each.child, each.child.unit.root) for each in hanging
+    )
 
 
 def _start_tag(node: Node, is_empty: bool) -> str:

@@ -266,9 +266,7 @@ class RootElement(Element):
         """A copy with copies of everything attached, itself attached to nothing."""
         from composer.mjcf.duplicate import duplicate
 
-        twin = _root_of(duplicate(self._model))
-        memo[id(self)] = twin
-        return twin
+        return _root_of(duplicate(self._model, memo))
 
 
 def _root_of(model: Model) -> RootElement:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.mjcf import edit
 from composer.mjcf.errors import raise_errors
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
@@ -45,7 +44,7 @@ def escape_separators(model: Model) -> None:
             model.note(node)
     for namespace, uses in model.names.uses.items():
         for name in [name for name in uses if SEPARATOR in name]:
-            edit.follow_in(model, namespace, name, _escaped(name))
+            model.names.follow(namespace, name, _escaped(name))
     if SEPARATOR in model.unit.model:
         model.unit.root.set("model", _escaped(model.unit.model))
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 
 import numpy as np
 
 from composer.grammar.attribute import Attribute
-from composer.grammar.check import check_python, check_value, plain
+from composer.grammar.check import check_python, check_value, expected, plain
 from composer.grammar.format import to_text
 from composer.grammar.number import items, parse_real
 from composer.tree.classes import ORIENTATIONS
@@ -33,6 +34,8 @@ def encode(attribute: Attribute, value: object) -> str:
     Numbers are written so that they read back to the same bits. An array of more than one dimension is
     taken row by row where the attribute has no fixed length.
     """
+    if isinstance(value, os.PathLike) and attribute.type == "file":
+        value = os.fspath(value)
     if isinstance(value, str):
         written = attribute.is_number or attribute.type in _WRITTEN
         fault = check_value(attribute, value) if written else check_python(attribute, value)
@@ -92,6 +95,8 @@ def _flat(attribute: Attribute, value: object) -> object:
         if not open_ended:
             raise BadValue(f"expects a flat array, got one of shape {tuple(shape)}")
         value = np.asarray(value).reshape(-1)
+    if isinstance(value, bytes | bytearray):
+        raise BadValue(f"expects {expected(attribute)}, got `{value!r}`")
     value = plain(value)
     if not isinstance(value, list | tuple):
         return value

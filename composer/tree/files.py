@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import posixpath
 from collections.abc import Iterator
+from pathlib import Path
 
 from lxml.etree import _Element as Node
 
@@ -66,3 +67,9 @@ def stem(file: str) -> str:
     base = file.replace("\\", "/").rpartition("/")[2]
     name, dot, _ = base.rpartition(".")
     return name if dot else base
+
+
+def in_archive(path: Path) -> tuple[Path, str] | None:
+    """The file that a path leads into as if it were a folder, and the rest of the path."""
+    archive = next((above for above in path.parents if above.is_file()), None)
+    return None if archive is None else (archive, path.relative_to(archive).as_posix())

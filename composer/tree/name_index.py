@@ -70,6 +70,19 @@ class NameIndex:
         """Who refers to a name, in the order in which they began to."""
         return list(self.uses.get(namespace, {}).get(name, ()))
 
+    def follow(self, namespace: str, old: str, new: str) -> None:
+        """Let everything that refers to a name refer to another one."""
+        uses = self.uses.get(namespace, {})
+        users = uses.pop(old, {})
+        for node, attribute in users:
+            text = node.get(attribute)
+            if text == old:
+                node.set(attribute, new)
+            else:
+                node.set(attribute, " ".join(new if each == old else each for each in str(text).split()))
+        if users:
+            uses.setdefault(new, {}).update(users)
+
 
 def own_name(node: Node, attribute: str) -> str | None:
     """The name a node declares: the attribute, or what MuJoCo takes from the file of an asset."""
@@ -82,13 +95,6 @@ def own_name(node: Node, attribute: str) -> str | None:
         if file and parent is not None and parent.tag == "asset":
             return stem(str(file))
     return None
-
-
-def renamed(text: str, old: str, new: str, kind_is_list: bool) -> str:
-    """A reference or a list of references with one name replaced."""
-    if not kind_is_list:
-        return new
-    return " ".join(new if each == old else each for each in text.split())
 
 
 def is_list(node: Node, attribute: str, section: str) -> bool:

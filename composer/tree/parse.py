@@ -18,6 +18,7 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.grammar import GRAMMAR
 from composer.tree import xml_fault
+from composer.tree.cdata import take_cdata_in
 from composer.tree.comments import take_header_in
 from composer.tree.files import join
 from composer.tree.unit import Unit
@@ -26,6 +27,7 @@ _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _DECLARATION = re.compile(r"\A\s*<\?xml\b.*?\?>", re.DOTALL)
 _NOT_BREAK = re.compile(r"[^\n]")
 _TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
+_CDATA = b"<![CDATA["
 _MAX_BYTES = 256 * 1024 * 1024
 _BINARY = getattr(os, "O_BINARY", 0)  # on Windows
 _NO_MODEL = {
@@ -229,6 +231,13 @@ def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
     """The root of XML that may be lax where MuJoCo's reader is; what is wrong with it goes to `sink`."""
     if isinstance(data, str):
         data = data.encode()
+    root = _parsed(data, file, sink)
+    if root is not None and _CDATA in data:
+        take_cdata_in(root, data)
+    return root
+
+
+def _parsed(data: bytes, file: str, sink: Sink) -> Node | None:
     try:
         return etree.fromstring(data, _parser())
     except etree.XMLSyntaxError as error:

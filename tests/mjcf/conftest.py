@@ -7,10 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
+import numpy as np
 import pytest
 
 from composer import mjcf
 
+_OF_PATHS = {"signature", "nbuffer", "paths", "npaths"}
 ARM = """
 <mujoco model="arm">
   <compiler angle="radian" meshdir="meshes"/>
@@ -119,3 +121,21 @@ def gripper(folder: Path) -> mjcf.RootElement:
 def compiled() -> Callable[[mjcf.RootElement], mujoco.MjModel]:
     """What MuJoCo makes of a model as it stands."""
     return lambda root: mujoco.MjModel.from_xml_string(root.to_xml_string(), root.assets)
+
+
+@pytest.fixture
+def differences() -> Callable[[mujoco.MjModel, mujoco.MjModel], list[str]]:
+    """The arrays and sizes of two compiled models that are not equal to the bit; where files are may differ."""
+
+    def differ(one: mujoco.MjModel, other: mujoco.MjModel) -> list[str]:
+        found = []
+        for name in dir(one):
+            value = None if name.startswith("_") else getattr(one, name)
+            if not isinstance(value, np.ndarray | int | float) or name in _OF_PATHS or "path" in name:
+                continue
+            floats = isinstance(value, np.ndarray) and value.dtype.kind == "f"
+            if not np.array_equal(value, getattr(other, name), equal_nan=floats):
+                found.append(name)
+        return found
+
+    return differ

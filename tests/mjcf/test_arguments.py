@@ -3,9 +3,20 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from composer import mjcf
+
+
+def _framed() -> mjcf.Element:
+    return mjcf.RootElement("parent").attach(mjcf.RootElement("child"))
+
+
+def test_numpy_numbers_are_positions() -> None:
+    world = mjcf.RootElement().worldbody
+    later = world.add("geom", size=[1])
+    assert [world.insert("geom", np.int64(0), size=[1]), later] == world.all_children()
 
 
 @pytest.mark.parametrize(
@@ -26,6 +37,28 @@ from composer import mjcf
         (lambda: mjcf.get_frame_joints(None), "expects an element, got `NoneType`"),
         (lambda: mjcf.get_freejoint("body"), "expects an element, got `str`"),
         (lambda: mjcf.commit_defaults(None), "expects an element, got `NoneType`"),
+        (lambda: mjcf.from_path("a\0b.xml"), "`path` expects a path, got `a\\0b.xml`"),
+        (
+            lambda: mjcf.export_with_assets(mjcf.RootElement(), "a\0b"),
+            "`out_dir` expects a path, got `a\\0b`",
+        ),
+        (lambda: mjcf.RootElement().enter_scope(3), "`prefix` expects a name, got `3`"),
+        (lambda: mjcf.RootElement().get(None), "`attribute` expects a name, got `None`"),
+        (lambda: mjcf.RootElement().origin_of(None), "`attribute` expects a name, got `None`"),
+        (lambda: mjcf.RootElement().find("geom", 3), "`name` expects a name, got `3`"),
+        (
+            lambda: mjcf.RootElement().worldbody.insert("geom", "0"),
+            "`position` expects an integer, got `'0'`",
+        ),
+        (lambda: mjcf.RootElement().worldbody.insert("geom", True), "`position` expects an integer"),
+        (lambda: mjcf.RootElement().worldbody.insert("geom", np.array([1])), "`position` expects an integer"),
+        (lambda: mjcf.Asset("text", ".stl"), "`contents` expects bytes, got `str`"),
+        (lambda: mjcf.Asset(b"", "stl"), "`extension` expects a suffix such as `.stl`, got `stl`"),
+        (lambda: mjcf.Asset(b"", ".stl", "../a"), "`prefix` expects the name of a file without folders"),
+        (lambda: mjcf.Asset(path=3), "`path` expects a path, got `int`"),
+        (lambda: mjcf.Asset(), "made of `contents` or of a `path`, one of them"),
+        (lambda: _framed().insert("joint", 0.5), "`position` expects an integer, got `0.5`"),
+        (lambda: _framed().root.worldbody.geom.__setitem__(0, None), "a geom of a list cannot be set"),
     ],
 )
 def test_an_argument_of_the_wrong_type_is_told_at_the_call(call: object, said: str) -> None:

@@ -76,3 +76,10 @@ def test_its_path_in_a_bundle(
     for shell in shells:
         assert (tmp_path / "out" / shell.bundle_path).read_bytes() == shell.contents
     assert twin.file.bundle_path is not None and mjcf.Asset(b"x", ".stl").bundle_path is None
+
+
+def test_paths_are_taken_as_text_or_as_paths(tmp_path: Path) -> None:
+    model = mjcf.RootElement()
+    mesh = model.asset.add("mesh", file=tmp_path / "box.stl")
+    assert mesh.file.path == tmp_path / "box.stl" and mesh.name == "box"
+    assert mjcf.Asset(path=str(tmp_path / "box.stl")) == mjcf.Asset(path=tmp_path / "box.stl") == mesh.file

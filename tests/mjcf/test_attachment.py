@@ -339,3 +339,12 @@ def test_the_free_joint_of_a_body() -> None:
     )
     found = [mjcf.get_freejoint(body) for body in model.find_all("body")]
     assert [joint and joint.name for joint in found] == ["a", "b", "c", "d", None]
+
+
+def test_a_frame_that_is_gone_is_shown_without_a_name(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement
+) -> None:
+    frame = arm.find("site", "flange").attach(gripper)
+    assert repr(frame) == '<body name="gripper/"/>'
+    gripper.detach()
+    assert repr(frame) == "<body/>"

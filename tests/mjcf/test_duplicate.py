@@ -34,3 +34,25 @@ def test_a_copy_of_an_attached_model_hangs_on_nothing(
 def test_origins_are_copied(arm: mjcf.RootElement) -> None:
     added = arm.worldbody.add("geom", name="added", size=[1])
     assert copy.deepcopy(arm).find("geom", "added").origin == added.origin  # type: ignore[union-attr]
+
+
+def test_elements_that_are_copied_together_with_their_model_stay_in_it(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement
+) -> None:
+    frame = arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    turn = frame.add("joint", name="turn")
+    shoulder, left = arm.find("joint", "shoulder"), gripper.find("joint", "left")
+    for held in (
+        {"model": arm, "joints": [shoulder, left], "frame": [frame, turn], "gripper": gripper},
+        {"joints": [shoulder, left], "model": None, "frame": [frame, turn], "gripper": None},
+    ):
+        twin = copy.deepcopy(held)
+        root = twin["model"] or twin["joints"][0].root
+        assert root is not arm and twin["joints"][0] is root.find("joint", "shoulder")
+        assert twin["frame"] == [
+            mjcf.get_attachment_frame(root.enter_scope("gripper")),
+            root.find("joint", "gripper/turn"),
+        ]
+        assert twin["joints"][1] is root.find("joint", "gripper/left")
+        assert twin["gripper"] in (None, root.enter_scope("gripper"))
+    assert turn.root is arm and left is arm.find("joint", "gripper/left")

@@ -334,3 +334,21 @@ def test_a_value_in_a_file_that_mujoco_refuses_is_told_where_it_stands() -> None
 def test_attributes_and_children_are_completed(body: mjcf.Element) -> None:
     assert {"pos", "childclass", "geom", "add"} <= set(dir(body))
     assert "dclass" in dir(body.add("geom"))
+
+
+def test_what_is_in_a_list_of_names_gets_no_name_with_a_space() -> None:
+    model, child = mjcf.RootElement("model"), mjcf.RootElement("child")
+    body, other = model.worldbody.add("body", name="a"), child.worldbody.add("body", name="b")
+    model.attach(child)
+    flex = model.deformable.add("flex", name="cloth", body=[body, other])
+    for rename in (
+        lambda: setattr(body, "name", "a a"),
+        lambda: setattr(other, "name", "b b"),
+        lambda: setattr(child, "model", "the child"),
+    ):
+        with pytest.raises(mjcf.MjcfError, match="`<flex>` `cloth` has it in a list of names"):
+            rename()
+        assert flex.body == [body, other] and str(flex) == '<flex name="cloth" body="a child/b"/>'
+    flex.remove()
+    body.name, other.name, child.model = "a a", "b b", "the child"
+    assert other.full_identifier == "the child/b b"

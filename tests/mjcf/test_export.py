@@ -176,10 +176,14 @@ def test_files_that_vanish_are_told_and_the_model_stays(
         lambda: mjcf.export_with_assets_as_zip(both, tmp_path / "out.zip"),
         lambda: both.assets,
         both.compile_model,
+        both.to_spec,
         lambda: both.find("mesh", "shell").file.contents,  # type: ignore[union-attr]
     ):
         with pytest.raises(mjcf.MjcfError, match=r"asset-missing.*shell\.stl") as caught:
             attempt()
-        assert caught.value.diagnostics[0].span is not None
+        (fault,) = caught.value.diagnostics
+        assert fault.code == "asset-missing" and fault.span is not None
+        here = "cannot be read" in fault.message  # an `Asset` knows no element
+        assert fault.span.file == (__file__ if here else str(folder / "arm" / "arm.xml"))
     assert both.to_xml_string() == text
     assert not (tmp_path / "out").exists() and not (tmp_path / "out.zip").exists()

@@ -148,3 +148,13 @@ def test_files_of_models_without_a_name_have_a_folder(tmp_path: Path) -> None:
     model = mjcf.RootElement("my model")
     model.asset.add("mesh", file=str(tmp_path / "m.obj"))
     assert list(model.assets) == ["assets/my_model/m.obj"]
+
+
+def test_a_model_without_a_file_is_told_by_its_name() -> None:
+    model, child = mjcf.RootElement("table"), mjcf.RootElement("lamp")
+    model.attach(child)
+    child.keyframe.add("key", name="on", qpos=[1])
+    with pytest.raises(
+        mjcf.MjcfError, match="`qpos` of the key `on` has 1 numbers, and `lamp` has room for 0"
+    ):
+        model.to_xml_string()

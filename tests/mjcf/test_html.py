@@ -92,3 +92,19 @@ def test_without_opengl_there_is_the_tree(repository: Path) -> None:
     command = [sys.executable, "-c", _WITH_PICTURE]
     shown = subprocess.run(command, capture_output=True, text=True, env=environment, check=True).stdout
     assert "<img" not in shown and text(shown.strip()).startswith("<mujoco>")
+
+
+def test_what_stands_very_deep_is_counted() -> None:
+    model = mjcf.RootElement()
+    body = model.worldbody
+    for number in range(1500):
+        body = body.add("body", name=f"b{number}")
+    assert len(text(model.worldbody._repr_html_())) < 5000
+    assert text(model.worldbody._repr_html_()).endswith("… 1400 elements")
+    outer, rest = mjcf.RootElement("outer"), mjcf.RootElement("rest")
+    outer.worldbody.add("body")
+    for number in range(html.SHOWN):
+        outer.worldbody.add("geom", name=f"g{number}", size=[1])
+    rest.worldbody.add("geom", size=[1])
+    outer.attach(rest)
+    assert text(outer.worldbody._repr_html_()).endswith("… and 5 more elements")

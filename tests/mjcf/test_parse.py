@@ -52,7 +52,7 @@ def test_text_with_its_files(folder: Path, compiled: Compiled) -> None:
         model = mjcf.from_xml_string(text, assets=assets)
         assert compiled(model).nmesh == 1 and list(model.assets.values()) == [mesh]
     assert compiled(mjcf.from_xml_string(text.encode(), base_dir=folder / "arm")).nmesh == 1
-    with pytest.raises(mjcf.MjcfError, match="shell.stl` cannot be read"):
+    with pytest.raises(mjcf.MjcfError, match="shell.stl` is not there"):
         _ = mjcf.from_xml_string(text, base_dir=folder).assets
 
 

@@ -30,6 +30,12 @@ def test_values_become_the_text_that_mjcf_has(name: str, value: object, text: st
     assert encode(GEOM[name], value) == text
 
 
+def test_bytes_are_no_list_of_numbers() -> None:
+    for value in (b"abc", bytearray(3), np.bytes_(b"abc")):
+        with pytest.raises(BadValue, match="expects 3 numbers"):
+            encode(GEOM["pos"], value)
+
+
 def test_text_is_taken_as_it_stands_in_xml() -> None:
     mocap, limited = (
         GRAMMAR.element("body").attributes["mocap"],

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from composer.tree.name_index import NameIndex, is_list, own_name, renamed
+from composer.tree.name_index import NameIndex, is_list, own_name
 
 ROOT = etree.fromstring(
     '<mujoco><default><default class="c"><geom material="m"/></default></default>'
@@ -61,8 +61,18 @@ def test_an_asset_without_a_name_has_that_of_its_file() -> None:
     assert own_name(ROOT.find("worldbody/body"), "name") == "b"
 
 
-def test_a_name_in_a_list_is_replaced_alone() -> None:
-    assert renamed("b bb b", "b", "x", True) == "x bb x"
-    assert renamed("b", "b", "x", False) == "x"
+def test_who_refers_to_a_name_follows_it() -> None:
+    root = etree.fromstring(
+        '<mujoco><deformable><flex body="b bb b world"/><flex body="b"/></deformable>'
+        '<contact><exclude body1="b" body2="bb"/><exclude body1="x" body2="bb"/></contact></mujoco>'
+    )
+    index = NameIndex.of(root)
+    index.follow("body", "b", "x")
+    assert [flex.get("body") for flex in root.iter("flex")] == ["x bb x world", "x"]
+    assert [dict(exclude.attrib) for exclude in root.iter("exclude")] == [{"body1": "x", "body2": "bb"}] * 2
+    assert index.uses == NameIndex.of(root).uses and index.users("body", "b") == []
+
+
+def test_lists_of_names_are_told_from_single_ones() -> None:
     assert is_list(ROOT.find("deformable/flex"), "body", "deformable")
     assert not is_list(ROOT.find("sensor/framepos"), "objname", "sensor")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean
+from composer.grammar.check import shorten
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, failure
 from composer.mjcf.physics.fields import Field, fields
@@ -83,10 +84,15 @@ class Binding:
             if field is None:
                 raise self._unknown(name)
             view = self._view(name, field)
-        if isinstance(view, Home):
-            view.write(value)
-        else:
-            view[...] = value
+        if value is None:
+            raise self._cannot_take(name, value)
+        try:
+            if isinstance(view, Home):
+                view.write(value)
+            else:
+                view[...] = value
+        except (TypeError, ValueError):
+            raise self._cannot_take(name, value) from None
 
     def __dir__(self) -> list[str]:
         return sorted({"element_id", "id", *fields(self._kind)})
@@ -142,6 +148,18 @@ class Binding:
                 kind=MjcfAttributeError,
             )
         return rows
+
+    def _cannot_take(self, name: str, value: object) -> Exception:
+        has = self._read(name, fields(self._kind)[name])
+        try:
+            got = np.asarray(value, dtype=has.dtype) if value is not None else None
+        except (TypeError, ValueError):
+            got = None
+        what = f"`{name}` of {', '.join(self._labels[:3])}{', …' if len(self._labels) > 3 else ''}"
+        if got is None:
+            shown = shorten(repr(value))
+            return failure("wrong-type", f"{what} expects numbers, got `{shown}`", call_site())
+        return failure("wrong-length", f"{what} has the shape {has.shape}, got {got.shape}", call_site())
 
     def _unknown(self, name: str) -> Exception:
         known = sorted(fields(self._kind))

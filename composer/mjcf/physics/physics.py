@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import copy
+import math
 import os
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link.linking import Policy
+from composer.mjcf.arguments import as_files, as_index, as_path
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfError, failure
@@ -54,6 +55,11 @@ class Physics:
 
     def __init__(self, model: Any, data: Any = None, *, snapshot: Snapshot | None = None) -> None:
         """Physics of an `MjModel`, and an `MjData` of it where there is one; they are used as they are."""
+        for what, value, kind in (("model", model, "MjModel"), ("data", data, "MjData")):
+            if not isinstance(value, getattr(engine(), kind)) and not (value is None and what == "data"):
+                raise failure(
+                    "wrong-type", f"`{what}` expects an `{kind}`, got `{type(value).__name__}`", call_site()
+                )
         self._model = model
         self._data = engine().MjData(model) if data is None else data
         self._roster = Roster(model)
@@ -84,18 +90,23 @@ class Physics:
 
         Elements of any tree are bound by their names, those without one by their place. Raises `MjcfError`.
         """
-        return cls(compile_text(xml_string.encode(), assets or {}))
+        if not isinstance(xml_string, str):
+            raise failure(
+                "wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site()
+            )
+        return cls(compile_text(xml_string.encode(), as_files("assets", assets)))
 
     @classmethod
     def from_path(cls, path: str | os.PathLike[str]) -> Physics:
         """Compile an MJCF file as MuJoCo reads it, or load a compiled one (`.mjb`). Raises `MjcfError`."""
-        if not Path(path).is_file():
-            raise failure("file-not-found", f"there is no file `{os.fspath(path)}`", call_site())
+        file = as_path("path", path)
+        if not file.is_file():
+            raise failure("file-not-found", f"there is no file `{file}`", call_site())
         mujoco = engine()
-        binary = Path(path).suffix.lower() == ".mjb"
+        binary = file.suffix.lower() == ".mjb"
         load = mujoco.MjModel.from_binary_path if binary else mujoco.MjModel.from_xml_path
         try:
-            return cls(load(os.fspath(path)))
+            return cls(load(str(file)))
         except (ValueError, mujoco.FatalError) as error:
             raise refused(error) from None
 
@@ -116,7 +127,7 @@ class Physics:
 
     @time.setter
     def time(self, seconds: float) -> None:
-        self._data.time = seconds
+        self._data.time = _seconds("time", seconds)
 
     @property
     def timestep(self) -> float:
@@ -125,7 +136,10 @@ class Physics:
 
     @timestep.setter
     def timestep(self, seconds: float) -> None:
-        self._model.opt.timestep = seconds
+        number = _seconds("timestep", seconds)
+        if number <= 0:
+            raise failure("out-of-range", f"`timestep` is longer than nothing, got `{number}`", call_site())
+        self._model.opt.timestep = number
 
     def step(self, n: int = 1) -> None:
         """Advance the simulation by n steps, as `mj_step` does.
@@ -133,7 +147,13 @@ class Physics:
         Positions and velocities are then those at the new time, what is computed from them (`xpos`,
         `sensordata`) those of the last step's beginning, until `forward()`.
         """
-        engine().mj_step(self._model, self._data, n)
+        try:
+            if n < 0:
+                raise failure("out-of-range", f"`n` is a number of steps, got `{n}`", call_site())
+            engine().mj_step(self._model, self._data, n)
+        except TypeError:
+            as_index("n", n)
+            raise
 
     def forward(self) -> None:
         """Compute everything that follows from the state and the controls, without a step in time."""
@@ -301,6 +321,17 @@ class Physics:
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name}={getattr(self._model, name)}" for name in ("nq", "nv", "nu", "nbody"))
         return f"<Physics {sizes}, time={self.time:.6g}>"
+
+
+def _seconds(what: str, value: object) -> float:
+    """A time that is to be set."""
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise failure("wrong-type", f"`{what}` expects a number of seconds, got `{value!r}`", call_site())
+    return number
 
 
 def _restored(data: Any) -> Physics:

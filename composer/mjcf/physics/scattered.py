@@ -14,8 +14,8 @@ _Number = TypeVar("_Number", bound=np.generic)
 class Scattered(np.ndarray[Any, np.dtype[Any]]):
     """A copy of some rows of an array of MuJoCo, taken when it was asked for.
 
-    Items, slices and `+=` and the like are written to MuJoCo's array as well; what numpy's functions write
-    (`out=`, `fill`, `sort`) is not. What is computed from it is an array of its own.
+    Items, slices and `+=` and the like are written to MuJoCo's array as well, and nothing but these; what
+    numpy's functions write (`out=`, `fill`, `sort`) is not. What is computed from it is an array of its own.
     """
 
     __slots__ = ("home",)
@@ -23,17 +23,29 @@ class Scattered(np.ndarray[Any, np.dtype[Any]]):
 
     def __setitem__(self, key: Any, value: Any) -> None:
         super().__setitem__(key, value)
-        self._write_back()
+        self._write_back(key)
 
-    def _write_back(self) -> None:
-        """A slice of rows is memory of the rows: those are written as a whole."""
+    def _write_back(self, key: Any = ...) -> None:
+        """Only what was written: the other numbers are those of the time of reading."""
         rows: Any = self
-        while isinstance(rows, Scattered):
-            home = getattr(rows, "home", None)
-            if home is not None:
-                home.source[home.index] = rows
-                return
+        while getattr(rows, "home", None) is None:
             rows = rows.base
+            if not isinstance(rows, Scattered):
+                return  # computed from rows, or in memory that is shared with none
+        source = rows.home.source
+        if self is rows and source.ndim == 1:
+            source[rows.home.index[key]] = np.asarray(self)[key]
+        else:
+            places = np.arange(source.size).reshape(source.shape)[rows.home.index]
+            np.put(source, _seen_alike(places, rows, self)[key], np.asarray(self)[key])
+
+
+def _seen_alike(places: NDArray[np.intp], rows: Scattered, view: Scattered) -> NDArray[np.intp]:
+    """The part of `places` that a view of `rows`, an array of the same shape, shows of it."""
+    offset = (view.ctypes.data - rows.ctypes.data) // rows.itemsize
+    strides = [stride // rows.itemsize * places.itemsize for stride in view.strides]
+    flat = places.reshape(-1)[offset : offset + 1] if view.size else places.reshape(-1)[:0]
+    return np.lib.stride_tricks.as_strided(flat, view.shape, strides)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -45,8 +45,11 @@ def to_spec(model: Model, conflict: Policy) -> Any:
     mujoco = engine()
     flat = flatten(model, conflict)
     name_files(flat)
+    files = contents(flat)
     try:
-        spec = mujoco.MjSpec.from_string(to_text(flat.unit.root), assets=contents(flat))
+        # MuJoCo reads sub-models at once, and looks for them among what is included.
+        models = {name: data for name, data in files.items() if name.endswith(".xml")}
+        spec = mujoco.MjSpec.from_string(to_text(flat.unit.root), include=models, assets=files)
     except (ValueError, mujoco.FatalError) as error:
         raise refused(error, write(flat.unit.root), flat) from None
     tell(flat)

@@ -143,9 +143,24 @@ def test_nothing_is_bound_to_nothing(physics: Physics) -> None:
 
 def test_a_wrong_shape_is_told_and_nothing_is_written(model: RootElement, physics: Physics) -> None:
     bound = physics.bind([model.find("joint", name) for name in ("h2", "f", "h")])
+    one = physics.bind(model.find("joint", "h"))
     before = physics.data.qpos.copy()
-    with pytest.raises(ValueError, match="shape"):
-        bound.qpos = [1, 2]
+    for value, said in (
+        ([1, 2], r"has the shape \(9,\), got \(2,\)"),
+        ("up", "`qpos` of `<joint>` `h2`, `<freejoint>` `f`, `<joint>` `h` expects numbers, got `'up'`"),
+        (1j, "expects numbers, got `1j`"),
+    ):
+        with pytest.raises(MjcfError, match=said):
+            bound.qpos = value
+    for value, said in (
+        ([1, 2], r"`qpos` of `<joint>` `h` has the shape \(1,\), got \(2,\)"),
+        (None, "expects numbers, got `None`"),
+        ({}, "expects numbers, got `{}`"),
+    ):
+        with pytest.raises(MjcfError, match=said) as caught:
+            one.qpos = value
+        span = caught.value.diagnostics[0].span
+        assert span is not None and span.file == __file__
     assert physics.data.qpos.tolist() == before.tolist()
 
 

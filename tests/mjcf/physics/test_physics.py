@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import copy
+import math
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
@@ -246,3 +248,31 @@ def test_physics_of_mujocos_objects(root: RootElement) -> None:
 def test_only_a_model_is_compiled(root: RootElement) -> None:
     with pytest.raises(MjcfError, match="what is compiled is a `RootElement`, got `Worldbody`"):
         Physics.from_mjcf_model(root.worldbody)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda physics: physics.step(1.5), "`n` expects an integer, got `1.5`"),
+        (lambda physics: physics.step("2"), "`n` expects an integer, got `'2'`"),
+        (lambda physics: physics.step(-1), "`n` is a number of steps, got `-1`"),
+        (lambda physics: setattr(physics, "time", "now"), "`time` expects a number of seconds, got `'now'`"),
+        (lambda physics: setattr(physics, "time", math.nan), "`time` expects a number of seconds, got `nan`"),
+        (lambda physics: setattr(physics, "timestep", 0), "`timestep` is longer than nothing"),
+        (lambda physics: setattr(physics, "timestep", math.inf), "`timestep` expects a number of seconds"),
+        (lambda physics: mjcf.Physics(None), "`model` expects an `MjModel`, got `NoneType`"),
+        (lambda physics: mjcf.Physics(physics.model, 3), "`data` expects an `MjData`, got `int`"),
+        (lambda physics: mjcf.Physics.from_xml_string(None), "`xml_string` expects text, got `NoneType`"),
+        (lambda physics: mjcf.Physics.from_xml_string("<mujoco/>", [1]), "`assets` expects bytes by path"),
+        (lambda physics: mjcf.Physics.from_path(None), "`path` expects a path, got `NoneType`"),
+    ],
+)
+def test_what_is_no_argument_is_told_at_the_call(
+    call: Callable[[Physics], None], said: str, swing: Physics
+) -> None:
+    before = (swing.time, swing.timestep)
+    with pytest.raises(mjcf.MjcfError) as caught:
+        call(swing)
+    (fault,) = caught.value.diagnostics
+    assert said in fault.message and fault.span is not None and fault.span.file == __file__
+    assert (swing.time, swing.timestep) == before

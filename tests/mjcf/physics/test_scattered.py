@@ -2,6 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import basic_indices, integer_array_indices
 
 from composer.mjcf.physics.scattered import Home, Scattered
 
@@ -61,3 +64,35 @@ def test_what_is_computed_from_it_is_its_own(source: np.ndarray, rows: Scattered
 def test_it_is_a_copy_of_its_time(source: np.ndarray, rows: Scattered) -> None:
     source[4] = 9
     assert rows[0] == 4
+
+
+def test_what_is_not_written_stays_as_it_has_become(source: np.ndarray, rows: Scattered) -> None:
+    source[:] = 100
+    rows[0] = -1
+    rows[1:][::-1][0] = -2
+    assert sorted(source)[:3] == [-2, -1, 100]
+
+
+@given(st.data())
+def test_keys_of_every_form_reach_the_same_places(data: st.DataObject) -> None:
+    shape = data.draw(st.sampled_from([(9,), (7, 3), (6, 2, 2)]))
+    index = np.array(data.draw(st.permutations(range(shape[0])))[:4])
+    source = np.arange(np.prod(shape), dtype=float).reshape(shape)
+    home = Home.of(source, index)
+    rows, expected = home.read(), source.copy()
+    view, plain = rows, np.arange(source.size).reshape(shape)[index]
+    for _ in range(data.draw(st.integers(0, 2))):
+        if view.ndim:
+            key = data.draw(basic_indices(view.shape, allow_newaxis=True, allow_ellipsis=True))
+            view, plain = np.asanyarray(view[key]), plain[key]
+    if not isinstance(view, Scattered):
+        return
+    key = data.draw(
+        basic_indices(view.shape) | integer_array_indices(view.shape)
+        if view.size and view.ndim
+        else st.just(())
+    )
+    source[...] = expected[...] = 50.0
+    view[key] = -1.0
+    expected.reshape(-1)[plain[key]] = -1.0
+    assert np.array_equal(source, expected)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import mujoco
 import pytest
 
@@ -43,3 +45,15 @@ def test_what_cannot_be_converted() -> None:
     model.actuator.add("motor", joint="nowhere")
     with pytest.raises(MjcfError, match="refers to the joint `nowhere`"):
         model.to_spec()
+
+
+def test_a_model_with_models_in_it(tmp_path: Path) -> None:
+    (tmp_path / "tools").mkdir()
+    (tmp_path / "tools" / "tool.xml").write_text(
+        '<mujoco><worldbody><body name="blade"><geom size="1"/></body></worldbody></mujoco>'
+    )
+    (tmp_path / "arm.xml").write_text(
+        '<mujoco><asset><model name="tool" file="tools/tool.xml"/></asset>'
+        '<worldbody><attach model="tool" body="blade" prefix="t_"/></worldbody></mujoco>'
+    )
+    assert mjcf.from_path(tmp_path / "arm.xml").to_spec().compile().body("t_blade").id == 1

@@ -1,0 +1,134 @@
+"""Actuators whose class speaks of actuators in more than one way: what MuJoCo makes of all that, written out."""
+
+from __future__ import annotations
+
+import copy
+import warnings
+from collections.abc import Iterator, Mapping
+
+from lxml.etree import _Element as Node
+
+from composer.grammar import GRAMMAR
+from composer.mjcf.call_site import call_site
+from composer.mjcf.edit import drop
+from composer.mjcf.element import class_of
+from composer.mjcf.errors import MjcfWarning
+from composer.mjcf.model import Model
+from composer.mjcf.reference import describe
+from composer.tree.classes import DefaultClass
+from composer.tree.kinds import kind_of
+
+ACTUATORS = frozenset(GRAMMAR.section("actuator").children)
+_GENERAL = "general"
+# What actuators of every tag have, and MuJoCo keeps in one place for all: it comes from classes for any of them.
+OF_ALL = frozenset(
+    name
+    for name in GRAMMAR.element("actuator/motor").attributes
+    if name != "class"
+    and all(name in GRAMMAR.element(f"actuator/{tag}").attributes for tag in (_GENERAL, "position"))
+)
+# Tags of which MuJoCo takes every attribute that a class gives as if it were written on the element.
+_PLAIN = frozenset({_GENERAL, "motor", "position", "velocity", "intvelocity", "adhesion"})
+
+
+def is_plain(found: DefaultClass, node: Node) -> bool:
+    """Whether what a class gives to an actuator can be written on it as it is."""
+    tag, known = str(node.tag), kind_of(node).attributes
+    for element in _elements(found):
+        if element.tag == tag:
+            if tag not in _PLAIN:
+                return False
+        elif element.tag != _GENERAL or not all(
+            str(name) in OF_ALL and str(name) in known
+            for name in element.keys()  # noqa: SIM118
+        ):
+            return False
+    return True
+
+
+def commit(model: Model, node: Node, given: Mapping[str, str]) -> None:
+    """Write onto an actuator what makes MuJoCo read the same of it with its classes and without.
+
+    `given` is what they give by attributes of its own. Where these do not say it, it becomes a `general`, which can say
+    anything but what a plugin does. Issues an `MjcfWarning` then, and where it goes on needing its class.
+    """
+    from composer.mjcf.physics.actuators import settings
+
+    sections = list(model.unit.root.iterchildren("default"))
+    wanted = settings(sections, node)
+    if wanted is None:  # MuJoCo says why when the model is compiled
+        return
+    as_good: Node | None = None
+    for candidate in _candidates(node, given, wanted, settings(sections, _bare(node)) or {}):
+        if settings(sections, candidate) != wanted:
+            continue
+        as_good = candidate if as_good is None else as_good
+        alone = copy.copy(candidate)
+        drop(alone, "class")
+        if settings((), alone) == wanted:
+            _become(model, node, candidate)
+            return
+    if as_good is not None:
+        _become(model, node, as_good)
+    _tell(f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written")
+
+
+def _elements(found: DefaultClass | None) -> Iterator[Node]:
+    while found is not None:
+        for tag in ACTUATORS:
+            yield from found.elements.get(tag, ())
+        found = found.parent
+
+
+def _candidates(
+    node: Node, given: Mapping[str, str], wanted: Mapping[str, str], bare: Mapping[str, str]
+) -> Iterator[Node]:
+    """The element with all that its classes give, with what is no matter of its tag, and as a `general`."""
+    from composer.mjcf.physics.actuators import settings
+
+    for names in (given.keys(), given.keys() & OF_ALL):
+        candidate = copy.copy(node)
+        candidate.attrib.update({name: given[name] for name in sorted(names)})
+        yield candidate
+    if node.tag == "plugin":
+        return
+    general = copy.copy(node)
+    general.tag = _GENERAL
+    for name in set(general.keys()) - GRAMMAR.element(f"actuator/{_GENERAL}").attributes.keys():
+        del general.attrib[name]
+    plain = settings((), node.makeelement(_GENERAL)) or {}
+    for name, text in wanted.items():
+        if text and not text == bare.get(name) == plain.get(name):
+            general.set(name, text)
+        elif name in general.attrib:
+            del general.attrib[name]
+    yield general
+
+
+def _bare(node: Node) -> Node:
+    """A `general` of the same class that says nothing."""
+    found = str(node.get("class") or "")
+    return node.makeelement(_GENERAL, {"class": found} if found else {})
+
+
+def _become(model: Model, node: Node, other: Node) -> None:
+    """Make an element what another one is; whoever holds it goes on holding it."""
+    model.forget(node)
+    if node.tag != other.tag:
+        _tell(
+            f"{describe(model, node)} is written as a `{other.tag}`: its default class gives it what a "
+            f"`{node.tag}` cannot say"
+        )
+        node.tag = other.tag
+        view = model.views.get(node)
+        if view is not None:
+            object.__setattr__(view, "__class__", class_of(kind_of(node)))
+    for name in set(node.keys()) - set(other.keys()):
+        del node.attrib[name]
+    node.attrib.update(other.attrib)
+    model.note(node)
+
+
+def _tell(message: str) -> None:
+    place = call_site()
+    warnings.warn_explicit(message, MjcfWarning, place.file, place.line)

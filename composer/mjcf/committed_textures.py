@@ -1,0 +1,49 @@
+"""The textures of a material: several by their roles, or one as an attribute."""
+
+from __future__ import annotations
+
+from lxml.etree import _Element as Node
+
+from composer.mjcf.call_site import call_site
+from composer.mjcf.model import Model
+from composer.tree.classes import DefaultClass
+
+_OF_ATTRIBUTE = "rgb"
+
+
+def commit(model: Model, node: Node, found: DefaultClass) -> None:
+    """Write onto a material the textures that its class gives for roles of which it says nothing itself."""
+    own = _by_role(node)
+    missing = {role: name for role, name in _given(found).items() if role not in own}
+    if not missing:
+        return
+    if not own and missing.keys() == {_OF_ATTRIBUTE}:
+        model.forget(node)
+        node.set("texture", missing[_OF_ATTRIBUTE])
+        model.note(node)
+        return
+    if node.get("texture"):  # MuJoCo takes the attribute, or layers
+        missing = {_OF_ATTRIBUTE: own[_OF_ATTRIBUTE], **missing}
+        model.forget(node)
+        del node.attrib["texture"]
+        model.note(node)
+    for role, name in missing.items():
+        layer = node.makeelement("layer", {"role": role, "texture": name})
+        node.append(layer)
+        model.unit.origins.own(layer, call_site())
+        model.note(layer)
+
+
+def _given(found: DefaultClass | None) -> dict[str, str]:
+    if found is None:
+        return {}
+    given = _given(found.parent)
+    for element in found.elements.get("material", ()):
+        given.update(_by_role(element))
+    return given
+
+
+def _by_role(node: Node) -> dict[str, str]:
+    attribute = {_OF_ATTRIBUTE: str(node.get("texture"))} if node.get("texture") else {}
+    layers = {str(layer.get("role")): str(layer.get("texture")) for layer in node.iterchildren("layer")}
+    return {**attribute, **layers}

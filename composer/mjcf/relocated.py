@@ -1,0 +1,63 @@
+"""The text of a model on its own, where nothing of it changes but the folders of its files: no tree is copied."""
+
+from __future__ import annotations
+
+import re
+
+from composer.link.compiler import FOLDERS
+from composer.link.files import ASSETS
+from composer.mjcf.model import Model
+from composer.mjcf.pruning import empty
+from composer.tree.files import file_attributes, is_plain
+from composer.tree.unit import Unit
+from composer.tree.write import to_text
+
+_FILE = ' file="'
+_COMPILER = "<compiler"
+
+
+def relocated_text(model: Model, label: str) -> str | None:
+    """What the linker makes of it as a unit of that label, or None where more than folders changes.
+
+    Only what stands as often in the text as in the tree is replaced there: a comment that looks like an attribute is
+    no reason to be wrong.
+    """
+    unit = model.unit
+    if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label):
+        return None
+    files = _plain_files(unit)
+    if files is None or next(empty(unit), None) is not None:
+        return None
+    text = to_text(unit.root)
+    if text.count(_FILE) != files:
+        return None
+    return _without_folders(unit, text.replace(_FILE, f"{_FILE}{ASSETS}/{label}/"))
+
+
+def _plain_files(unit: Unit) -> int | None:
+    """How many files the model names; None where a path has to be shortened, parted from another or looked into."""
+    seen = set()
+    count = 0
+    for element, attribute, name in file_attributes(unit.root):
+        if attribute != "file" or element.tag == "skin" or not is_plain(name):
+            return None
+        seen.add(name[name.rfind("/") + 1 :].lower())
+        count += 1
+    return count if len(seen) == count else None
+
+
+def _without_folders(unit: Unit, text: str) -> str | None:
+    compilers = list(unit.root.iterchildren("compiler"))
+    if not compilers:
+        return text
+    compiler = compilers[0]
+    if len(compilers) > 1 or len(compiler) or compiler.text or text.count(_COMPILER) > 1:
+        return None
+    if compiler.get("strippath") is not None or next(unit.root.iterchildren("*")) is not compiler:
+        return None
+    kept = {str(name): str(value) for name, value in compiler.items() if name not in FOLDERS}
+    if not kept:
+        return None
+    start = text.index(_COMPILER)
+    end = text.index("/>", start)
+    return text[:start] + to_text(compiler.makeelement("compiler", kept)).rstrip()[:-2] + text[end:]
