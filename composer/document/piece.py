@@ -5,6 +5,8 @@ from __future__ import annotations
 Path = tuple[str | int, ...]
 
 _EDITS: tuple[Path, ...] = (("edit",), ("base", "edit"), ("attach", "*", "edit"))
+# The verbs whose values may say what is there now.
+_OF_ELEMENTS = ("set", "scale", "offset", "convert", "move", "rename")
 # What may have selectors in it, beside edits.
 _SELECTING: tuple[Path, ...] = (
     ("base", "drop"),
@@ -29,16 +31,22 @@ def is_appended(path: Path) -> bool:
 
 
 def is_of_elements(path: Path) -> bool:
-    """Whether `${…}` there is evaluated for each element: in edits, and in what selectors compare.
+    """Whether `${…}` there is evaluated for each element: in the values of edits, and in what selectors compare.
 
     >>> is_of_elements(("edit", 0, "set", "mass")), is_of_elements(("base", "drop", 1, "where"))
     (True, True)
+    >>> is_of_elements(("edit", 0, "select", "geom")), is_of_elements(("edit", 0, "expect"))
+    (False, False)
     >>> is_of_elements(("attach", "where", "pos")), is_of_elements(("sensor", "edit", "noise"))
     (False, False)
     """
-    return any(_is_below(path, edits) for edits in _EDITS) or any(
-        _is_below(path, place) and "where" in path[len(place) :] for place in _SELECTING
-    )
+    for edits in _EDITS:
+        if len(path) > len(edits) + 1 and _is_below(path, edits):
+            verb, *inner = path[len(edits) + 1 :]
+            return (verb in _OF_ELEMENTS and (verb, *inner) != ("convert", "to")) or (
+                verb == "select" and "where" in inner
+            )
+    return any(_is_below(path, place) and "where" in path[len(place) :] for place in _SELECTING)
 
 
 def _is_below(path: Path, place: Path) -> bool:

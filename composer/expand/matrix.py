@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from collections.abc import Mapping as Map
 from dataclasses import dataclass
 
 from composer.diagnostics.diagnostic import Note
@@ -15,6 +16,7 @@ from composer.expand.expand import expand, scope_of
 from composer.expand.plain import plain, same
 from composer.expand.substitute import tell
 from composer.expr.error import ExpressionError
+from composer.expr.opening import is_template
 from composer.expr.template import Template
 from composer.expr.value import Value, shown
 
@@ -146,6 +148,7 @@ class _Matrix:
 
     def name_of(self, name: str, given: dict[str, Node]) -> str:
         scope = scope_of(self.document, given)
+        name = settled_name(name, scope)
         entry = self.node.entries.get("name")
         if entry is None:
             return "-".join(
@@ -160,6 +163,14 @@ class _Matrix:
         except ExpressionError as error:
             tell(error, node, ["name", *scope], frozenset(), self.sink)
             return name
+
+
+def settled_name(name: str, scope: Map[str, Value]) -> str:
+    """A recipe's name with the values of its expressions; what is wrong with these is told when it is expanded."""
+    try:
+        return str(Template.parse(name).value(scope)) if is_template(name) else name
+    except ExpressionError:
+        return name
 
 
 def _same(a: Node, b: Node) -> bool:

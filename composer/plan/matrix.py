@@ -11,8 +11,9 @@ from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.document.node import Mapping, Node, Scalar, find
-from composer.expand.expand import expand
-from composer.expand.matrix import Cell, cells
+from composer.expand.expand import expand, scope_of
+from composer.expand.matrix import Cell, cells, settled_name
+from composer.expr.opening import is_template
 from composer.plan.drawn_parameters import drawn_parameters
 from composer.plan.read import read_recipe
 from composer.recipe.validate import judge
@@ -36,7 +37,8 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
         return None
     named = find(document, ("name",))
     name = named.text if isinstance(named, Scalar) else as_text(path.stem)
-    matrix = Matrix(document, name, cells(document, name, context.sink))
+    own = settled_name(name, scope_of(document, given or {})) if is_template(name) else name
+    matrix = Matrix(document, own, cells(document, name, context.sink))
     if _draws_parameters(document):
         _check_draws(matrix, given or {}, context.sink)
     return matrix

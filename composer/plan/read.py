@@ -15,6 +15,7 @@ from composer.document import load
 from composer.document.decode import MAX_SIZE
 from composer.document.merge import merge
 from composer.document.node import Mapping, Node, Scalar
+from composer.expr.opening import is_template
 from composer.plan.reading import SETTINGS
 from composer.sources.error import SourceError
 from composer.sources.nearby import model_files, nearest
@@ -82,6 +83,11 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         sink.error(
             "wrong-type", "`extends` names another recipe", named.span, help="write `extends: ./other.yaml`"
         )
+        return None
+    if is_template(named.value):
+        message = "`extends` is read before any parameter is known"
+        help = "write the path itself; `variants` can choose between pieces of recipe"
+        sink.error("expression", message, named.span, help=help)
         return None
     try:
         source = resolve(

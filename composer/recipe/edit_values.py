@@ -184,7 +184,8 @@ class Checker:
             help = f"write `unset: [{value}]`" if isinstance(value, str) else "write `unset: [ATTRIBUTE]`"
             if tag == "default":
                 help = "write `unset: {geom: [ATTRIBUTE]}`"
-            message = f"`unset` expects a list of attributes, got {kind_of(value)}"
+            got = "an empty list" if value == [] else kind_of(value)
+            message = f"`unset` expects a list of attributes, got {got}"
             self.faults.append(Fault("wrong-type", message, at, help=help))
             return ()
         for index, name in enumerate(value):

@@ -70,3 +70,10 @@ def test_what_to_put_into_the_name() -> None:
     cells(node, "cell", sink)
     (error,) = sink.errors
     assert error.help == "put `${tool}` into the name"
+
+
+def test_the_name_of_the_recipe_may_depend_on_parameters() -> None:
+    document = "{params: {n: 1, m: x}, matrix: {axes: {n: [2, 3]}, name: '${name}/${n}'}}"
+    node = load(document, "recipe.yaml", sink := Sink())
+    assert isinstance(node, Mapping)
+    assert [cell.name for cell in cells(node, "a_${m}_${n}", sink)] == ["a_x_2/2", "a_x_3/3"]

@@ -34,6 +34,7 @@ WRONG = [
     ("joint_word", 3, '"free"'),
     ("tendon_path", 3, 'Missing property "path"'),
     ("list_for_names", 7, "Incorrect type"),
+    ("globs", 4, "a choice is `{a,b}`"),
 ]
 
 pytestmark = pytest.mark.slow
@@ -63,6 +64,24 @@ def test_wrong_recipe_is_marked(yaml_server: YamlServer, case: str, line: int, m
         ("recipe: 1\nadd:\n  - to: world\n    |\n", {"body", "geom", "xml"}),
         ("recipe: 1\nadd:\n  - to: world\n    geom:\n      type: |\n", {"box", "capsule"}),
         ("recipe: 1\nattach:\n  arm:\n    model: a.xml\n    joint: |\n", {"free", "mocap"}),
+        (
+            "recipe: 1\nattach:\n  arm:\n    model: a.xml\n    replicate:\n      - |\n",
+            {"count", "offset", "euler"},
+        ),
+        ("recipe: 1\nattach:\n  arm:\n    model: a.xml\n    edit:\n      - |\n", {"select", "convert", "id"}),
+        ("recipe: 1\nedit:\n  - select:\n      |\n", {"joint", "actuator", "default", "in", "where"}),
+        ("recipe: 1\nedit:\n  - select: {joint: a}\n    convert:\n      to: |\n", {"motor", "pid"}),
+        ("recipe: 1\nparams:\n  reach:\n    |\n", {"default", "min", "unit", "choices"}),
+        ("recipe: 1\nvariants:\n  light:\n    dim:\n      |\n", {"visual", "attach", "params", "edit"}),
+        ("recipe: 1\nmatrix:\n  |\n", {"axes", "exclude", "include", "name"}),
+        ("recipe: 1\nrandomize:\n  |\n", {"seed", "samples", "emit", "fields"}),
+        (
+            "recipe: 1\nrandomize:\n  fields:\n    f:\n      |\n",
+            {"select", "attr", "param", "truncnormal", "per"},
+        ),
+        ("recipe: 1\ncheck:\n  a:\n    |\n", {"size", "reachable", "unchanged", "when"}),
+        ("recipe: 1\ncheck:\n  a:\n    exists:\n      - |\n", {"site", "where", "in", "expect"}),
+        ("recipe: 1\nkeyframe:\n  home:\n    |\n", {"from", "qpos", "mquat", "time"}),
     ],
 )
 def test_completion(yaml_server: YamlServer, tmp_path: Path, text: str, offered: set[str]) -> None:
@@ -128,6 +147,27 @@ HOVERED = [
     ("option: {fl|ag: {}}", "switched on or off"),
     ("attach: {arm: {mo|del: a}}", "`menagerie:…`"),
     ("base: {sub|tree: a, model: b}", "The one body of the model"),
+    ("attach: {arm: {model: a, ma|te: b}}", "is to coincide with that place"),
+    ("attach: {arm: {model: a, replicate: [{co|unt: 3}]}}", "number of copies"),
+    ("edit: [{sel|ect: {joint: a}, remove: true}]", "which elements are meant"),
+    (
+        "edit: [{select: {joint: a, wh|ere: {type: hinge}}, remove: true}]",
+        "attributes and their values in effect",
+    ),
+    ("edit: [{select: {actuator: a}, con|vert: {to: motor}}]", "another kind of actuator"),
+    ("params: {reach: {defa|ult: 1}}", "where none is given"),
+    ("var|iants: {light: {dim: {}}}", "of which one of each axis is merged"),
+    ("matrix: {ax|es: {light: [dim]}}", "all combinations"),
+    (
+        "randomize: {seed: 1, samples: 2, fields: {f: {select: {geom: a}, attr: size, uni|form: [0, 1]}}}",
+        "between",
+    ),
+    (
+        "check: {a: {exists: [{geom: a, wh|ere: {type: box}}]}}",
+        "only what has these values in the compiled model",
+    ),
+    ("check: {a: {sta|ble: {}}}", "simulated"),
+    ("keyframe: {home: {q|pos: {}}}", "positions of all joints"),
 ]
 
 
