@@ -12,7 +12,7 @@ BIN := $(VENV)/bin
 endif
 STAMP := $(VENV)/.ready$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
-.PHONY: demo test lint format bench fidelity schemas constraints clean
+.PHONY: demo test test-usd lint format bench fidelity schemas constraints clean
 .DELETE_ON_ERROR:
 
 demo: $(STAMP)
@@ -22,6 +22,13 @@ demo: $(STAMP)
 
 test: $(STAMP)
 	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+# The tests of USD, in an environment of their own: the converter wants an older MuJoCo and Python 3.12 or older.
+test-usd:
+	@[ -e .venv-usd/.ready ] || { \
+	  for python in $(PYTHON) python3.12 python3.11 python3; do $$python -c 'import ensurepip, sys; sys.exit(sys.version_info >= (3, 13))' 2>/dev/null && break; done; \
+	  VENV=.venv-usd MUJOCO=3.16.0 EXTRAS=test,usd PYTHON=$$python bash .ci/setup && touch .venv-usd/.ready; }
+	@.venv-usd/bin/python -m pytest tests/bundle/test_usd.py
 
 lint: $(STAMP)
 	$(BIN)/ruff check
@@ -54,7 +61,7 @@ constraints:
 	  --no-emit-find-links --upgrade --extra test --extra dev --extra menagerie pyproject.toml --output-file constraints.txt
 
 clean:
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) .venv-usd build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 
 $(STAMP): pyproject.toml constraints.txt .ci/setup
 	@VENV="$(VENV)" MUJOCO="$(MUJOCO)" bash .ci/setup

@@ -22,12 +22,14 @@ if TYPE_CHECKING:
 class ReadRecipe:
     """A recipe file that was read, merged over what it extends, and what was found in it.
 
-    `extended` are the recipes that it extends, each with the place that names it.
+    `extended` are the recipes that it extends, each with the place that names it; `said` has what each of all these
+    files, as messages name it, says of `angle` and `eulerseq`.
     """
 
     node: Node | None
     found: tuple[Diagnostic, ...]
     extended: tuple[tuple[Source, Span], ...]
+    said: Mapping[str, Node]
 
 
 @dataclass(slots=True)

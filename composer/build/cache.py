@@ -21,10 +21,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from composer.build.files import Files, Seen, seen
-from composer.build.question import Question, differences, key_of
+from composer.build.outputs import is_written, note_written
+from composer.build.question import Question, differences
 from composer.build.record import KeptFile, Record, from_json, to_json
 from composer.sources import blobs
-from composer.sources.store import Store
+from composer.sources.blobs import key_of
+from composer.sources.store import ENTRY, KINDS, Store
 
 if TYPE_CHECKING:
     from composer.bundle.packing import Packed
@@ -72,23 +74,36 @@ class Cache:
         for answer in answers:
             if self._changes(answer):
                 continue
-            record = self._record(answer.record)
+            record = self.record(answer)
             if record is None:
                 return Found(why=(LOST,))
             if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
                 self._refresh(question, answer, answers)
+            for kind, key in self.used(answer):
+                with contextlib.suppress(OSError):  # somebody else's store, which may be read
+                    os.utime(self.store.folder / kind / key)
             return Found(record, answer)
         return Found(why=self._why(question, answers))
 
+    def used(self, answer: Answer) -> list[tuple[str, str]]:
+        """What in the store an answer stands on, by folder and name: it is used when the answer is."""
+        own = os.path.join(self.store.folder, "")
+        inside = (
+            each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own)
+        )
+        entries = {f"{path[0]}{os.sep}{path[1]}" for path in inside if path[0] in KINDS and len(path) > 2}
+        return [("built", answer.record), *((entry, ENTRY) for entry in sorted(entries))]
+
     def keep(
         self, question: Question, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
-    ) -> None:
-        """Remember the answer to a question."""
+    ) -> Answer:
+        """Remember the answer to a question, which is returned."""
         text = to_json(record)
         key = key_of([text.decode()])
         self._put("built", key, text)
         answer = Answer(key, tuple(inputs), tuple(packages))
         self._write(question, [answer, *self._answers(question.key)])
+        return answer
 
     def keep_raw(self, sha256: str, content: bytes) -> None:
         if not blobs.has(self.store.folder, "raw", sha256):
@@ -110,25 +125,21 @@ class Cache:
         """A file as a zip holds it."""
         from composer.bundle.packing import unwrapped
 
-        content = blobs.get(self.store.folder, "packed", _packed_key(sha256, level))
+        content = blobs.get(self.store.folder, "packed", packed_key(sha256, level))
         return None if content is None else unwrapped(content)
 
     def keep_packed(self, sha256: str, level: int, packed: Packed) -> None:
         from composer.bundle.packing import wrapped
 
-        self._put("packed", _packed_key(sha256, level), wrapped(packed))
+        self._put("packed", packed_key(sha256, level), wrapped(packed))
 
     def is_written(self, out: Path, content: str) -> bool:
         """Whether an output is as it was when `note_written` was told that this is its content."""
-        known: object = _read(self.store.folder, key_of([os.fspath(out)]))
-        if not isinstance(known, list) or len(known) != 3 or not isinstance(known[1], list):
-            return False
-        return known == [content, known[1], _stamps([os.fspath(out), *known[1]]) or None]
+        return is_written(self.store.folder, os.fspath(out), content)
 
     def note_written(self, out: Path, content: str, beside: Iterable[Path] = ()) -> None:
         """`beside` are files that belong to the output and stand elsewhere."""
-        more = [os.fspath(path) for path in beside]
-        self._put("asked", key_of([os.fspath(out)]), _dump([content, more, _stamps([os.fspath(out), *more])]))
+        self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside))
 
     def close(self) -> None:
         """Keep the store below its bound, if anything was added to it."""
@@ -147,8 +158,9 @@ class Cache:
         except (TypeError, ValueError, KeyError):
             return []
 
-    def _record(self, key: str) -> Record | None:
-        text = blobs.get(self.store.folder, "built", key)
+    def record(self, answer: Answer) -> Record | None:
+        """What an answer says; None where that is no longer whole."""
+        text = blobs.get(self.store.folder, "built", answer.record)
         if text is None:
             return None
         try:
@@ -205,10 +217,13 @@ class Cache:
         self._put("asked", question.subject_key, _dump(dict(question.parts)))
 
     def _put(self, kind: str, key: str, content: bytes) -> None:
+        self._keep(lambda: blobs.put(self.store.folder, kind, key, content))
+
+    def _keep(self, put: Callable[[], None]) -> None:
         if self.broken:
             return
         try:
-            blobs.put(self.store.folder, kind, key, content)
+            put()
             self.grown = True
         except OSError as error:
             self.broken = True
@@ -217,7 +232,7 @@ class Cache:
             )
 
 
-def _packed_key(sha256: str, level: int) -> str:
+def packed_key(sha256: str, level: int) -> str:
     import zlib
 
     return key_of([sha256, level, zlib.ZLIB_RUNTIME_VERSION])
@@ -243,21 +258,3 @@ def _read(store: Path, key: str) -> Any:
     with contextlib.suppress(ValueError, RecursionError):
         return None if text is None else json.loads(text)
     return None
-
-
-def _stamps(outputs: Iterable[str]) -> list[list[object]]:
-    """Of all files of outputs; none where one is not there."""
-    found: list[list[object]] = []
-    paths: list[str] = []
-    for out in outputs:
-        below = os.path.isdir(out)
-        paths += (
-            [os.path.join(at, name) for at, _, names in os.walk(out) for name in names] if below else [out]
-        )
-    for path in sorted(paths):
-        try:
-            status = os.lstat(path)
-        except OSError:
-            return []
-        found.append([path, status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino])
-    return found

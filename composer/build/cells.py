@@ -27,7 +27,7 @@ def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = Non
     """
     if use_lock(recipe, context) is None:
         return []
-    matrix = read_matrix(recipe, context)
+    matrix = read_matrix(recipe, context, given)
     if matrix is None:
         return []
     return with_samples(matrix.document, matrix.cells, matrix.name, given or {}, context.sink)

@@ -10,7 +10,7 @@ from composer.build.inputs import models, plans
 from composer.build.record import Record
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
-from composer.document.node import Mapping, Node, Scalar, Sequence
+from composer.document.node import Mapping, Node, Scalar, Sequence, spans
 from composer.plan.plan import Plan
 from composer.sources.source import Source
 
@@ -24,7 +24,9 @@ def concrete(plan: Plan) -> list[object]:
     for each in plans(plan):
         told = [[name, repr(value)] for name, value in sorted(each.scope.items())]
         values = list(_values(each.document, ""))
-        found.append([each.name, str(each.path), told, values, [_source(model) for model in models(each)]])
+        read = [[file, reading.angle, reading.eulerseq] for file, reading in each.readings.others.items()]
+        sources = [_source(model) for model in models(each)]
+        found.append([each.name, str(each.path), told, values, read, sources])
     return found
 
 
@@ -58,26 +60,15 @@ def places(plan: Plan) -> str:
     """A hash of where everything is written in the recipes of a plan. No I/O."""
     whole = hashlib.sha256()
     for each in plans(plan):
-        for span in _spans(each.document):
+        for span in spans(each.document):
             place = f"{span.file}:{span.line}:{span.column}:{span.end_line}:{span.end_column}\n"
             whole.update(place.encode("utf-8", "surrogateescape"))
     return whole.hexdigest()
 
 
-def _spans(node: Node) -> Iterator[Span]:
-    yield node.span
-    if isinstance(node, Sequence):
-        for item in node.items:
-            yield from _spans(item)
-    elif isinstance(node, Mapping):
-        for key, value in node.entries.values():
-            yield key.span
-            yield from _spans(value)
-
-
 def tells_places(plan: Plan, record: Record, manifest: bytes) -> bool:
     """Whether what was told, or a manifest, names lines of the plan's recipes. No I/O."""
-    files = {span.file for each in plans(plan) for span in _spans(each.document)}
+    files = {span.file for each in plans(plan) for span in spans(each.document)}
     files |= {each.file for each in plans(plan)}
     told = [span for each in record.diagnostics for span in _spans_of(each)]
     told += [span for check in record.checks for each in check.told for span in _spans_of(each)]

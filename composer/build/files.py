@@ -9,14 +9,12 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from composer.sources.licence import is_licence
+from composer.build.stamp import Stamp, stamp_of
+from composer.sources.licence_name import licence_names
 
 ABSENT = ""
 # Within this time of its last change a file may change again and keep its stamp: its content is asked then.
 _SETTLED = 2_000_000_000
-
-Stamp = tuple[int, int, int, int]
-"""Size, times of the last change of content and of the inode in ns, and inode: what changes with a file's content."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +79,7 @@ class Files:
             except (OSError, ValueError):
                 self._stamps[path] = None
             else:
-                stamp = (status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino)
-                self._stamps[path] = stamp, stat.S_ISDIR(status.st_mode)
+                self._stamps[path] = stamp_of(status), stat.S_ISDIR(status.st_mode)
         return self._stamps[path]
 
 
@@ -102,6 +99,6 @@ def _sha256(path: str) -> str:
 
 def _licences(folder: str) -> str:
     try:
-        return "\n".join(sorted(name for name in os.listdir(folder) if is_licence(name)))
+        return licence_names(folder)
     except OSError:
         return ABSENT

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from composer.build.tool import PACKAGES, installed
+from composer.build.packages import PACKAGES, installed
 from composer.context import Context
 from composer.pipeline import Built
 from composer.plan.plan import Plan
@@ -84,5 +84,5 @@ def may_move(context: Context) -> bool:
     fetching = context.fetching
     if fetching is None:
         return False
-    fetched = [each for each in fetching.origins.values() if each.kind in ("git", "archive")]
+    fetched = [each for each in fetching.origins.values() if each.is_fetched]
     return any(fetching.pin(each.id) is None and (each.pin or "?") not in each.id for each in fetched)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from composer.build.cache import Cache
+    from composer.build.cache import Answer, Cache
     from composer.build.question import Question
     from composer.build.record import Record
     from composer.bundle.bundle import Bundle
@@ -23,8 +23,9 @@ class Made:
 
     Of the latter there is what the form of its output needs: `packed` for archives, `text` for text alone, `bundle` for
     folders and MuJoCo's binary form, and nothing where the output `is_written` already. `inputs` are the files that it
-    was made of. `why` says in words why the cache did not know it. `draws` are the numbers that a sample has drawn, by
-    their columns in a table; None for what is no sample.
+    was made of; `answer` is what the cache will say next time, None where it must be asked. `why` says in words why the
+    cache did not know it. `draws` are the numbers that a sample has drawn, by their columns in a table; None for what
+    is no sample.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Made:
     licences: tuple[Row, ...] = ()
     question: Question | None = None
     inputs: tuple[str, ...] = ()
+    answer: Answer | None = None
     draws: Mapping[str, Value] | None = None
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 from composer.build.files import now
 from composer.build.made import Made, fresh, load_files, load_packed, recalled
 from composer.build.order import Order, of_cell
-from composer.build.question import Question, key_of
+from composer.build.question import Question
+from composer.sources.blobs import key_of
 
 if TYPE_CHECKING:
     from composer.build.cache import Answer, Cache
@@ -83,7 +84,7 @@ class Maker:
 
             return None, (LOST,)
         _tell(found.record, context, outcomes)
-        return made, ()
+        return replace(made, answer=found.answer), ()
 
     def make(
         self,
@@ -118,18 +119,24 @@ class Maker:
 
         made = fresh(built, licence_rows(plan, context), why, question)
         if self.order.text_beside is None:
-            self._keep(made, outcomes, context, name)
+            made = replace(made, answer=self._keep(made, outcomes, context, name))
         return made
 
-    def keep_text(self, made: Made, text: bytes, context: Context) -> None:
-        """Remember a model's text alone, which was made when it was written."""
-        self._keep(made, (), context, None, text)
+    def with_text(self, made: Made, text: bytes, context: Context) -> Made:
+        """The model with its text alone, which is made when it is to be written, and is remembered."""
+        return replace(made, text=text, answer=self._keep(made, (), context, None, text))
+
+    def content(self, made: Made) -> str:
+        """What the bytes of an output are called."""
+        if made.text is not None:
+            return sha256(made.text).hexdigest()
+        return key_of([made.sha256, self.form, self.context.environment.get("SOURCE_DATE_EPOCH")])
 
     def note_written(self, made: Made, beside: Iterable[Path] = ()) -> None:
         """Remember that an output, with files `beside` it, has this content now."""
         target = self.place(made.name, made.mujoco)
         if self.cache is not None and target is not None and not made.is_written:
-            self.cache.note_written(target, self._content(made.sha256), beside)
+            self.cache.note_written(target, self.content(made), beside)
 
     def packing(self, bundle: Bundle, path: str) -> Packed:
         """A file as a zip holds it, packed once for all models that have it."""
@@ -143,9 +150,6 @@ class Maker:
                 self.cache.keep_packed(digest, level, packed)
         return packed
 
-    def _content(self, sha256: str) -> str:
-        return key_of([sha256, self.form, self.context.environment.get("SOURCE_DATE_EPOCH")])
-
     def _with_files(self, record: Record, answer: Answer | None) -> Made | None:
         """What was built before with as much of it as its output needs; None where that is no longer whole."""
         assert self.cache is not None
@@ -155,11 +159,13 @@ class Maker:
             from composer.build.record import KeptFile
 
             text = self.cache.raw(KeptFile("", record.text, 0, None))
-            return None if text is None else replace(made, text=text)
-        if target is None:
-            return made
-        if self.form != "usd" and self.cache.is_written(target, self._content(record.sha256)):
+            if text is None:
+                return None
+            made = replace(made, text=text)
+        if target is not None and self.form != "usd" and self.cache.is_written(target, self.content(made)):
             return replace(made, is_written=True)
+        if target is None or made.text is not None:
+            return made
         if self.form == "archive":
             packed = load_packed(record, self.cache)
             return None if packed is None else replace(made, packed=packed)
@@ -202,9 +208,10 @@ class Maker:
         if record is None or made is None:
             return None
         _tell(record, context, outcomes)
+        kept = None
         if not may_move(context):
-            self.cache.keep(question, record, [*recipes, *answer.inputs], answer.packages)
-        return replace(made, why=(_SETTLED,))
+            kept = self.cache.keep(question, record, [*recipes, *answer.inputs], answer.packages)
+        return replace(made, why=(_SETTLED,), answer=kept)
 
     def _of_recipes(self, record: Record, states: Mapping[str, str]) -> Record | None:
         """The record of the same model made by other bytes of its recipes, whose hashes are in its manifest."""
@@ -230,7 +237,7 @@ class Maker:
         context: Context,
         cell: str | None,
         text: bytes | None = None,
-    ) -> None:
+    ) -> Answer | None:
         """Remember a model that was built now, unless something that it was made of has changed meanwhile."""
         from composer.build.concrete import places, tells_places
         from composer.build.inputs import may_move
@@ -239,7 +246,7 @@ class Maker:
 
         cache, built, question = self.cache, made.built, made.question
         if cache is None or built is None or question is None:
-            return
+            return None
         names, files = self._names(), cache.files
         files.forget()
         paths = names.recipes(built.plan), names.others(built, context)
@@ -249,7 +256,7 @@ class Maker:
             for each in paths
             for path in each
         ):
-            return
+            return None
         recipes, others = ([files.look(path) for path in each] for each in paths)
         known = {each.state: each.path for each in others if not os.path.isdir(each.path)}
         digest = None
@@ -264,10 +271,12 @@ class Maker:
         )  # fmt: skip
         record = replace(record, tells_places=tells_places(built.plan, record, built.bundle.files[MANIFEST]))
         packages = list(names.packages(built.plan))
+        answer = None
         if not may_move(context):
-            cache.keep(question, record, [*recipes, *others], packages)
+            answer = cache.keep(question, record, [*recipes, *others], packages)
         if text is None:
             cache.keep(self._planned(built.plan, cell), record, others, packages)
+        return answer
 
     def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
         """The files of a bundle; those that no file of the user's has (`known`, by hash) go to the store."""

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from composer.build.question import GIVEN, Question, environment_parts
-from composer.build.tool import python_version, tool_version
+from composer.build.question import GIVEN, Question
+from composer.build.surroundings import environment_parts, python_version
+from composer.build.tool import tool_version
 
 
 @dataclass(frozen=True, slots=True)

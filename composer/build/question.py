@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-# Where models are found: other values may lead to other files.
-_ENVIRONMENT = (
-    "MENAGERIE_ROOT", "MENAGERIE_CACHE_DIR", "MENAGERIE_BASE_URL", "ROBOT_DESCRIPTIONS_CACHE", "PYTHONPATH",
-    "XDG_CACHE_HOME", "HOME",
-)  # fmt: skip
+from composer.sources.blobs import key_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,16 +25,6 @@ class Question:
     @property
     def subject_key(self) -> str:
         return key_of([self.subject])
-
-
-def key_of(data: object) -> str:
-    """A name for data that JSON can hold."""
-    return hashlib.sha256(json.dumps(data, ensure_ascii=True).encode()).hexdigest()
-
-
-def environment_parts(environment: Mapping[str, str]) -> dict[str, str]:
-    """The variables that decide where models are found."""
-    return {f"the variable `{name}`": environment[name] for name in _ENVIRONMENT if environment.get(name)}
 
 
 def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[str, ...]:

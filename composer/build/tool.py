@@ -1,66 +1,56 @@
-"""What builds: this very code, and what it stands on."""
+"""What builds: this very code."""
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
 import os
-import sys
-from collections.abc import Iterator
-from pathlib import Path
 
 from composer.sources import blobs
 from composer.version import __version__
 
-_PACKAGE = Path(__file__).resolve().parents[1]
-PACKAGES = ("mujoco", "lxml", "numpy", "pydantic", "pyyaml")
-"""What the bytes of a model, or the verdict on it, may depend on."""
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+_PACKAGE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+
+
+def tool_stamp() -> str:
+    """A hash of the sizes and times of all files of the package, for reading all of them takes longer than to ask."""
+    return hashlib.sha256(repr(list(_files())).encode()).hexdigest()
 
 
 def tool_version(store: Path) -> str:
     """The version and a hash of all files of the package: in a checkout code changes and the version does not.
 
-    The hash is kept in the store by the files' sizes and times, for reading all of them takes longer than to ask.
+    The hash is kept in the store by the files' sizes and times.
     """
-    files = list(_files(str(_PACKAGE)))
-    with contextlib.suppress(OSError):
-        files.append(
-            _stamped(str(_PACKAGE.parent / "schemas" / "mjcf.json"))
-        )  # where a checkout has the grammar
-    stamps = hashlib.sha256(repr([(path, *stamp) for path, *stamp in files]).encode()).hexdigest()
-    known = blobs.get(store, "asked", stamps)
+    stamp = tool_stamp()
+    known = blobs.get(store, "asked", stamp)
     if known is not None:
         return known.decode()
     whole = hashlib.sha256()
-    for path, *_ in files:
+    for path, *_ in _files():
         whole.update(os.path.relpath(path, _PACKAGE).encode())
-        whole.update(hashlib.sha256(Path(path).read_bytes()).digest())
+        with open(path, "rb") as stream:
+            whole.update(hashlib.sha256(stream.read()).digest())
     version = f"{__version__} ({whole.hexdigest()[:16]})"
     with contextlib.suppress(OSError):  # told when a model is kept
-        blobs.put(store, "asked", stamps, version.encode())
+        blobs.put(store, "asked", stamp, version.encode())
     return version
 
 
-def python_version() -> str:
-    """The interpreter, and where its packages are."""
-    return f"{sys.version.split()[0]} in {sys.prefix}"
+def _files() -> Iterator[tuple[str, int, int]]:
+    """Path, size and time of each file that decides what is built."""
+    yield from _below(_PACKAGE)
+    with contextlib.suppress(OSError):
+        # Where a checkout has the grammar.
+        yield _stamped(os.path.join(os.path.dirname(_PACKAGE), "schemas", "mjcf.json"))
 
 
-def installed(names: tuple[str, ...]) -> Iterator[tuple[str, str, str]]:
-    """Of each package that is installed: name, version, and a file that is another one in another version."""
-    from importlib import metadata
-
-    for name in names:
-        try:
-            found = metadata.distribution(name)
-        except metadata.PackageNotFoundError:
-            continue
-        folder = getattr(found, "_path", None)
-        if folder is not None:
-            yield name, found.version, str(Path(folder) / "METADATA")
-
-
-def _files(folder: str) -> Iterator[tuple[str, int, int]]:
+def _below(folder: str) -> Iterator[tuple[str, int, int]]:
     try:
         entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
     except OSError:
@@ -68,7 +58,7 @@ def _files(folder: str) -> Iterator[tuple[str, int, int]]:
     for entry in entries:
         if entry.is_dir():
             if entry.name != "__pycache__":
-                yield from _files(entry.path)
+                yield from _below(entry.path)
         elif entry.name.endswith((".py", ".json")):
             yield _stamped(entry.path)
 

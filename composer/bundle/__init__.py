@@ -7,9 +7,11 @@ pydantic. What is not used is not imported.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = False  # `typing` takes longer to import than all else that a known model needs
 if TYPE_CHECKING:
+    from typing import Any
+
     from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError
     from composer.bundle.form import Form, form_of
     from composer.bundle.licences import licence_files

@@ -36,6 +36,15 @@ def collect(
     return files
 
 
+def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> None:
+    """Tell the files that are missing, of a model that will not be bundled for another fault."""
+    for use in {use.path: use for use in uses if use.content is None}.values():
+        try:
+            os.stat(use.source)
+        except OSError as error:
+            _missing(model, use, error, sink, shown)
+
+
 def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = str) -> bytes | None:
     """The bytes of a file; None where they cannot be had, which is told."""
     content = use.content

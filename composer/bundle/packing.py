@@ -19,6 +19,8 @@ _MESH_LEVEL = 1
 _TEXT = {".xml", ".json", ".txt", ".md", ".yaml", ".yml", ".csv", ".mtl", ""}
 _PACKED = {".png", ".jpg", ".jpeg", ".webp", ".ktx", ".zip", ".mjz", ".gz"}
 _HEAD = struct.Struct("<IQ")
+HEAD_SIZE = _HEAD.size
+"""Bytes of what is `wrapped` before its data."""
 
 
 class Packed(NamedTuple):

@@ -47,6 +47,12 @@ def read(path: Path, limits: ReadLimits | None = None) -> Bundle:
     try:
         if path.is_dir():
             files = _read_folder(path, limits)
+        elif path.suffix.lower() == ".mjb" and path.exists():
+            raise ReadError(
+                "file-unreadable",
+                f"`{path}` is MuJoCo's binary form, which has no files to be read:"
+                " `composer.load` holds it against its manifest",
+            )
         elif path.exists():
             files = _read_archive(path, limits)
         else:

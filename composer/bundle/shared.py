@@ -38,11 +38,18 @@ def write_shared(bundle: Bundle, out: Path) -> tuple[Path, ...]:
     folder = out.parent / ASSETS
     for name, content in assets.items():
         path = folder / name
-        if not path.is_file() or path.stat().st_size != len(content):
+        if not _is_there(path, content):
             with staged_file(path) as stage:
                 stage.write_bytes(content)
     write_folder(own, out)
     return tuple(folder / name for name in assets)
+
+
+def _is_there(path: Path, content: bytes) -> bool:
+    try:
+        return path.stat().st_size == len(content) and path.read_bytes() == content
+    except OSError:
+        return False
 
 
 def share(bundle: Bundle) -> tuple[Bundle, dict[str, bytes]]:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
-from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import OutputError, unwritable
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from composer.bundle.bundle import Bundle
 
 
 def sibling(target: Path, purpose: str) -> Path:

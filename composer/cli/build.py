@@ -6,7 +6,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +16,15 @@ import click
 from composer.cli.caching import caching, caching_options
 from composer.cli.choices import choice_options, chosen_values, named_choices
 from composer.cli.fetching import fetching, fetching_options
-from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options
+from composer.cli.reporting import (
+    FINDINGS,
+    USAGE,
+    arguments,
+    progress,
+    report,
+    reporting_options,
+    told_by_report,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from composer.build.made import Made
@@ -113,7 +121,7 @@ def command(
         if one:
             known, reasons = maker.recall(maker.question(), context)
             if known is not None:
-                sys.exit(finish(known, maker, wanted, context, None))
+                sys.exit(finish(known, maker, wanted, context, None, set_files))
         given = chosen_values(sets, set_files, variants, context)
         if context.sink.has_errors:
             report(context, form)
@@ -125,7 +133,7 @@ def command(
                 from composer.cli.build_cells import build_cells
 
                 sys.exit(build_cells(maker, wanted, given, picks, context, session, samples))
-            sys.exit(build_one(maker, wanted, given, context, session, reasons))
+            sys.exit(build_one(maker, wanted, given, context, session, reasons, set_files))
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,41 +214,74 @@ def build_one(
     context: Context,
     session: Session,
     why: tuple[str, ...],
+    set_files: tuple[Path, ...] = (),
 ) -> int:
     """Build the one model that the recipe is; gives the exit code."""
     progress(f"building {maker.recipe}")
     made = maker.make(context, session, given, question=maker.question(), why=why)
-    return finish(made, maker, wanted, context, session)
+    return finish(made, maker, wanted, context, session, set_files)
 
 
-def finish(made: Made | None, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> int:
+def finish(
+    made: Made | None,
+    maker: Maker,
+    wanted: Wanted,
+    context: Context,
+    session: Session | None,
+    set_files: tuple[Path, ...] = (),
+) -> int:
     """Write the model, and tell what there is to tell; gives the exit code."""
-    target = None if made is None else put(made, maker, wanted, context, session)
+    made = None if made is None else put(made, maker, wanted, context, session)
     report(context, wanted.form, err=wanted.out == "-")
-    if made is None or target is None or context.sink.has_errors:
+    if made is None or context.sink.has_errors:
         return FINDINGS
-    if wanted.out != "-":
-        say(made, target, wanted)
-    else:
+    if wanted.out == "-":
         for line in _remarks(made, wanted):
             click.echo(line, err=True)
+        return 0
+    click.echo(said(made, wanted))
+    if wanted.kind != "usd":
+        _note(made, maker, wanted, context, set_files)
     return 0
 
 
-def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> str | None:
-    """Write a model where it is wanted; gives the place, or None where that cannot be, which is told."""
+def _note(made: Made, maker: Maker, wanted: Wanted, context: Context, set_files: tuple[Path, ...]) -> None:
+    """Leave a receipt, so that the same command need not be run again."""
+    target = maker.place(made.name, made.mujoco)
+    if maker.cache is None or made.answer is None or target is None:
+        return
+    from composer.build.receipt import Output, note
+
+    record = maker.cache.record(made.answer) if wanted.kind in ("archive", "text") else None
+    reported, known = told_by_report(context, wanted.form), replace(made, built=None, why=())
+    same, anew = (
+        [*reported, (False, f"{said(replace(known, is_written=is_written), wanted)}\n")]
+        for is_written in (True, False)
+    )
+    output = Output(os.fspath(target), maker.content(made), anew, record)
+    note(maker.cache, arguments(), context.environment, [made.answer], set_files, same, output)
+
+
+def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> Made | None:
+    """Write a model where it is wanted; gives it as it was written, or None where that cannot be, which is told."""
     from composer.bundle.licence_table import tell_unlicensed
     from composer.bundle.output_error import OutputError
 
     target = wanted.target(made.name, made.mujoco)
     try:
+        if wanted.kind == "text" and made.built is not None:
+            from composer.bundle.text_alone import text_alone
+
+            composed = made.built.composed
+            text = text_alone(composed.model, composed.files, target, context.folder)
+            made = maker.with_text(made, text, context)
         if not made.is_written:
             maker.note_written(made, _write(made, target, maker, wanted, context, session))
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         return None
     tell_unlicensed(made.licences, context)
-    return target
+    return made
 
 
 def _file_name(name: str) -> str:
@@ -264,11 +305,6 @@ def _write(
         check_is_no_source(context.folder / out, read)
     if wanted.kind == "text":
         text = made.text
-        if built is not None:
-            from composer.bundle.text_alone import text_alone
-
-            text = text_alone(built.composed.model, built.composed.files, out, context.folder)
-            maker.keep_text(made, text, context)
         assert text is not None
         if out != "-":
             from composer.bundle.staging import staged_file
@@ -314,10 +350,11 @@ def _check_holds_all(bundle: Bundle, out: str) -> None:
         raise OutputError("output-kind", f"`{out}` has no room for the table of draws", help)
 
 
-def say(made: Made, out: str, wanted: Wanted) -> None:
+def said(made: Made, wanted: Wanted) -> str:
+    """What is told of a model that is where it is wanted, several lines."""
     import json
 
-    sizes = made.sizes or {}
+    out, sizes = wanted.target(made.name, made.mujoco), made.sizes or {}
     if wanted.form == "json":
         told: dict[str, object] = {
             "output": out,
@@ -332,23 +369,21 @@ def say(made: Made, out: str, wanted: Wanted) -> None:
         if wanted.why:
             told["built"] = made.built is not None
             told["why"] = list(made.why)
-        click.echo(json.dumps(told))
-        return
-    click.echo(f"{out} is up to date" if made.is_written else f"wrote {out}")
+        return json.dumps(told)
+    lines = [f"{out} is up to date" if made.is_written else f"wrote {out}"]
     if sizes:
         counted = ", ".join(_count(*each) for each in (
             (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
         ))  # fmt: skip
-        click.echo(f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
+        lines.append(f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
     else:
-        click.echo("  not verified: MuJoCo has not compiled it")
-    for line in _remarks(made, wanted):
-        click.echo(line)
-    click.echo(f"  contents sha256 {made.sha256}")
+        lines.append("  not verified: MuJoCo has not compiled it")
+    lines += [*_remarks(made, wanted), f"  contents sha256 {made.sha256}"]
     if wanted.licenses and made.licences:
         from composer.bundle.licence_table import licence_table
 
-        click.echo(licence_table(made.licences))
+        lines.append(licence_table(made.licences))
+    return "\n".join(lines)
 
 
 def _remarks(made: Made, wanted: Wanted) -> Iterator[str]:

@@ -11,7 +11,7 @@ from composer.build.cells import build_cells as built_cells
 from composer.build.cells import cells_of, picked
 from composer.build.sample_table import FILE, SampleTable
 from composer.bundle.output_error import OutputError
-from composer.cli.build import Wanted, build_one, finish, kind_of_output, put, say
+from composer.cli.build import Wanted, build_one, finish, kind_of_output, put, said
 from composer.cli.counting import counting
 from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report
 
@@ -64,14 +64,14 @@ def build_cells(
     whole = 0
     try:
         for cell, own, made in counting(running, len(chosen), lambda each: each[0].name):
-            target = None if made is None else put(made, maker, wanted, own, session)
+            made = None if made is None else put(made, maker, wanted, own, session)
             for diagnostic in own.sink.diagnostics:
                 context.sink.add(diagnostic)
-            if made is None or target is None or own.sink.has_errors:
+            if made is None or own.sink.has_errors:
                 failed.append(cell.name)
             else:
                 whole += 1
-                say(made, target, wanted)
+                click.echo(said(made, wanted))
                 if made.draws is not None:
                     samples.add(cell.name, cell.sample, made.draws)
     except (KeyboardInterrupt, SystemExit) as ended:

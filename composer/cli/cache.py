@@ -29,11 +29,11 @@ def command() -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def info(as_json: bool) -> None:
     """Print where the store is, its size, and what is in it."""
-    from composer.sources.blobs import blobs
+    from composer.sources.blob import blobs_in
 
     store, _ = _store()
     entries = store.entries()
-    built = list(blobs(store.folder))
+    built = list(blobs_in(store.folder))
     size_built = sum(blob.size for blob in built)
     size = sum(entry.size for entry in entries) + size_built
     if as_json:
@@ -100,14 +100,14 @@ def verify(fix: bool) -> None:
     Damaged files of built models are removed: they are built again when they are needed.
     """
     from composer.diagnostics.diagnostic import Note
-    from composer.sources.blobs import blobs, is_damaged
+    from composer.sources.blob import blobs_in
     from composer.sources.error import SourceError
 
     store, context = _store()
     entries = store.entries()
-    built = list(blobs(store.folder))
+    built = list(blobs_in(store.folder))
     for blob in built:
-        if is_damaged(blob):
+        if blob.is_damaged:
             blob.path.unlink(missing_ok=True)
             click.echo(f"removed {blob.path}: it was damaged")
     for entry in entries:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,9 +13,18 @@ from composer.cli.caching import caching, no_cache_option
 from composer.cli.choices import choice_options, chosen_values, named_choices
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.junit import junit_option, suite_of, write_junit
-from composer.cli.reporting import FINDINGS, progress, report, reporting_options
+from composer.cli.reporting import (
+    FINDINGS,
+    arguments,
+    progress,
+    report,
+    reporting_options,
+    told_by_report,
+)  # fmt: skip
 
 if TYPE_CHECKING:
+    from composer.build.cache import Answer, Cache
+    from composer.build.receipt import Told
     from composer.verify.outcome import Outcome
 
 
@@ -48,6 +58,9 @@ def command(
     form = "json" if as_json else form
     wrong = False
     suites = []
+    told: list[Told] = []
+    answers: list[Answer | None] = []
+    used: Cache | None = None
     for recipe in recipes:
         how = fetching()
         context = Context(fetching=how)
@@ -55,6 +68,7 @@ def command(
         order = Order(not no_verify, choices=choices, locked=how.locked, offline=how.offline)
         outcomes: list[Outcome] = []
         with caching(context, no_cache) as cache:
+            used = cache
             maker = Maker(recipe, order, cache, context)
             question = maker.question()
             made, why = maker.recall(question, context, outcomes)
@@ -65,13 +79,20 @@ def command(
         report(context, form, err=junit == "-")
         wrong |= made is None
         suites.append(suite_of(recipe, outcomes, context))
+        told += told_by_report(context, form)
+        answers.append(None if made is None else made.answer)
         if made is not None and form == "text" and junit != "-":
-            click.echo(f"{recipe}: ok{_counted(outcomes)}")
+            told.append((False, f"{recipe}: ok{_counted(outcomes)}\n"))
+            click.echo(told[-1][1], nl=False)
     if junit is not None:
         context = Context()
         write_junit(suites, junit, context)
         report(context, form)
         wrong |= context.sink.has_errors
+    elif not wrong and used is not None:
+        from composer.build.receipt import note
+
+        note(used, arguments(), os.environ, answers, set_files, told)
     sys.exit(FINDINGS if wrong else 0)
 
 

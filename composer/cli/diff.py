@@ -23,6 +23,7 @@ _KINDS = (
 @click.argument("a")
 @click.argument("b")
 @choice_options
+@click.option("--pick", metavar="CELL", help="Compare this cell of the matrix, or this sample.")
 @click.option("--only", multiple=True, type=click.Choice(_KINDS), metavar="KIND",
               help="Compare this kind of element, or `option`, `visual`, `statistic`, `count`, `address`.")  # fmt: skip
 @click.option("--tolerance", type=click.FloatRange(min=0), default=0.0, show_default=True,
@@ -41,6 +42,7 @@ def command(
     sets: tuple[str, ...],
     set_files: tuple[Path, ...],
     variants: tuple[str, ...],
+    pick: str | None,
     only: tuple[str, ...],
     tolerance: float,
     everything: bool,
@@ -70,7 +72,7 @@ def command(
         with Session(Limits(seconds=timeout), rendering=renders is not None) as session:
             found = diff(
                 a, b, context, session, tolerance=tolerance, only=only, everything=everything, given=given,
-                renders=renders,
+                pick=pick, renders=renders,
             )  # fmt: skip
     if found is None:
         report(context, "json" if form == "json" else "text")

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import io
 import keyword
 import os
-import signal
 import sys
 from typing import Any
 
@@ -36,7 +34,7 @@ _VERBS = {
 # Pydantic would look for plugins in every package that is installed, which takes longer than a small build.
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
-_FAILED, _INTERRUPTED, _TERMINATED, _BUG = 1, 130, 143, 70
+_FAILED, _INTERRUPTED, _BUG = 1, 130, 70
 
 
 class _Verbs(click.Group):
@@ -73,8 +71,6 @@ class _Verbs(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb. An interruption ends it in order: what was begun is taken away again, and no trace is shown."""
-        with contextlib.suppress(ValueError):  # not in the main thread, where signals do not arrive
-            signal.signal(signal.SIGTERM, _terminate)
         _print_any_name()
         try:
             return super().invoke(ctx)
@@ -116,10 +112,6 @@ def _print_any_name() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         utf8 = sys.stdout.encoding.lower().replace("-", "") == "utf8"
         sys.stdout.reconfigure(errors="surrogateescape" if utf8 else "backslashreplace")
-
-
-def _terminate(signum: int, frame: object) -> None:
-    sys.exit(_TERMINATED)
 
 
 def _bug(error: Exception) -> str:

@@ -63,7 +63,7 @@ def command(
     if licenses:
         _say_licences(plan, context, form)
     elif expanded:
-        click.echo(expanded_text(plan.document))
+        click.echo(expanded_text(plan))
     elif form == "json":
         data = as_data(plan, subtrees)
         if cells:

@@ -33,21 +33,27 @@ def report(context: Context, form: str, *, err: bool = False) -> None:
 
     With `err` these go to standard error too, for a command that has a model to print.
     """
+    if told := _told(context, form):
+        click.echo(told, nl=False, err=err or form == "text", color=use_color())
+
+
+def told_by_report(context: Context, form: str) -> list[tuple[bool, str]]:
+    """What `report` prints, and whether to standard error."""
+    told = _told(context, form)
+    return [(form == "text", told)] if told else []
+
+
+def _told(context: Context, form: str) -> str:
     found = context.sink.sorted()
+    if not found:
+        return ""
     if form == "json":
-        for diagnostic in found:
-            click.echo(json_format.render(diagnostic), err=err)
-        return
+        return "".join(f"{json_format.render(each)}\n" for each in found)
     if form == "github":
-        for diagnostic in found:
-            click.echo(github.render(diagnostic), err=err)
-        return
-    color = use_color()
-    read = source_reader(context.folder)
-    for diagnostic in found:
-        click.echo(text.render(diagnostic, read, color) + "\n", err=True, color=color)
-    if found:
-        click.echo(text.summary(found), err=True)
+        return "".join(f"{github.render(each)}\n" for each in found)
+    color, read = use_color(), source_reader(context.folder)
+    told = "".join(f"{text.render(each, read, color)}\n\n" for each in found)
+    return f"{told}{text.summary(found)}\n"
 
 
 def use_color() -> bool:

@@ -56,6 +56,7 @@ CODES: dict[str, str] = {
     "source-kind": "a model reference has a form or file type that is not known",
     "source-not-found": "a model reference leads to nothing",
     "source-offline": "a source is not in the store and nothing may be fetched",
+    "source-outside": "what was fetched names files of this machine",
     "source-revision": "a repository has no such branch, tag or commit",
     "still-referred-to": "something that is to be removed is referred to",
     "store-unusable": "the folder with what was fetched cannot be used",

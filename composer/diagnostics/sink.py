@@ -11,6 +11,8 @@ from composer.diagnostics.span import Span
 
 _QUOTED = re.compile(r"`([^`]*)`")
 _STEP = re.compile(r"[/:.\s]")
+_OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
+"""What these codes name are files and addresses, in which any word may stand."""
 
 
 class Sink:
@@ -33,13 +35,22 @@ class Sink:
         """
         self._forgiven.update(names)
 
+    def fork(self) -> Sink:
+        """An empty sink that forgives what this one does."""
+        sink = Sink()
+        sink.forgive(self._forgiven)
+        return sink
+
+    def forgives(self, name: str) -> bool:
+        """Whether an earlier fault may be the reason that there is nothing of this name."""
+        return name in self._forgiven or not self._forgiven.isdisjoint(_STEP.split(name))
+
     def _is_forgiven(self, diagnostic: Diagnostic) -> bool:
         if diagnostic.severity is not Severity.ERROR:
             return True
-        named = _QUOTED.findall(diagnostic.message)
-        return any(
-            name in self._forgiven or not self._forgiven.isdisjoint(_STEP.split(name)) for name in named
-        )
+        if diagnostic.code.startswith(_OF_FILES):
+            return False
+        return any(map(self.forgives, _QUOTED.findall(diagnostic.message)))
 
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code not in CODES:

@@ -107,10 +107,12 @@ def _singular(word: str) -> str:
 
 
 def _plural(word: str) -> str:
-    if word.endswith("s") and not word.endswith("ss"):
+    if word.endswith("s") and not word.endswith(("ss", "is")):
         return word
     if word.endswith("y") and word[-2:-1] not in "aeiou":
         return word[:-1] + "ies"
+    if word.endswith("is"):
+        return word[:-2] + "es"
     return word + ("es" if word.endswith(("ss", "x", "sh", "ch")) else "s")
 
 

@@ -99,11 +99,21 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """A or B: how messages call it, what it is, and the sha256 of its files without the manifest."""
+    """A or B: how messages call it, what it is, and the sha256 of its files without the manifest.
+
+    `cell` is the one of its matrix that was compared. Without it, `cells` says how many the matrix has.
+    """
 
     label: str
     kind: str
     sha256: str
+    cell: str | None = None
+    cells: int = 0
+
+    @property
+    def named(self) -> str:
+        """The label with the cell."""
+        return self.label if self.cell is None else f"{self.label}: {self.cell}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,8 +34,13 @@ def as_data(diff: Diff) -> dict[str, Any]:
     }
 
 
-def _end(end: End) -> dict[str, str]:
-    return {"name": end.label, "kind": end.kind, "sha256": end.sha256}
+def _end(end: End) -> dict[str, Any]:
+    told: dict[str, Any] = {"name": end.label, "kind": end.kind, "sha256": end.sha256}
+    if end.cell is not None:
+        told["cell"] = end.cell
+    elif end.cells:
+        told["cells"] = end.cells
+    return told
 
 
 def _change(change: Change) -> dict[str, Any]:

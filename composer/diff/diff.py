@@ -35,14 +35,15 @@ def diff(
     only: Collection[str] = (),
     everything: bool = False,
     given: Given | None = None,
+    pick: str | None = None,
     renders: Path | None = None,
 ) -> Diff | None:
     """The differences from A to B; None where one of them is no model, which `context.sink` is told.
 
     `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
     none means all. With `everything` what follows from other changes is told too, not only counted. `given` are
-    values of parameters and variants for whichever of the two is a recipe. Pictures of both go to the folder
-    `renders`; the session must be one that renders.
+    values of parameters and variants for whichever of the two is a recipe, `pick` is a cell of its matrix. Pictures of
+    both go to the folder `renders`; the session must be one that renders.
     """
     with ExitStack() as opened:
         operands = [read_operand(text, context, opened) for text in (a, b)]
@@ -50,7 +51,7 @@ def diff(
         for operand, kept in zip(operands, ("diff a", "diff b"), strict=True):
             if operand is None:
                 continue
-            side = load(operand, kept, session, given)
+            side = load(operand, kept, session, given, pick)
             if side is None or operand.context.sink.has_errors:
                 operand.tell(context.sink)
             elif side is not None:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from composer.diff.change import Diff, Group
-from composer.diff.text import following, place, verdict
+from composer.diff.text import at_defaults, following, place, verdict
 from composer.diff.words import count, moved, sentences, view
 
 _LONG = 12
@@ -25,9 +25,12 @@ def render(diff: Diff) -> str:
 
 
 def _lines(diff: Diff) -> Iterator[str]:
-    yield f"### {_code(diff.a.label)} → {_code(diff.b.label)}"
+    yield f"### {_code(diff.a.named)} → {_code(diff.b.named)}"
     yield ""
     yield f"**{verdict(diff).capitalize()}.**"
+    if (narrow := at_defaults(diff)) is not None:
+        yield ""
+        yield f"<sub>{narrow[0].upper()}{narrow[1:]}</sub>"
     told = diff.contrast
     if told.counts:
         yield ""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from composer import engine
+from composer.build.cells import cells_of
 from composer.bundle.assemble import assemble
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle
 from composer.bundle.collect import collect
@@ -15,11 +16,14 @@ from composer.bundle.read import ReadError, read
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import exists_note
 from composer.diff.change import End
 from composer.diff.operand import Kind, Operand
+from composer.expand.matrix import Cell
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
-from composer.plan.make import Given, make_plan
+from composer.plan.make import Given, make_plan, plan_what_remains
+from composer.plan.matrix import read_matrix
 from composer.plan.plan import Plan
 from composer.steps.compose import Composer
 from composer.steps.measure import measure_with
@@ -37,7 +41,7 @@ class Side:
     """`kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path.
 
     Of an MJCF file that is the file alone. `traced` is None where nothing tells where elements came from, `plan` for
-    what is no recipe.
+    what is no recipe. `cell` is the one of its matrix that it is, `cells` how many that has.
     """
 
     operand: Operand
@@ -45,13 +49,16 @@ class Side:
     digests: dict[str, str]
     traced: Traced | None
     plan: Plan | None = None
+    cell: str | None = None
+    cells: int = 0
     texts: dict[str, str] = field(default_factory=dict)
     read: dict[str, list[str]] = field(default_factory=dict)
 
     @property
     def end(self) -> End:
         whole = hashlib.sha256("".join(f"{path}\0{sha}\n" for path, sha in self.digests.items()).encode())
-        return End(self.operand.label, self.operand.kind, whole.hexdigest())
+        cells = 0 if self.cell is not None else self.cells
+        return End(self.operand.label, self.operand.kind, whole.hexdigest(), self.cell, cells)
 
     def lines(self, file: str) -> list[str]:
         """The lines of a file that a place is in; none where it cannot be read."""
@@ -66,18 +73,30 @@ class Side:
         return self.read[file]
 
 
-def load(operand: Operand, kept: str, session: Session, given: Given | None = None) -> Side | None:
-    """The model of an operand, compiled; None where there is none, which its sink is told."""
+def load(
+    operand: Operand, kept: str, session: Session, given: Given | None = None, pick: str | None = None
+) -> Side | None:
+    """The model of an operand, compiled; None where there is none, which its sink is told.
+
+    Of a recipe it is that of the cell `pick` of its matrix.
+    """
     if operand.kind is Kind.RECIPE:
-        return _recipe(operand, kept, session, given)
+        return _recipe(operand, kept, session, given or {}, pick)
     if operand.kind is Kind.MJCF:
         return _mjcf(operand, kept, session)
     return _bundle(operand, kept, session)
 
 
-def _recipe(operand: Operand, kept: str, session: Session, given: Given | None) -> Side | None:
+def _recipe(operand: Operand, kept: str, session: Session, given: Given, pick: str | None) -> Side | None:
     context, watch = operand.context, Trace()
-    if (plan := make_plan(operand.path, context, given)) is None:
+    cell = None if pick is None else _cell(operand, given, pick)
+    if pick is not None and cell is None:
+        return None
+    if cell is None:
+        plan = make_plan(operand.path, context, given)
+    else:
+        plan = plan_what_remains(operand.path, context, {**given, **cell.given}, cell.name, cell.sample)
+    if plan is None or context.sink.has_errors:
         return None
     composer = Composer(context, measure_with(context, session=session), session, watch=watch)
     if (composed := composer.compose(plan)) is None:
@@ -88,7 +107,26 @@ def _recipe(operand: Operand, kept: str, session: Session, given: Given | None) 
     if judge(bundle, composed.model, context, session, keep=kept) is None or context.sink.has_errors:
         return None
     traced = Traced(composed.model, watch, plan.separator, context.folder)
-    return Side(operand, kept, _digests(bundle), traced, plan)
+    matrix = read_matrix(operand.path, context)
+    return Side(operand, kept, _digests(bundle), traced, plan, pick, len(matrix.cells) if matrix else 0)
+
+
+def _cell(operand: Operand, given: Given, pick: str) -> Cell | None:
+    """The cell of this name; that there is none is told."""
+    sink = operand.context.sink
+    every = cells_of(operand.path, operand.context, dict(given))
+    if sink.has_errors:
+        return None
+    cell = next((each for each in every if each.name == pick), None)
+    if cell is None:
+        message = f"the matrix of `{operand.label}` has no cell `{pick}`"
+        sink.error("unknown-name", message, notes=(exists_note("cell", [each.name for each in every], pick),))
+    elif set(cell.given) & set(given):
+        name = min(set(cell.given) & set(given))
+        sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
+                   help=f"take `--set {name}=…` out, or compare without `--pick`")  # fmt: skip
+        return None
+    return cell
 
 
 def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:

@@ -50,10 +50,21 @@ def following(diff: Diff) -> str | None:
     return f"{diff.follows} numbers that MuJoCo computes from these differ too: --all tells them"
 
 
+def at_defaults(diff: Diff) -> str | None:
+    """That a matrix was not looked at; None where there is none, or one of its cells was compared."""
+    counts = [end.cells for end in (diff.a, diff.b) if end.cells]
+    if not counts:
+        return None
+    cells = "1 cell" if counts[-1] == 1 else f"{counts[-1]} cells"
+    return f"compared at its defaults: of the {cells} of the matrix, `--pick CELL` compares one"
+
+
 def _lines(diff: Diff) -> Iterator[str]:
-    yield f"A {diff.a.label}"
-    yield f"B {diff.b.label}"
+    yield f"A {diff.a.named}"
+    yield f"B {diff.b.named}"
     yield verdict(diff)
+    if (narrow := at_defaults(diff)) is not None:
+        yield narrow
     told = diff.contrast
     if told.counts:
         yield ""

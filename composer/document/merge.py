@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
-from composer.document.node import Key, Mapping, Node, Scalar, Sequence
+from composer.document.node import Key, Mapping, Node, Scalar, Sequence, locate
 from composer.document.piece import is_appended
 
 Path = tuple[str, ...]
@@ -79,8 +80,34 @@ class _Merge:
                 return upper
             return self.mappings(lower, upper, path)
         if isinstance(lower, Sequence) and isinstance(upper, Sequence) and is_appended(kind):
-            return _appended(lower, upper)
+            return self._appended(lower, upper)
         return upper
+
+    def _appended(self, lower: Sequence, upper: Sequence) -> Sequence:
+        items = list(lower.items)
+        places = {_id(item): index for index, item in enumerate(items) if _id(item) is not None}
+        self._only_once(lower)
+        self._only_once(upper)
+        for item in upper.items:
+            place = places.get(_id(item))
+            if place is None:
+                items.append(item)
+            else:
+                items[place] = item
+        return Sequence(tuple(items), upper.span)
+
+    def _only_once(self, written: Sequence) -> None:
+        """Tell an `id` that two items of a list have, of which only one could be meant."""
+        seen: dict[str, Node] = {}
+        for item in written.items:
+            name = _id(item)
+            if name is None:
+                continue
+            if name in seen:
+                notes = (Note("the other one", locate(seen[name], ("id",))),)
+                self.sink.error("name-clash", f"two items have the `id` `{name}`", locate(item, ("id",)), notes=notes,
+                                help="give one of them another `id`")  # fmt: skip
+            seen[name] = item
 
     def _nothing_to_delete(self, key: Key, lower: Mapping) -> None:
         self.sink.error(
@@ -142,18 +169,6 @@ def _given(node: Mapping, name: str) -> bool:
     """Whether a key is there and does not delete."""
     found = node.entries.get(name)
     return found is not None and not (isinstance(found[1], Scalar) and found[1].value is None)
-
-
-def _appended(lower: Sequence, upper: Sequence) -> Sequence:
-    items = list(lower.items)
-    places = {_id(item): index for index, item in enumerate(items) if _id(item) is not None}
-    for item in upper.items:
-        place = places.get(_id(item))
-        if place is None:
-            items.append(item)
-        else:
-            items[place] = item
-    return Sequence(tuple(items), upper.span)
 
 
 def without_ids(document: Mapping) -> Mapping:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,6 +53,31 @@ class Sequence:
 
 
 Node = Scalar | Mapping | Sequence
+
+
+def texts(node: Node) -> Iterator[str]:
+    """Every key and value, as it is written."""
+    if isinstance(node, Scalar):
+        yield node.text
+    elif isinstance(node, Sequence):
+        for item in node.items:
+            yield from texts(item)
+    else:
+        for name, (_, value) in node.entries.items():
+            yield name
+            yield from texts(value)
+
+
+def spans(node: Node) -> Iterator[Span]:
+    """Where everything is written: every key and value."""
+    yield node.span
+    if isinstance(node, Sequence):
+        for item in node.items:
+            yield from spans(item)
+    elif isinstance(node, Mapping):
+        for key, value in node.entries.values():
+            yield key.span
+            yield from spans(value)
 
 
 def to_python(node: Node) -> Any:

@@ -53,8 +53,9 @@ class Parameter:
                 "wrong-type", f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_told(value)}", help
             )
         if self.choices and value not in self.choices:
-            listed = ", ".join(f"`{shown(each)}`" for each in self.choices)
-            help = did_you_mean(shown(value), [shown(each) for each in self.choices])
+            known = [self._shown(each) for each in self.choices]
+            listed = ", ".join(f"`{each}`" for each in known)
+            help = did_you_mean(self._shown(value), known)
             return Refusal(
                 "out-of-range", f"parameter `{self.name}` is one of {listed}, got {_told(value)}", help
             )
@@ -68,14 +69,17 @@ class Parameter:
             if self.low is not None and number < self.low:
                 return Refusal(
                     "out-of-range",
-                    f"parameter `{self.name}` is at least {shown(self.low)}, got {shown(number)}",
+                    f"parameter `{self.name}` is at least {self._shown(self.low)}, got {self._shown(number)}",
                 )
             if self.high is not None and number > self.high:
                 return Refusal(
                     "out-of-range",
-                    f"parameter `{self.name}` is at most {shown(self.high)}, got {shown(number)}",
+                    f"parameter `{self.name}` is at most {self._shown(self.high)}, got {self._shown(number)}",
                 )
         return value
+
+    def _shown(self, value: Value) -> str:
+        return shown(value) + (str(self.unit) if self.is_angle and isinstance(value, int | float) else "")
 
 
 _NOUNS = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping as Map
+from dataclasses import replace
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
@@ -12,6 +13,7 @@ from composer.document.node import Key, Mapping, Node, Scalar
 from composer.expand.name import is_usable
 from composer.expand.parameter import TYPES, Parameter, Refusal, inferred
 from composer.expand.plain import plain
+from composer.expr.angle import UNITS, Angle
 from composer.expr.opening import is_template
 from composer.expr.value import Value
 
@@ -74,21 +76,24 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
     if type is None and guess is None:
         sink.error("missing-key", f"parameter `{key.name}` has neither `default` nor `type`", key.span,
                    help="write `{default: …}`, or `{type: float}` for one that must be given")  # fmt: skip
-    low, high, length = (_number(part(name)[1], name, key.name, sink) for name in ("min", "max", "length"))
+    own_unit, own_doc = part("unit")[0], part("doc")[0]
+    unit = unit if own_unit is None else str(own_unit)
+    low, high, length = (
+        _number(part(name)[1], name, key.name, unit, sink) for name in ("min", "max", "length")
+    )
     if low is not None and high is not None and low > high:
         at_high = part("max")[1]
         assert at_high is not None
         sink.error("out-of-range", f"`max` of `{key.name}` is below its `min`", at_high.span)
-    own_unit, own_doc = part("unit")[0], part("doc")[0]
     if sink.error_count > before:
         return None
     if type == "string":
-        value, unit = sample, None
+        value, unit = sample, None if own_unit is None else str(own_unit)
     parameter = Parameter(
         key.name, str(type or guess), None if default is None else value, key.span, low, high,
-        choices if isinstance(choices, tuple) else (),
+        tuple(_in_unit(each, unit) for each in choices) if isinstance(choices, tuple) else (),
         int(length) if length is not None else len(value) if isinstance(value, tuple) else None,
-        str(own_unit) if own_unit is not None else unit, str(own_doc or ""),
+        unit, str(own_doc or ""),
     )  # fmt: skip
     if default is None:
         return parameter
@@ -97,13 +102,19 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
         assert at is not None
         sink.error(settled.code, settled.message, at.span, help=settled.help)
         return None
-    return parameter
+    return replace(parameter, default=settled)
 
 
-def _number(node: Node | None, what: str, name: str, sink: Sink) -> float | None:
+def _in_unit(value: Value, unit: str | None) -> Value:
+    """An angle with a unit as a number in that of its parameter."""
+    angle = Angle.read(value) if isinstance(value, str) and unit in UNITS else None
+    return value if angle is None else angle.in_unit(str(unit))
+
+
+def _number(node: Node | None, what: str, name: str, unit: str | None, sink: Sink) -> float | None:
     if node is None:
         return None
-    value = node.value if isinstance(node, Scalar) else None
+    value = _in_unit(node.value, unit) if isinstance(node, Scalar) and node.value is not None else None
     if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
         sink.error("wrong-type", f"`{what}` of `{name}` is a number", node.span)
         return None

@@ -11,7 +11,7 @@ from composer.document.node import Mapping, Node, Scalar
 from composer.expand.name import is_usable
 
 # What belongs to the recipe as a whole and to no piece of it.
-NO_PIECE = ("recipe", "extends", "variants", "matrix", "separator")
+NO_PIECE = ("recipe", "extends", "variants", "matrix", "separator", "angle", "eulerseq")
 
 Axes = dict[str, Mapping]
 

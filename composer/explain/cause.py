@@ -173,6 +173,10 @@ class Causes:
         first = next((span for span in spans.values() if span is not None), None)
         return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", first)
 
+    def _unrolled(self, life: Life, cause: Cause) -> Reason:
+        words = f"a copy by the `<replicate>` of {_file(cause.unit)}, written out"
+        return Reason(words, self._step(cause, life.owner, None).span)
+
     def _fitting(self, change: Change, life: Life) -> Reason | None:
         unit = change.cause.unit
         words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(unit)}"
@@ -361,6 +365,7 @@ _CHANGES: dict[str, Callable[[Causes, Change, Life], Reason | None]] = {
     "check_names": Causes._main,
 }
 _MADE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
+    "unrolling": Causes._unrolled,
     "reductions": Causes._reduced,
     "inertia": Causes._inertia_made,
     "agreement": Causes._agreement_made,

@@ -16,7 +16,7 @@ from composer.tree.classes import through_frames, walk_bodies
 from composer.tree.unit import Unit
 
 _OF_FREEJOINTS = frozenset({"name", "type", "group", "class"})
-_INSIDE_BODIES = ("body", "replicate", "flexcomp", "composite", "attach")
+_INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
 
 
 def alignment(linking: Linking) -> None:
@@ -59,16 +59,18 @@ def _free_joints(unit: Unit) -> Iterator[tuple[Node, bool]]:
         if (
             joint.tag == "joint"
             and classes.effective(joint, childclass, "type") == "free"
-            and _is_leaf(joint)
+            and is_leaf(next(joint.iterancestors("body")))
         ):
             given = classes.get(str(joint.get("class") or childclass or "") or None).sets("joint")
             yield joint, not given and _OF_FREEJOINTS.issuperset(joint.keys())
 
 
-def _is_leaf(joint: Node) -> bool:
-    """Whether nothing hangs on the joint's body; MuJoCo aligns no other."""
-    body = next(joint.iterancestors("body"))
-    return not any(child.tag in _INSIDE_BODIES for child in through_frames(body))
+def is_leaf(body: Node) -> bool:
+    """Whether no other body hangs on it; MuJoCo aligns no other."""
+    return not any(
+        child.tag in _INSIDE_BODIES or (child.tag == "replicate" and not is_leaf(child))
+        for child in through_frames(body)
+    )
 
 
 def _make_freejoint(joint: Node, aligned: bool) -> None:

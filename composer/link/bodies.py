@@ -10,8 +10,10 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
+from composer.link.alignment import is_leaf
 from composer.link.angles import model_angle
 from composer.link.flex_joints import taken_back
+from composer.link.layout import JOINTS, joint_type
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, through_frames
@@ -19,7 +21,6 @@ from composer.tree.comments import above
 from composer.tree.names import word
 from composer.tree.scaled import scaled_above
 
-_BODIES = ("body", "replicate", "flexcomp", "composite", "attach")
 _PLACES = ("site", "body", "frame")
 _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
@@ -38,6 +39,8 @@ def bodies(linking: Linking) -> None:
                 _nowhere(linking, part)
             if not lost:
                 _ring(linking, waiting)
+            prefixes = [part.prefix for part in waiting if part.prefix]
+            linking.sink.forgive([*prefixes, *(each.removesuffix(linking.separator) for each in prefixes)])
             return
         waiting = [part for part in waiting if part not in ready]
     _in_order(linking, tops)
@@ -139,7 +142,9 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         pose = {}
     pose = pose or offset
     if part.joints or part.mocap:
-        body = _child(linking, part, parent, "body", {"name": part.prefix, **pose})
+        body = _child(
+            linking, part, parent, "body", {**({"name": part.prefix} if part.prefix else {}), **pose}
+        )
         if part.mocap:
             body.set("mocap", "true")
         if any(flex.part is part for flex in linking.flexes):
@@ -148,7 +153,8 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
             undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
             added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
             _declare_joint(linking, part, added)
-        linking.names.declared.setdefault("body", {})[part.prefix] = body
+        if part.prefix:
+            linking.names.declared.setdefault("body", {})[part.prefix] = body
         parent, pose = body, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
     for worldbody in list(part.unit.root.iterchildren("worldbody")):
@@ -158,13 +164,15 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
                 part.unit.origins.owners.setdefault(child, owner)
         frame.extend([*above(worldbody, part.unit.header), *worldbody])
         part.unit.root.remove(worldbody)
-    part.content = parent
+    if all(part.unit.file != earlier.unit.file for earlier in linking.parts[: linking.parts.index(part)]):
+        for comment in reversed(part.unit.header):
+            frame.insert(0, comment)
     if next(frame.iterchildren("*"), None) is not None:
-        if all(part.unit.file != earlier.unit.file for earlier in linking.parts[: linking.parts.index(part)]):
-            for comment in reversed(part.unit.header):
-                frame.insert(0, comment)
         parent.append(frame)
         part.content = frame
+    else:
+        parent.extend(list(frame))  # comments of a part without bodies
+        part.content = parent
     if len(outer) > count:
         tops[part] = outer[-1]
     if part.layout is not None and part.layout.in_world_coordinates:
@@ -187,13 +195,14 @@ def _scaled(linking: Linking, part: Part, frame: Node) -> None:
 def _aligned_by(linking: Linking, mount: Node) -> Node | None:
     """The free joint for whose sake MuJoCo moves the frame of the mount's body, as long as nothing hangs on it."""
     body = mount if mount.tag == "body" else next(mount.iterancestors("body"), None)
-    inside = list(through_frames(body)) if body is not None else []
-    if any(child.tag in _BODIES for child in inside):
+    if body is None or not is_leaf(body):
         return None
-    by_default = "true" if linking.base.settings.alignfree == "true" else "false"
-    for child in inside:
+    by_default = str(linking.aligned).lower()
+    for child in through_frames(body):
         align = child.get("align") or "auto"
-        if child.tag == "freejoint" and (by_default if align == "auto" else align) == "true":
+        if child.tag not in JOINTS or joint_type(child, linking.base.classes) != "free":
+            continue
+        if (by_default if align == "auto" else align) == "true":
             return child
     return None
 

@@ -7,7 +7,7 @@ from lxml.etree import _Element as Node
 from composer.link.survey import Survey
 from composer.tree.classes import walk_bodies
 from composer.tree.files import stem
-from composer.tree.names import REFERS, naming_table
+from composer.tree.names import LISTS, REFERS, naming_table
 from composer.tree.unit import Unit
 
 _ASSETS = ("mesh", "material", "texture")
@@ -38,7 +38,7 @@ def _leave_uncoloured(section: Node) -> None:
     table = naming_table(str(section.tag))
     for element in list(section.iter("*")):
         for name, (kind, namespace) in table.get(str(element.tag), {}).items():
-            if kind == REFERS and namespace in _COLOURS and name in element.attrib:
+            if kind in (REFERS, LISTS) and namespace in _COLOURS and name in element.attrib:
                 del element.attrib[name]
                 if section.tag == "default" and not element.attrib:
                     _remove(element)

@@ -13,6 +13,7 @@ from composer.link.defaults import choose_classes, defaults
 from composer.link.files import files
 from composer.link.fitting import fitting
 from composer.link.flex_joints import check_flexes, note_flexes
+from composer.link.flex_turns import flex_turns
 from composer.link.inertia import inertia
 from composer.link.key_layouts import layouts
 from composer.link.keyframes import keyframes
@@ -25,12 +26,15 @@ from composer.link.sections import sections
 from composer.link.several_defaults import several_defaults
 from composer.link.spurious import note_replicates, spurious
 from composer.link.submodels import submodels
+from composer.link.unrolling import unrolling
 
 Pass = Callable[[Linking], None]
 
 # In order: while the units are apart each is rewritten to read the same under one set of settings; then they join.
 PASSES: tuple[Pass, ...] = (
+    unrolling,
     note_flexes,
+    flex_turns,
     note_replicates,
     layouts,
     reductions,
@@ -58,6 +62,7 @@ PASSES: tuple[Pass, ...] = (
 
 # What these find hinders no later pass: those have faults of their own to tell.
 _HINDERS_NOTHING = (
+    flex_turns,
     several_defaults,
     alignment,
     agreement,

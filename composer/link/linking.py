@@ -107,9 +107,14 @@ class Flex(NamedTuple):
 
 
 class Measure(Protocol):
-    """MuJoCo at work on a unit alone: arrays of `mjModel` by name."""
+    """MuJoCo at work on a unit alone: arrays of `mjModel` by name; none of a unit that it refuses.
 
-    def __call__(self, unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]: ...
+    That is told, but of an `attempt`.
+    """
+
+    def __call__(
+        self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False
+    ) -> Mapping[str, list[float]]: ...
 
 
 class FileUse(NamedTuple):

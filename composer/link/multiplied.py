@@ -55,7 +55,7 @@ def actuators_in_order(root: Node) -> list[Node | Copy]:
     actuators = [each for section in root.iterchildren("actuator") for each in section.iterchildren("*")]
     if not actuators or next(root.iter("replicate"), None) is None:
         return list(actuators)
-    replicates = [each for world in root.iterchildren("worldbody") for each in _inner_first(world)]
+    replicates = [each for world in root.iterchildren("worldbody") for each in inner_first(world)]
     tendons = [each for section in root.iterchildren("tendon") for each in section.iterchildren("*")]
     hanging = [_thing(each, "tendon") for each in tendons]
     driving = [_thing(each, "actuator") for each in actuators]
@@ -70,6 +70,16 @@ def actuators_in_order(root: Node) -> list[Node | Copy]:
     return [Copy(each.element, each.numbers) if each.numbers else each.element for each in driving]
 
 
+def names_made(root: Node) -> set[Name]:
+    """Every name in the body tree that a replicate makes."""
+    made: dict[Node, list[Name]] = {}
+    for world in root.iterchildren("worldbody"):
+        for replicate in inner_first(world):
+            inside = list(_declared(replicate, made))
+            made[replicate] = [(kind, name + end) for end in suffixes(replicate) for kind, name in inside]
+    return {name for names in made.values() for name in names}
+
+
 def _multiply(
     things: list[_Thing], lost: frozenset[Name], ends: list[str]
 ) -> tuple[list[_Thing], frozenset[Name]]:
@@ -81,11 +91,12 @@ def _multiply(
     return kept + copies, frozenset(("tendon", thing.name) for thing in taken if thing.name)
 
 
-def _inner_first(parent: Node) -> Iterator[Node]:
-    for child in parent.iterchildren("*"):
-        yield from _inner_first(child)
-        if child.tag == "replicate":
-            yield child
+def inner_first(top: Node) -> Iterator[Node]:
+    """Every replicate in `top` and `top` itself if it is one, in the order in which MuJoCo carries them out."""
+    for child in top.iterchildren("*"):
+        yield from inner_first(child)
+    if top.tag == "replicate":
+        yield top
 
 
 def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:

@@ -2,21 +2,26 @@
 
 An actuator takes the gain of its class only where that class is of its own kind; else MuJoCo 4 asks the classes
 around it, and of the top class it asks what all top-level `<default>` together leave there. Wrapped, each of these
-is a class of its own, so that another one would answer.
+is a class of its own, so that another one may answer. Whether it answers otherwise MuJoCo says, and what it said
+before is then written on the actuator.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
 from composer.grammar import GRAMMAR
+from composer.link.defaults import defaults
 from composer.link.linking import Linking
-from composer.tree.classes import MAIN
+from composer.link.multiplied import actuators_in_order, element_of
+from composer.tree.classes import MAIN, Classes, DefaultClass
+from composer.tree.effective import default_text, position
 from composer.tree.unit import Unit
 
 _OF_ANY_KIND = ("general", "motor", "plugin")
@@ -24,6 +29,11 @@ _OF_ANY_KIND = ("general", "motor", "plugin")
 _OF_NONE = ("motor", "plugin")
 _MIXED = ""
 """The kind of a class that itself would find another gain."""
+_GAINS = ("gaintype", "gainprm", "biastype", "biasprm", "dyntype", "dynprm")
+_ONE_OF = ("kv", "dampratio")
+"""Attributes of which MuJoCo takes one."""
+
+_Gains = Mapping[Node, list[list[float]]]
 
 
 class _Class(NamedTuple):
@@ -33,25 +43,55 @@ class _Class(NamedTuple):
     section: int
 
 
+class _Suspect(NamedTuple):
+    """An actuator that asks other classes than its own, what it says, its class's kind, what sets actuators later."""
+
+    actuator: Node
+    written: dict[str, str]
+    kind: str | None
+    later: Node
+
+
 def several_defaults(linking: Linking) -> None:
-    """Refuse an actuator whose class is of another kind, where the top class is not the same throughout."""
+    """Write the gain that several top-level `<default>` give an actuator; refuse it where that cannot be written."""
     wrapped = [part.unit for part in linking.parts]
     if linking.base_class is not None:
         wrapped.append(linking.base)
     for unit in wrapped:
-        sections = list(unit.root.iterchildren("default"))
-        setting = [at for at, section in enumerate(sections) if _actuators(section)]
-        if not setting or setting == [0]:
-            continue
-        classes = _read_all(sections)
-        for section in unit.root.iterchildren("actuator"):
-            for actuator in section.iterchildren("*"):
-                found = classes.get(str(actuator.get("class") or MAIN))
-                if found is None or (len(setting) == 1 and setting[0] <= found.section):
-                    continue
-                fine = _OF_NONE if found.kind == _MIXED else (found.kind, *_OF_ANY_KIND)
-                if actuator.tag not in fine:
-                    _refuse(linking, unit, actuator, found.kind, _actuators(sections[setting[-1]])[0])
+        suspects = list(_suspects(unit))
+        alone = (_gains(linking, unit) if suspects else None) or {}
+        for gain in (_found, _found_in_the_end, _found_nowhere) if alone else ():
+            for suspect in suspects:
+                _write(unit, suspect.actuator, gain)
+            there = _gains(linking, unit, wrap=True)
+            moved = [each for each in suspects if not there or alone[each.actuator] != there[each.actuator]]
+            for suspect in moved:
+                suspect.actuator.attrib.clear()
+                suspect.actuator.attrib.update(suspect.written)  # type: ignore[arg-type]  # of the stubs
+            suspects = moved
+            if not suspects:
+                break
+        for suspect in suspects:
+            _refuse(linking, unit, suspect)
+
+
+def _suspects(unit: Unit) -> Iterator[_Suspect]:
+    """Actuators whose class is of another kind, where the top class is not the same throughout."""
+    sections = list(unit.root.iterchildren("default"))
+    setting = [at for at, section in enumerate(sections) if _actuators(section)]
+    if not setting or setting == [0]:
+        return
+    classes = _read_all(sections)
+    for section in unit.root.iterchildren("actuator"):
+        for actuator in section.iterchildren("*"):
+            found = classes.get(str(actuator.get("class") or MAIN))
+            if found is None or (len(setting) == 1 and setting[0] <= found.section):
+                continue
+            fine = _OF_NONE if found.kind == _MIXED else (found.kind, *_OF_ANY_KIND)
+            if actuator.tag not in fine:
+                later = _actuators(sections[setting[-1]])[0]
+                written = {str(name): str(value) for name, value in actuator.items()}
+                yield _Suspect(actuator, written, found.kind, later)
 
 
 def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
@@ -86,7 +126,82 @@ def _tags() -> tuple[str, ...]:
     return tuple(GRAMMAR.section("actuator").children)
 
 
-def _refuse(linking: Linking, unit: Unit, actuator: Node, kind: str | None, later: Node) -> None:
+def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None:
+    """What MuJoCo makes of every actuator of the unit, as it is or with its top class wrapped."""
+    if linking.measure is None:
+        return None
+    copy = unit.copied()
+    if wrap:
+        defaults(Linking(copy, [], Sink(), linking.separator, base_class=f"top{linking.separator}"))
+    arrays = tuple(f"actuator_{name}" for name in _GAINS)
+    measured = linking.measure(copy, arrays, attempt=wrap)
+    own = [each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")]
+    copied = [each for section in copy.root.iterchildren("actuator") for each in section.iterchildren("*")]
+    element = dict(zip(copied, own, strict=True))
+    rows = [element[element_of(each)] for each in actuators_in_order(copy.root)]
+    if not measured or len(measured[arrays[0]]) != len(rows):
+        return None
+    found: dict[Node, list[list[float]]] = {each: [] for each in own}
+    for array in arrays:
+        width = len(measured[array]) // len(rows)
+        for row, holder in enumerate(rows):
+            found[holder].append(measured[array][row * width : (row + 1) * width])
+    return found
+
+
+def _write(
+    unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, str], DefaultClass | None]
+) -> None:
+    """Write what the class gives that `gain` finds, where the composition gives another value."""
+    tag = str(actuator.tag)
+    own = unit.classes.get(actuator.get("class"))
+    alone, there = gain(unit.classes, own, tag), _found(unit.classes, own, tag)
+    common = GRAMMAR.element("actuator/motor").attributes
+    settled = _ONE_OF if any(actuator.get(name) is not None for name in _ONE_OF) else ()
+    for name, attribute in GRAMMAR.element(f"actuator/{tag}").attributes.items():
+        if name in common or name in settled or not attribute.in_default or actuator.get(name) is not None:
+            continue
+        default = default_text(attribute)
+        value, other = (_value(asked, tag, name, default) for asked in (alone, there))
+        if value is not None and value != other:
+            actuator.set(name, value)
+
+
+def _value(asked: DefaultClass | None, tag: str, name: str, default: str | None) -> str | None:
+    found = asked.lookup(tag, name) if asked is not None else None
+    return default if found is None else found[0]
+
+
+def _found(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
+    """The nearest class of an actuator's kind, once the sections are wrapped."""
+    found: DefaultClass | None = own
+    while found is not None and not _is_of(found, tag):
+        found = found.parent
+    return found
+
+
+def _found_in_the_end(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
+    """The same where the top class is what all sections leave."""
+    found: DefaultClass | None = own
+    while found is not None and found.name != MAIN:
+        if _is_of(found, tag):
+            return found
+        found = found.parent
+    return _found(classes, classes.get(MAIN), tag)
+
+
+def _found_nowhere(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
+    """No class: MuJoCo's own values."""
+    return None
+
+
+def _is_of(found: DefaultClass, tag: str) -> bool:
+    kinds = sorted((each for name in _tags() for each in found.elements.get(name, ())), key=position)
+    return bool(kinds) and kinds[-1].tag == tag
+
+
+def _refuse(linking: Linking, unit: Unit, suspect: _Suspect) -> None:
+    actuator, _, kind, later = suspect
     called = f"`{actuator.get('name')}`" if actuator.get("name") else "without a name"
     own = f"is of another kind, `<{kind}>`" if kind else "is of no kind of its own"
     linking.sink.error(

@@ -1,18 +1,19 @@
 """Passes: what the `<replicate>` of one unit would multiply in another, by a fault of MuJoCo.
 
 MuJoCo (3.12 to 4.0) takes for replicated what still resolves when the copy's number is appended to every name in
-it: a sensor without an object, a tuple of assets, and what refers to `j1` where there is a `j10` before the replicate.
+it: a sensor without an object, a tuple of assets, and what refers to `j1` where there is a `j10` before the replicate,
+written or made by another replicate.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Set
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.link.linking import Linking
-from composer.link.multiplied import suffixes
+from composer.link.multiplied import Name, names_made, suffixes
 from composer.tree.names import REFERS, REFERS_BY, WORLD, naming_table, object_namespace
 from composer.tree.unit import Unit
 
@@ -35,31 +36,50 @@ def spurious(linking: Linking) -> None:
     if not linking.replicates:
         return
     places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}
+    made = names_made(linking.base.root)
     told: set[tuple[Unit, Unit]] = set()
     for unit, replicate in linking.replicates:
         for other in linking.units:
             if other is unit or (unit, other) in told:
                 continue
             thing = next(
-                (each for each in _things(other) if _resolves(linking, each, replicate, places)), None
+                (each for each in things(other) if _resolves(linking, each, replicate, places, made)), None
             )
             if thing is not None:
                 told.add((unit, other))
                 _refuse(linking, unit, replicate, other, thing)
 
 
-def _things(unit: Unit) -> Iterator[Node]:
+def things(unit: Unit) -> Iterator[Node]:
+    """What a replicate may multiply."""
     for section in unit.root.iterchildren(*_SECTIONS):
         yield from (each for each in section.iterchildren("*") if each.tag not in _OF_NOTHING)
 
 
-def _resolves(linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int]) -> bool:
+def _resolves(
+    linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int], made: Set[Name]
+) -> bool:
     """Whether MuJoCo finds what the thing refers to with a number behind it, too, when it reads the replicate."""
-    referred = list(_referred(thing))
-    found = (linking.names.find(kind, name + end) for kind, name in referred for end in suffixes(replicate))
+    names = list(referred(thing))
+    found = (linking.names.find(kind, name + end) for kind, name in names for end in suffixes(replicate))
     here = places.get(replicate, 0)
-    return not referred or any(
+    if made_from(names, suffixes(replicate), linking.names.find, made):
+        return True
+    return not names or any(
         element is not None and (_is_listed(element) or places.get(element, here) < here) for element in found
+    )
+
+
+def made_from(
+    names: Iterable[Name], ends: Collection[str], find: Callable[[str, str], Node | None], made: Set[Name]
+) -> bool:
+    """Whether a replicate makes one of the names with a number behind it, but of something else."""
+    return any(
+        (kind, name + end) in made
+        and (element := find(kind, name)) is not None
+        and next(element.iterancestors("replicate"), None) is None
+        for kind, name in names
+        for end in ends
     )
 
 
@@ -69,7 +89,8 @@ def _is_listed(element: Node) -> bool:
     return section is not None and section.tag in _SECTIONS
 
 
-def _referred(thing: Node) -> Iterator[tuple[str, str]]:
+def referred(thing: Node) -> Iterator[tuple[str, str]]:
+    """Namespace and name of what a thing refers to, of all that a replicate copies."""
     section = thing.getparent()
     assert section is not None
     table = naming_table(str(section.tag))

@@ -168,10 +168,10 @@ class _NamesChecked(Sink):
 def _measure(sink: Sink) -> Measure:
     """MuJoCo, in a process of its own, asked only for what the tree does not tell."""
 
-    def measure(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
+    def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
         from composer.steps.measure import measure_with
 
-        return measure_with(Context(sink))(unit, arrays)
+        return measure_with(Context(sink))(unit, arrays, attempt=attempt)
 
     return measure
 

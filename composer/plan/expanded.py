@@ -10,24 +10,27 @@ from composer.document.node import Mapping, Node, Scalar
 from composer.document.node import Sequence as List
 from composer.document.scalar import resolve
 from composer.grammar.format import number_text
+from composer.plan.plan import Plan
 
 _COLUMN = 60
 
 
-def expanded_text(document: Mapping) -> str:
+def expanded_text(plan: Plan) -> str:
     """YAML, each line with the file and line of its value as a comment."""
-    return "\n".join(
-        f"{text:<{_COLUMN}}  # {span.file}:{span.line}" if span is not None else text
-        for text, span in _lines(document, "")
-    )
+    read = [
+        f"# in {file}: angle: {each.angle or 'none'}, eulerseq: {each.eulerseq}"
+        for file, each in plan.readings.others.items()
+    ]
+    written = [f"{text:<{_COLUMN}}  # {span.file}:{span.line}" for text, span in _lines(plan.document, "")]
+    return "\n".join([*read, *written])
 
 
-def _lines(node: Mapping, indent: str) -> Iterator[tuple[str, Span | None]]:
+def _lines(node: Mapping, indent: str) -> Iterator[tuple[str, Span]]:
     for name, (key, value) in node.entries.items():
         yield from _entry(f"{indent}{_text(name)}:", value, indent + "  ", key.span)
 
 
-def _entry(start: str, value: Node, indent: str, span: Span) -> Iterator[tuple[str, Span | None]]:
+def _entry(start: str, value: Node, indent: str, span: Span) -> Iterator[tuple[str, Span]]:
     if isinstance(value, Scalar) or _is_short(value):
         yield f"{start} {_flow(value)}", value.span
     elif isinstance(value, Mapping):

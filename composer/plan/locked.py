@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
@@ -14,7 +14,7 @@ from composer.diagnostics.span import Span
 from composer.plan.plan import Plan
 from composer.plan.read import EXTENDS
 from composer.plan.used_files import files_of_recipe, files_of_source
-from composer.sources.digest import differences, sha256_of
+from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
 from composer.sources.lock import Lock, Locked, SourceKind, lock_path, read_lock
 from composer.sources.origin import Origin
@@ -62,18 +62,27 @@ def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Co
     return Lock(
         mjcompose=__version__,
         mujoco=_mujoco(),
-        sources={id: locked for id, use in uses.items() if (locked := _locked(use)) is not None},
+        sources={id: locked for id, use in uses.items() if (locked := _locked(use, fetching)) is not None},
     )
 
 
 def check_lock(plan: Plan, context: Context) -> None:
-    """Tell what differs from the lock, if there is one: bytes that changed, sources that are not in it."""
+    """Tell what differs from the lock, if there is one: bytes that changed, sources that are not in it.
+
+    What was fetched and names files of this machine is told with or without a lock.
+    """
     fetching = context.fetching
-    if fetching is None or fetching.lock is None or fetching.lock_file is None:
+    if fetching is None or not (fetching.lock or any(each.is_fetched for each in fetching.origins.values())):
         return
-    shown = context.shown(fetching.lock_file)
-    for id, use in _Gathering(fetching, fetching.lock_file.parent, context.folder).of([plan]).items():
-        now, before = _locked(use), fetching.lock.sources.get(id)
+    lock_file = fetching.lock_file or lock_path(plan.path)
+    uses = _Gathering(fetching, lock_file.parent, context.folder).of([plan])
+    for id, use in uses.items():
+        _check_reach(id, use, context)
+    if fetching.lock is None:
+        return
+    shown = context.shown(lock_file)
+    for id, use in uses.items():
+        now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
             continue
         name = next(iter(use.used_by))
@@ -89,7 +98,7 @@ def check_lock(plan: Plan, context: Context) -> None:
             },
             now.files,
         ):
-            tell = context.sink.warning if before.is_local and not fetching.locked else context.sink.error
+            tell = context.sink.warning if now.is_local and not fetching.locked else context.sink.error
             tell(
                 "source-changed",
                 f"`{id}` is not what `{shown}` pins",
@@ -97,9 +106,39 @@ def check_lock(plan: Plan, context: Context) -> None:
                 notes=[Note(change) for change in changes[:_SHOWN]] + _more(changes),
                 help=f"if that is meant, run `mjcompose update {plan.file} {name}`",
             )
+        elif wrong := [*_wrong(before, now)]:
+            context.sink.error(
+                "lock-invalid",
+                f"what `{shown}` says of `{id}` cannot be: it was not made so",
+                use.span,
+                notes=[Note(each) for each in wrong],
+                help="take the lock from version control, or remove it and run `mjcompose lock`",
+            )
 
 
-def _more(changes: tuple[str, ...]) -> list[Note]:
+def _check_reach(id: str, use: _Use, context: Context) -> None:
+    if use.origin is None or not use.origin.is_fetched:
+        return
+    outside = sorted(name for name in use.files if name.startswith("../") or os.path.isabs(name))
+    if outside:
+        context.sink.error(
+            "source-outside",
+            f"`{id}` names files that were not fetched with it",
+            use.span,
+            notes=[Note(f"`{context.shown(use.files[name])}`") for name in outside[:_SHOWN]] + _more(outside),
+            help="a model that is fetched must hold all that it needs",
+        )
+
+
+def _wrong(before: Locked, now: Locked) -> Iterator[str]:
+    """What a lock says of a source, and its pin, which is right, contradicts: somebody has edited it."""
+    for what in ("kind", "tree"):
+        was, there = getattr(before, what), getattr(now, what)
+        if was != there and before.pin == now.pin:
+            yield f"its {what} is `{there}`, and not `{was or 'nothing'}`"
+
+
+def _more(changes: Sequence[str]) -> list[Note]:
     return [Note(f"and {len(changes) - _SHOWN} more")] if len(changes) > _SHOWN else []
 
 
@@ -116,7 +155,6 @@ class _Gathering:
         self.folder = folder
         self.shown_from = shown_from
         self.uses: dict[str, _Use] = {}
-        self.read: dict[Source, list[Path]] = {}
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _Use]:
         for plan in plans:
@@ -136,8 +174,8 @@ class _Gathering:
             if prefix or source.origin is not None:
                 self._put(source.path, [source.path, *source.licences], source, label, asked or place)
         for file in files_of_recipe(plan, self.shown_from):
-            fetched = self.fetching.around(file) or self.fetching.around(plan.path)
-            self._put(file if fetched else plan.path, [file], None, prefix or plan.path.name, asked)
+            main = plan.path if self.fetching.around(file) is None else file
+            self._put(main, [file], None, prefix or plan.path.name, asked)
         models = [("base", plan.base.model, plan.base.span)]
         models += [(part.prefix.removesuffix(plan.separator), part.model, part.span) for part in plan.parts]
         for name, model, span in models:
@@ -164,21 +202,22 @@ class _Gathering:
                     use.licences.add(name)
 
     def _files_of(self, source: Source) -> list[Path]:
-        if source not in self.read:
-            self.read[source] = list(files_of_source(source))
-        return self.read[source]
+        read = self.fetching.files
+        if source not in read:
+            read[source] = list(files_of_source(source))
+        return read[source]
 
 
 def _local_id(path: str) -> str:
     return path if path.startswith("../") or os.path.isabs(path) else f"./{path}"
 
 
-def _locked(use: _Use) -> Locked | None:
+def _locked(use: _Use, fetching: Fetching) -> Locked | None:
     """The entry of a source; None where nothing of it can be read."""
     files = {}
     for name, path in use.files.items():
         try:
-            files[name] = sha256_of(path)
+            files[name] = fetching.digest(path)
         except OSError:
             continue  # told by those who need it
     if not files:

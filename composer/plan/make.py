@@ -22,6 +22,7 @@ from composer.plan.locked import use_lock
 from composer.plan.matrix import read_matrix
 from composer.plan.order import in_order
 from composer.plan.parts import called, parts_of
+from composer.plan.pieces import check_pieces
 from composer.plan.plan import (
     AddElement,
     AppendElement,
@@ -36,6 +37,7 @@ from composer.plan.plan import (
     WriteKeyframe,
 )
 from composer.plan.read import folder_of, read_recipe
+from composer.plan.reading import Reading, Readings, check_bare_angles, readings_of
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.checks.unchanged import Unchanged
@@ -73,7 +75,9 @@ def plan_what_remains(
     path = context.folder / recipe
     plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
     if name is None and plan is not None:
-        read_matrix(path, context)
+        matrix = read_matrix(path, context, given)
+        if matrix is not None:
+            check_pieces(matrix.document, given or {}, context.sink)
     return plan
 
 
@@ -126,6 +130,7 @@ class _Planner:
         parts = self._without_rings(tuple(self._parts(recipe, document, inside)), recipe.separator)
         if base is None:
             return None
+        readings = self._readings(path, recipe, document, concrete)
         steps = tuple(_steps(recipe, document, randomize, sample))
         plan = Plan(
             name=name or recipe.name or as_text(path.stem),
@@ -135,8 +140,7 @@ class _Planner:
             document=document,
             separator=recipe.separator,
             conflict=recipe.conflict,
-            angle=recipe.angle,
-            eulerseq=recipe.eulerseq,
+            readings=readings,
             base=base,
             parts=parts,
             steps=steps,
@@ -187,6 +191,16 @@ class _Planner:
             return None
         self.sink.forgive(found.lost | (concrete.lost if concrete else frozenset()))
         return found.recipe, found.document, concrete
+
+    def _readings(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> Readings:
+        """How bare angles are read: in a file that says nothing, as nothing."""
+        whole = Reading(recipe.angle, recipe.eulerseq)
+        files = self.context.recipes[path].said
+        if concrete is None or len(files) < 2:
+            return Readings(document, whole)
+        readings = readings_of(concrete, document, whole, files, self.sink)
+        check_bare_angles(readings, self.sink)
+        return readings
 
     def _base(
         self, recipe: Recipe, document: Mapping, inside: tuple[tuple[Path, Span | None], ...]

@@ -1,14 +1,23 @@
-"""The matrix of a recipe file: its cells, all names and values checked."""
+"""The matrix of a recipe file: its cells, all names, values and drawn parameters checked."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping as Map
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from composer.context import Context, as_text
-from composer.document.node import Mapping, Scalar, find
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.document.node import Mapping, Node, Scalar, find
+from composer.expand.expand import expand
 from composer.expand.matrix import Cell, cells
+from composer.plan.drawn_parameters import drawn_parameters
 from composer.plan.read import read_recipe
+from composer.recipe.validate import judge
+
+_DRAWN = ("recipe", "randomize")
 
 
 class Matrix(NamedTuple):
@@ -19,7 +28,7 @@ class Matrix(NamedTuple):
     cells: list[Cell]
 
 
-def read_matrix(recipe: Path, context: Context) -> Matrix | None:
+def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = None) -> Matrix | None:
     """None where the recipe cannot be read; that and what is wrong with the matrix goes to the context's sink."""
     path = context.folder / recipe
     document = read_recipe(path, context)
@@ -27,4 +36,43 @@ def read_matrix(recipe: Path, context: Context) -> Matrix | None:
         return None
     named = find(document, ("name",))
     name = named.text if isinstance(named, Scalar) else as_text(path.stem)
-    return Matrix(document, name, cells(document, name, context.sink))
+    matrix = Matrix(document, name, cells(document, name, context.sink))
+    if _draws_parameters(document):
+        _check_draws(matrix, given or {}, context.sink)
+    return matrix
+
+
+def _draws_parameters(document: Mapping) -> bool:
+    """Whether a field of `randomize`, in the recipe or in a variant, draws a parameter."""
+    variants = find(document, ("variants",))
+    axes = [axis for _, axis in variants.entries.values()] if isinstance(variants, Mapping) else []
+    pieces = [piece for axis in axes if isinstance(axis, Mapping) for _, piece in axis.entries.values()]
+    sections = [find(piece, ("randomize", "fields")) for piece in (document, *pieces)]
+    fields = [field for each in sections if isinstance(each, Mapping) for _, field in each.entries.values()]
+    return any(find(field, ("param",)) is not None for field in fields)
+
+
+def _check_draws(matrix: Matrix, given: Map[str, Node], sink: Sink) -> None:
+    """Tell what a cell would draw that its parameters may not be; what else is wrong with it is told elsewhere."""
+    looked_at: set[str] = set()
+    told = {(each.code, each.message, each.span) for each in sink.diagnostics}
+    for cell in matrix.cells:
+        concrete = expand(matrix.document, {**given, **cell.given}, Sink())
+        kept = {name: each for name, each in concrete.document.entries.items() if name in _DRAWN}
+        document = Mapping(kept, matrix.document.span)
+        recipe, _ = judge(document)
+        randomize = recipe.randomize if recipe is not None else None
+        if randomize is None:
+            continue
+        drawn = [str(field.param) for field in randomize.of_parameters]
+        known = [(concrete.scope.get(name), concrete.parameters.get(name)) for name in drawn]
+        alike = repr((randomize, known))
+        if alike in looked_at:
+            continue
+        looked_at.add(alike)
+        own = Sink()
+        drawn_parameters(randomize, 0, concrete, document, own)
+        for each in own.diagnostics:
+            if (each.code, each.message, each.span) not in told:
+                told.add((each.code, each.message, each.span))
+                sink.add(replace(each, notes=(*each.notes, Note(f"so it is in the cell `{cell.name}`"))))

@@ -11,6 +11,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.expr.value import Value
 from composer.plan.drawn import Drawn
+from composer.plan.reading import Readings
 from composer.recipe.attach import Attachment
 from composer.recipe.checks.kind import Check
 from composer.recipe.draw_field import DrawField
@@ -150,8 +151,7 @@ class Plan:
     document: Located
     separator: str
     conflict: Literal["error", "warning", "merge"]
-    angle: Literal["degree", "radian"] | None
-    eulerseq: str
+    readings: Readings
     base: LoadBase
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]

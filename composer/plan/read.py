@@ -14,16 +14,14 @@ from composer.diagnostics.suggest import exists_note
 from composer.document import load
 from composer.document.decode import MAX_SIZE
 from composer.document.merge import merge
-from composer.document.node import Mapping, Node, Scalar, locate, to_python
-from composer.recipe.validate import judge
+from composer.document.node import Mapping, Node, Scalar
+from composer.plan.reading import SETTINGS
 from composer.sources.error import SourceError
 from composer.sources.nearby import model_files, nearest
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
 
 EXTENDS = "extends"
-# What bare numbers of a file mean: of a chain, all files must say the same.
-_READING = ("angle", "eulerseq")
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
@@ -32,35 +30,44 @@ def read_recipe(path: Path, context: Context) -> Node | None:
     if known is None:
         own = replace(context, sink=Sink())
         extended: list[tuple[Source, Span]] = []
-        node = _read(path, own, (), extended)
-        known = context.recipes[path] = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended))
+        said: dict[str, Mapping] = {}
+        node = _read(path, own, (), extended, said)
+        known = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended), said)
+        context.recipes[path] = known
     for diagnostic in known.found:
         context.sink.add(diagnostic)
     return known.node
 
 
 def _read(
-    path: Path, context: Context, chain: tuple[Path, ...], extended: list[tuple[Source, Span]]
+    path: Path,
+    context: Context,
+    chain: tuple[Path, ...],
+    extended: list[tuple[Source, Span]],
+    said: dict[str, Mapping],
 ) -> Node | None:
     before = context.sink.error_count
     text = _text(path, context)
     node = None if text is None else load(text, context.shown(path), context.sink)
     if node is None or context.sink.error_count > before:
         return None
-    if not isinstance(node, Mapping) or EXTENDS not in node.entries:
+    if not isinstance(node, Mapping):
         return node
-    key, named = node.entries[EXTENDS]
+    settings = {name: node.entries[name] for name in SETTINGS if name in node.entries}
+    said[context.shown(path)] = Mapping(settings, node.span)
+    if EXTENDS not in node.entries:
+        return node
+    _, named = node.entries[EXTENDS]
     upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
     source = _extended(named, path, context, (*chain, path))
     if source is None:
         return None
     extended.append((source, named.span))
-    lower = _read(source.path, context, (*chain, path), extended)
+    lower = _read(source.path, context, (*chain, path), extended, said)
     if not isinstance(lower, Mapping):
         if lower is not None:
             context.sink.error("wrong-type", "what is extended is no recipe", named.span)
         return None
-    _check_reading(lower, upper, key.span, context.sink)
     return merge(lower, upper, context.sink)
 
 
@@ -99,32 +106,13 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
     return source
 
 
-def _check_reading(lower: Mapping, upper: Mapping, span: Span, sink: Sink) -> None:
-    """Angles without a unit mean what the file says that they are in; merged, one word holds for all."""
-    for name in _READING:
-        below, above = lower.entries.get(name), upper.entries.get(name)
-        if below is not None and above is not None and to_python(below[1]) != to_python(above[1]):
-            sink.error(
-                "wrong-keyword",
-                f"`{name}` is another in the recipe that is extended",
-                above[1].span,
-                notes=(Note("there it is this", below[1].span),),
-                help=f"write the same in both; units behind the numbers (`90deg`) need no `{name}`",
-            )
-    for node, other in ((upper, lower), (lower, upper)):
-        if "angle" not in node.entries and "angle" in other.entries:
-            faults = judge(node)[1]
-            for fault in faults:
-                if fault.code == "bare-angle":
-                    sink.error(
-                        "bare-angle", f"{fault.message}, and its file does not say which",
-                        locate(node, fault.at) if fault.at else span, help=fault.help,
-                    )  # fmt: skip
-
-
 def _text(path: Path, context: Context) -> bytes | None:
     shown = context.shown(path)
     try:
+        if path.is_fifo() and not _is_given_by_the_shell(path):
+            message = f"`{shown}` is a named pipe, which might keep a build waiting for ever"
+            context.sink.error("file-unreadable", message, help="name a file")
+            return None
         with path.open("rb") as stream:
             text = stream.read(MAX_SIZE + 1)
     except OSError as error:
@@ -139,6 +127,11 @@ def _text(path: Path, context: Context) -> bytes | None:
         )
         return None
     return text
+
+
+def _is_given_by_the_shell(path: Path) -> bool:
+    """Whether it is standard input, or the output of `<(command)`."""
+    return str(path) == "/dev/stdin" or str(path.parent) in ("/dev/fd", "/proc/self/fd")
 
 
 def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from composer.grammar import GRAMMAR
 from composer.recipe.edit_values import CONVERTIBLE, VERBS
+from composer.recipe.pattern import GLOB
 from composer.recipe.placing import ORIENTATIONS
 from composer.recipe.reference import Schema, reference
 from composer.tree.selector import known_tags
@@ -91,8 +92,8 @@ def selector() -> Schema:
     narrowing: Schema = {
         "parent": {**reference("selector"), "description": "the body, or other element, that it stands in"},
         "in": {**reference("selector"), "description": "an element that it stands in, at any depth"},
-        "part": {**_TEXT, "description": "the part that it came from"},
-        "class": {**_TEXT, "description": "the default class in effect, or one that it descends from"},
+        "part": {**GLOB, "description": "the part that it came from"},
+        "class": {**GLOB, "description": "the default class in effect, or one that it descends from"},
         "where": {
             "type": ["object", "string"],
             "description": "attributes and their values in effect, or one boolean `${…}`",
@@ -102,7 +103,7 @@ def selector() -> Schema:
         "type": "object",
         "properties": narrowing,
         "propertyNames": {"enum": [*narrowing, *known_tags(), *_paths()]},
-        "additionalProperties": _TEXT,
+        "additionalProperties": GLOB,
         "minProperties": 1,
     }
 

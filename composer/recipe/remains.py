@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from composer.diagnostics.suggest import closest
-from composer.document.node import Key, Mapping, Node, Scalar
+from composer.document.node import Key, Mapping, Node, texts
 from composer.document.node import Sequence as List
 from composer.recipe.fault import Fault, Path
 from composer.recipe.recipe import Recipe
@@ -104,16 +104,4 @@ def _texts(node: Node, path: Path) -> Iterator[str]:
             node = node.items[step]
     if isinstance(path[-1], str):
         yield path[-1]
-    yield from _all_texts(node)
-
-
-def _all_texts(node: Node) -> Iterator[str]:
-    if isinstance(node, Scalar):
-        yield node.text
-    elif isinstance(node, List):
-        for item in node.items:
-            yield from _all_texts(item)
-    else:
-        for name, (_, value) in node.entries.items():
-            yield name
-            yield from _all_texts(value)
+    yield from texts(node)

@@ -11,10 +11,10 @@ from composer.expr.template import Template
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
+from composer.recipe.pattern import pattern_fault
 from composer.recipe.raw import path_of
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.subscript import attribute_and_index
-from composer.tree.pattern import fault_of, is_regular
 from composer.tree.selector import XPATH, Selector, known_tags, paths_of
 
 NARROWING = ("parent", "in", "part", "class", "where")
@@ -109,9 +109,8 @@ def _pattern(value: Any, tag: str, at: Path, faults: list[Fault]) -> str | None:
 
 
 def _is_sound(value: str, name: str, at: Path, faults: list[Fault]) -> bool:
-    wrong = fault_of(value[1:-1]) if is_regular(value) else None
-    if wrong is not None:
-        faults.append(Fault("wrong-type", f"the regular expression of `{name}` is none: {wrong}", at))
+    wrong = pattern_fault(value, f"`{name}`", at)
+    faults += [wrong] if wrong is not None else []
     return wrong is None
 
 

@@ -6,9 +6,11 @@ What is not used is not imported.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = False  # `typing` takes longer to import than all else that a known model needs
 if TYPE_CHECKING:
+    from typing import Any
+
     from composer.sources.error import SourceError
     from composer.sources.reference import Kind, Reference, parse
     from composer.sources.source import Source

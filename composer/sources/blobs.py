@@ -10,83 +10,61 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import json
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
-BLOB_KINDS = ("asked", "built", "raw", "packed")
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from os import PathLike
+
 WRITING = "writing"
 _DIGEST = 32
 
 
-@dataclass(frozen=True, slots=True)
-class Blob:
-    """One such file; `used` is when it was read or written last, in seconds."""
-
-    kind: str
-    key: str
-    path: Path
-    size: int
-    used: float
+def key_of(data: object) -> str:
+    """A key for data that JSON can hold. No I/O."""
+    return hashlib.sha256(json.dumps(data, ensure_ascii=True).encode()).hexdigest()
 
 
-def get(store: Path, kind: str, key: str) -> bytes | None:
+def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
     """What was put, marked as used now; None where it is not there. What is damaged is removed and not there."""
-    path = store / kind / key
+    path = os.path.join(store, kind, key)
     try:
-        content = _read(path)
+        content = read(path)
     except OSError:
         return None
     with contextlib.suppress(OSError):  # somebody else's store, which may be read
         if content is None:
-            path.unlink()
+            os.unlink(path)
         else:
             os.utime(path)
     return content
 
 
-def put(store: Path, kind: str, key: str, content: bytes) -> None:
+def put(store: str | PathLike[str], kind: str, key: str, content: bytes) -> None:
     """Write it, complete or not at all. Raises OSError."""
-    stage = store / WRITING / f"{key}.{os.urandom(6).hex()}"
-    path = store / kind / key
+    stage = os.path.join(store, WRITING, f"{key}.{os.urandom(6).hex()}")
+    path = os.path.join(store, kind, key)
     try:
-        for folder in (stage.parent, path.parent):
-            folder.mkdir(parents=True, exist_ok=True)
-        with stage.open("xb") as stream:
+        for file in (stage, path):
+            os.makedirs(os.path.dirname(file), exist_ok=True)
+        with open(stage, "xb") as stream:
             stream.write(hashlib.sha256(content).digest())
             stream.write(content)
-        stage.replace(path)
+        os.replace(stage, path)
     except BaseException:
         with contextlib.suppress(OSError):
-            stage.unlink()
+            os.unlink(stage)
         raise
 
 
-def has(store: Path, kind: str, key: str) -> bool:
+def has(store: str | PathLike[str], kind: str, key: str) -> bool:
     """Whether it is there, damaged or not."""
-    return (store / kind / key).is_file()
+    return os.path.isfile(os.path.join(store, kind, key))
 
 
-def is_damaged(blob: Blob) -> bool:
-    """Whether it is no longer what was put."""
-    try:
-        return _read(blob.path) is None
-    except OSError:
-        return True
-
-
-def blobs(store: Path) -> Iterator[Blob]:
-    """All of them, in no order."""
-    for kind in BLOB_KINDS:
-        with contextlib.suppress(OSError), os.scandir(store / kind) as entries:
-            for entry in entries:
-                status = entry.stat()
-                yield Blob(kind, entry.name, Path(entry.path), status.st_size, status.st_mtime)
-
-
-def _read(path: Path) -> bytes | None:
-    """The content without its hash; None where the two do not agree. Raises OSError."""
-    with path.open("rb") as stream:
+def read(path: str | PathLike[str]) -> bytes | None:
+    """The content of a blob's file, without its hash; None where the two do not agree. Raises OSError."""
+    with open(path, "rb") as stream:
         digest, content = stream.read(_DIGEST), stream.read()
     return content if hashlib.sha256(content).digest() == digest else None

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from composer.sources.error import SourceError
+from composer.sources.reference import is_this_machine
 
 if TYPE_CHECKING:
     from urllib3 import BaseHTTPResponse, PoolManager
@@ -128,9 +129,8 @@ class _Download:
             response.close()
 
     def _taken(self, response: BaseHTTPResponse, have: int) -> Version | None:
-        status, at = response.status, response.geturl() or self.url
-        if urlsplit(self.url).scheme == "https" and urlsplit(at).scheme == "http":
-            raise SourceError("source-fetch", f"`{self.url}` leads to `{at}`, which is not encrypted")
+        status = response.status
+        self._check_way(response)
         if status == 304:
             return None
         if status in _BUSY:
@@ -152,6 +152,15 @@ class _Download:
             raise _Broken("the server answered with another part than it was asked for")
         self._write(response, version, have if resumed else 0)
         return version
+
+    def _check_way(self, response: BaseHTTPResponse) -> None:
+        """Refuse what came by an address that is not encrypted, this machine's own excepted."""
+        hops = response.retries.history if response.retries is not None else ()
+        was_open = urlsplit(self.url).scheme == "http"
+        for at in (*(each.redirect_location or "" for each in hops), response.geturl() or ""):
+            way = urlsplit(at)
+            if at != self.url and way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
+                raise SourceError("source-fetch", f"`{self.url}` leads to `{at}`, which is not encrypted")
 
     def _write(self, response: BaseHTTPResponse, version: Version, size: int) -> None:
         from urllib3.exceptions import HTTPError

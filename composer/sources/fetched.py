@@ -50,5 +50,5 @@ def not_at_hand(reference: Reference) -> SourceError:
     return SourceError(
         "source-offline",
         f"`{reference.text}` is not in the store, and nothing is fetched offline",
-        help="run it once without `--offline`",
+        help="run it once without `--offline` or `--frozen`",
     )

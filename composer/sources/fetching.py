@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.sources.digest import sha256_of
 from composer.sources.origin import Origin
 
 if TYPE_CHECKING:
@@ -27,7 +28,8 @@ class Fetching:
     an error. `lock` is the lock of the recipe, `lock_file` where it is or is to be, `recipe` the recipe as
     messages name it. `fresh` are the origins whose pin is not to be used, None for all of them. `origins` has
     what was resolved in this run, by id: a branch that moves meanwhile is the same commit for all parts. `first` has
-    the first file of each that was asked for.
+    the first file of each that was asked for. `digests` has the sha256 of files, `files` those of sources: a matrix has
+    them once for all its cells.
     """
 
     offline: bool = False
@@ -39,6 +41,14 @@ class Fetching:
     progress: Callable[[str], None] = quiet
     origins: dict[str, Origin] = field(default_factory=dict)
     first: dict[str, Source] = field(default_factory=dict)
+    digests: dict[Path, str] = field(default_factory=dict)
+    files: dict[Source, list[Path]] = field(default_factory=dict)
+
+    def digest(self, path: Path) -> str:
+        """The sha256 of a file, which is read once. Raises OSError."""
+        if path not in self.digests:
+            self.digests[path] = sha256_of(path)
+        return self.digests[path]
 
     def around(self, path: Path) -> Origin | None:
         """What a file or folder was fetched or installed with; the innermost where folders lie in one another."""

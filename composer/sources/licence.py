@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
-_NAME = re.compile(r"(licen[sc]e|copying|notice)s?([-_. ].*)?", re.IGNORECASE)
-_NOT_TEXT = frozenset(
-    {".py", ".pyc", ".pyi", ".js", ".json", ".xml", ".yaml", ".yml", ".toml", ".sh", ".h", ".png"}
-)
+from composer.sources.licence_name import is_licence
+
 _LEVELS = 3
 
 
@@ -31,15 +28,6 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
             break
         folder = folder.parent
     return ()
-
-
-def is_licence(name: str) -> bool:
-    """Whether a file of that name is a licence or a notice. No I/O.
-
-    >>> [name for name in ("LICENSE", "licence-mit.txt", "licenses.py", "NOTICED") if is_licence(name)]
-    ['LICENSE', 'licence-mit.txt']
-    """
-    return _NAME.fullmatch(name) is not None and os.path.splitext(name)[1].lower() not in _NOT_TEXT
 
 
 def _in_folder(folder: Path) -> Iterator[Path]:

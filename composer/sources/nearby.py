@@ -67,7 +67,7 @@ def nearest(text: str, existing: Iterable[str]) -> str | None:
 def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
     """The error for a reference that does not tell what it refers to by its suffix."""
     known = list(existing)
-    suffix = PurePath(text).suffix
+    suffix = PurePath(text.rpartition("#")[2]).suffix
     same = [each for each in known if os.path.splitext(each)[0].removeprefix("./") == text.removeprefix("./")]
     same = same or [each for each in known if PurePath(each).stem == text]
     near = same[0] if same else nearest(text, known)

@@ -22,6 +22,11 @@ class Origin:
     sha256: str | None = None
 
     @property
+    def is_fetched(self) -> bool:
+        """Whether it is in the store, and none of the files of this machine has to do with it."""
+        return self.kind in ("git", "archive")
+
+    @property
     def pin(self) -> str | None:
         """What fetches the same bytes again; None for what somebody else installed."""
         return self.commit or self.sha256

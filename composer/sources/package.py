@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from composer.diagnostics.suggest import closest
-from composer.sources import licence, nearby
+from composer.sources import licence, licence_name, nearby
 from composer.sources.error import SourceError
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference
@@ -102,7 +102,7 @@ def _licence_of(owner: Distribution) -> str | None:
 def _licences_of(owner: Distribution) -> Iterator[Path]:
     """The licence files that a distribution keeps beside its metadata."""
     for file in owner.files or ():
-        if file.parts[0].endswith((".dist-info", ".egg-info")) and licence.is_licence(file.name):
+        if file.parts[0].endswith((".dist-info", ".egg-info")) and licence_name.is_licence(file.name):
             path = Path(str(owner.locate_file(file)))
             if path.is_file():
                 yield path

@@ -66,7 +66,11 @@ _FORMS = {
 }
 
 _LOOPBACK = re.compile(r"(localhost|127(\.\d+){3}|\[::1\])(:\d+)?")
-"""The hosts to which a connection need not be encrypted."""
+
+
+def is_this_machine(host: str) -> bool:
+    """Whether a host, with or without a port, is one to which a connection need not be encrypted. No I/O."""
+    return _LOOPBACK.fullmatch(host) is not None
 
 
 def parse(text: str) -> Reference:
@@ -92,7 +96,7 @@ def parse(text: str) -> Reference:
     if scheme is None:
         return Reference(text, Kind.PATH, "", text)
     reader = _READERS.get(scheme[1])
-    if reader is None and _LOOPBACK.fullmatch(scheme[2].removeprefix("//").partition("/")[0]):
+    if reader is None and is_this_machine(scheme[2].removeprefix("//").partition("/")[0]):
         reader = _UNENCRYPTED.get(scheme[1])
     if reader is None:
         raise _unknown_kind(text, scheme[1], scheme[2])

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from composer.sources import archive, descriptions, git, licence, menagerie, package, path
+from composer.sources.error import SourceError
 from composer.sources.fetching import Fetching
 from composer.sources.reference import Kind, Reference, parse
 from composer.sources.source import Source
@@ -49,7 +50,15 @@ def _resolve(
 def _of_the_same(source: Source, relative_to: Path, fetching: Fetching) -> Source:
     """A path in a recipe that was fetched leads to a file that was fetched with it."""
     origin = fetching.around(relative_to)
-    if origin is None or fetching.around(source.path) != origin:
+    if origin is None:
+        return source
+    if fetching.around(source.path) != origin:
+        if origin.is_fetched:
+            raise SourceError(
+                "source-outside",
+                f"`{source.reference}` was not fetched with `{origin.id}`, whose recipe names it",
+                help="a recipe that is fetched must hold all that it names by paths",
+            )
         return source
     asked = fetching.first.get(origin.id, source)
     own = licence.find(source.path, origin.root)

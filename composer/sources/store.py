@@ -23,11 +23,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from composer.sources.blobs import WRITING, Blob, blobs
+from composer.sources.blob import Blob, blobs_in
+from composer.sources.blobs import WRITING
 from composer.sources.digest import differences, files_below, sha256_of
 from composer.sources.error import SourceError
+from composer.sources.store_folder import store_folder
 
 KINDS = ("git", "archive")
+ENTRY = "entry.json"
 DEFAULT_LIMIT = 10 * 1024**3
 GRACE = 3600.0
 """Seconds for which an entry that was used is not pruned on its own: a build may still be reading it."""
@@ -63,11 +66,7 @@ class Store:
     def of(cls, environment: Mapping[str, str]) -> Store:
         """The user's store: `MJCOMPOSE_CACHE`, or where the system keeps caches; `MJCOMPOSE_CACHE_SIZE` bounds it."""
         limit = _size(environment.get("MJCOMPOSE_CACHE_SIZE", ""))
-        if named := environment.get("MJCOMPOSE_CACHE"):
-            return cls(Path(os.path.abspath(os.path.expanduser(named))), limit)
-        from platformdirs import user_cache_path
-
-        return cls(user_cache_path("mjcompose", appauthor=False), limit)
+        return cls(Path(store_folder(environment)), limit)
 
     def get(self, kind: str, key: str) -> Entry | None:
         """The entry, marked as used now; None where there is none."""
@@ -75,7 +74,7 @@ class Store:
         entry = self._read(kind, folder)
         if entry is not None:
             with contextlib.suppress(OSError):  # somebody else's store, which may be read
-                os.utime(folder / "entry.json")
+                os.utime(folder / ENTRY)
         return entry
 
     def add(
@@ -105,7 +104,7 @@ class Store:
                     "about": dict(about),
                     "files": dict(sorted(files.items())),
                 }
-                with (stage / "entry.json").open("w", encoding="utf-8") as stream:
+                with (stage / ENTRY).open("w", encoding="utf-8") as stream:
                     json.dump(told, stream, indent=1)
                     stream.flush()
                     os.fsync(stream.fileno())
@@ -179,7 +178,7 @@ class Store:
         Spares `keep`, and entries that were used in the last `grace` seconds. What was removed.
         """
         removed: list[Entry | Blob] = []
-        everything: list[Entry | Blob] = [*self.entries(), *blobs(self.folder)]
+        everything: list[Entry | Blob] = [*self.entries(), *blobs_in(self.folder)]
         everything.sort(key=lambda each: (each.used, each.key))
         size = sum(each.size for each in everything)
         for each in everything:
@@ -245,8 +244,8 @@ class Store:
 
     def _read(self, kind: str, folder: Path) -> Entry | None:
         try:
-            text = (folder / "entry.json").read_text(encoding="utf-8")
-            used = (folder / "entry.json").stat().st_mtime
+            text = (folder / ENTRY).read_text(encoding="utf-8")
+            used = (folder / ENTRY).stat().st_mtime
             told: Any = json.loads(text)
             return Entry(
                 kind, folder.name, folder, told["origin"], told["size"], told["files"], told["about"], used

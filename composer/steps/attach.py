@@ -42,6 +42,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
     joint = step.attachment.joint
     if joint is None:
         return
+    named = {"name": step.prefix} if step.prefix else {}
     if joint == "weld":
         part.weld = True
     elif joint in ("free", "mocap") and floats_by_itself(part.unit, mocap=joint == "mocap"):
@@ -49,9 +50,9 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
     elif joint == "mocap":
         part.mocap = True
     elif joint == "free":
-        part.joints = (Joint("freejoint", {"name": step.prefix}),)
+        part.joints = (Joint("freejoint", named),)
     elif joint == "ball":
-        part.joints = (Joint("joint", {"name": step.prefix, "type": "ball", "class": "main"}),)
+        part.joints = (Joint("joint", {**named, "type": "ball", "class": "main"}),)
     elif isinstance(joint, tuple):
         part.joints = tuple(
             Joint(
@@ -61,7 +62,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
             for each in joint
         )
     else:
-        part.joints = (Joint("joint", {"name": step.prefix, **joint_attributes(joint, making)}),)
+        part.joints = (Joint("joint", {**named, **joint_attributes(joint, making)}),)
 
 
 def check_joints(step: AttachPart, linking: Linking, making: Making) -> None:
@@ -84,11 +85,13 @@ def _place(step: AttachPart, making: Making) -> Place:
     if attachment.quat is not None:
         offset["quat"] = _numbers(attachment.quat)
     elif attachment.euler is not None:
-        angles = [in_radians(angle, making) for angle in attachment.euler]
-        offset["quat"] = numbers.text(quat_from_euler(angles, making.eulerseq))
+        reading = making.readings.at((*step.at, "euler"))
+        angles = [in_radians(angle, reading) for angle in attachment.euler]
+        offset["quat"] = numbers.text(quat_from_euler(angles, reading.eulerseq))
     elif attachment.axisangle is not None:
         *axis, angle = attachment.axisangle
-        offset["quat"] = _text(quat_from_axisangle([plain(each) for each in axis], in_radians(angle, making)))
+        radians = in_radians(angle, making.readings.at((*step.at, "axisangle")))
+        offset["quat"] = _text(quat_from_axisangle([plain(each) for each in axis], radians))
     elif attachment.xyaxes is not None:
         offset["xyaxes"] = _numbers(attachment.xyaxes)
     elif attachment.zaxis is not None:

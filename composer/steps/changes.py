@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.sink import Sink
+from composer.document.node import Mapping as Located
+from composer.document.node import texts
 from composer.link.key_layouts import keys_of
 from composer.link.keyframes import replaced
 from composer.link.linking import Linking
@@ -16,6 +19,10 @@ from composer.steps.edit import edit, is_of_keys
 from composer.steps.editing import Editing
 from composer.steps.elements import Making
 from composer.steps.randomize import draw_values
+
+# What is wrong whatever else a model had.
+_CERTAIN = ("selector", "unknown-name", "unknown-attribute")
+_SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +40,33 @@ class Changes:
         """All but those of keys."""
         self._edit(of_keys=False)
         self._draw(of_keys=False)
+
+    def in_doubt(self) -> bool:
+        """Edits of a model that lacks what is at fault elsewhere: those of one name, and what is wrong in any case.
+
+        Whether the elements have the names then that keys call them by.
+        """
+        making, told = self.making, self.making.sink
+        making.sink = self.linking.sink = aside = told.fork()
+        aside.forgive(_declared(self.plan.document))
+        try:
+            return self._edit_by_name(aside)
+        finally:
+            making.sink = self.linking.sink = told
+            for each in aside.errors:
+                if each.code in _CERTAIN:
+                    told.add(each)
+
+    def _edit_by_name(self, sink: Sink) -> bool:
+        editing = self._editing()
+        for step in self.plan.edits:
+            before, selector = sink.error_count, step.edit.select
+            is_certain = selector.is_one_name and not sink.forgives(selector.pattern)
+            if is_certain and not is_of_keys(step):
+                edit(step, editing)
+            if step.edit.rename is not None and (not is_certain or sink.error_count > before):
+                return False
+        return True
 
     def of_keys(self) -> None:
         """Those of keys; edits come before the keys that the recipe writes itself."""
@@ -83,3 +117,10 @@ class Changes:
             assert section is not None
             section.remove(key)
         return own
+
+
+def _declared(document: Located) -> Iterator[str]:
+    """Every text in a recipe that may be the name of something which is not there for another fault."""
+    for section, (_, value) in document.entries.items():
+        if section not in _SECTIONS_WITHOUT_NAMES:
+            yield from texts(value)

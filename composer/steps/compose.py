@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.bundle.collect import check_files
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -151,7 +152,7 @@ class Composer:
             remove_keys(base)
         self.watch([base, *units], plan)
         making = Making(
-            plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
+            plan.document, plan.file, self.context.sink, plan.readings,
             "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
         )  # fmt: skip
         base.origins.texts[plan.file] = plan.path
@@ -172,11 +173,15 @@ class Composer:
             return None
         _carry_out(plan, linking, making)
         changes = self._changes(plan, linking, making)
-        if (
-            changes and not self.context.sink.has_errors
-        ):  # without what is at fault a selector means other things
+        are_named = True
+        if changes and self.context.sink.has_errors:  # without what is at fault a selector means other things
+            are_named = changes.in_doubt()
+        elif changes:
             changes.of_elements()
-        write_keyframes(plan, linking, making)
+        if are_named:
+            write_keyframes(plan, linking, making)
+        if self.context.sink.has_errors:
+            check_files(linking.base, linking.files, self.context.sink, self.context.shown)
         if self.context.sink.error_count > before:
             return None
         finish(linking)

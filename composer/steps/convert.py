@@ -111,7 +111,7 @@ def _given(
 ) -> dict[str, str]:
     """The attributes that the entry gives, as text."""
     kind = GRAMMAR.element(f"actuator/{to}")
-    values = Values(editing, node, index)
+    values = Values(editing, node, index, at)
     found: dict[str, str] = {}
     for name, item in written.items():
         path = (*at, name)
@@ -295,7 +295,7 @@ def _of_law(law: Law) -> str:
 
 
 def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
-    what = "a position gain" if gain == "kp" else "a velocity gain"
+    what = "position gain" if gain == "kp" else "velocity gain"
     message = f"{editing.called(node)} has no {what} that a `{to}` could take over"
     _fault(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
 

@@ -27,15 +27,16 @@ from composer.recipe.value import read_value
 from composer.steps.convert import convert
 from composer.steps.edit_values import POLYNOMIALS, Unusable, Values
 from composer.steps.editing import Editing
-from composer.steps.elements import settle_joints, turned, update
+from composer.steps.elements import settle_joints, update
 from composer.steps.loose_ends import not_there
 from composer.steps.mass import Masses
 from composer.steps.move import move
 from composer.steps.remove import remove
 from composer.steps.rename import rename
 from composer.steps.select import counted
+from composer.steps.unset import missed, tell_missed, unset
 from composer.tree.classes import MAIN, ORIENTATIONS
-from composer.tree.effective import chain, levels
+from composer.tree.effective import levels
 from composer.tree.kinds import kind_of, section_of
 from composer.tree.names import WORLD, references
 from composer.tree.selector import paths_of
@@ -66,8 +67,10 @@ def is_of_keys(step: EditElements | DrawValues) -> bool:
 
 def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
     entry = step.edit
+    names = () if isinstance(entry.unset, Mapping) else tuple(entry.unset)
+    lacked = {node: missed(editing, node) for node in found} if names else {}
     if entry.unset:
-        _unset(editing, found, entry.unset, (*entry.at, "unset"))
+        unset(editing, found, entry.unset, (*entry.at, "unset"))
     masses = Masses(editing, found)
     for verb in ("set", "scale", "offset"):
         written: Mapping[str, Any] = getattr(entry, verb)
@@ -82,40 +85,9 @@ def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
             pose = {name: value for name, value in entry.move.items() if name != "to"}
             if pose:
                 Change(editing, "set", masses).carry_out(node, index, pose, (*entry.at, "move"))
+    tell_missed(editing, lacked, names, (*entry.at, "unset"))
     if entry.rename is not None:
         rename(editing, found, entry.rename, (*entry.at, "rename"))
-
-
-def _unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
-    """Take attributes away; one that no selected element writes is told."""
-    if isinstance(names, Mapping):
-        for tag, inner in names.items():
-            below = [child for node in found for child in node.iterchildren(tag)]
-            _unset(editing, below, inner, (*at, tag))
-        return
-    for position, name in enumerate(names):
-        writing = [node for node in found if node.get(name) is not None]
-        if not writing:
-            given = next((node for node in found if editing.effective(node, name) is not None), None)
-            by_class = (
-                given is not None and kind_of(given).takes_class and _given_by_class(editing, given, name)
-            )
-            help = "its class gives it: change it there, `select: {default: CLASS}`" if by_class else None
-            editing.sink.error(
-                "unknown-attribute",
-                f"`{name}` is written on none of the selected elements",
-                editing.span((*at, position)),
-                help=help,
-            )
-            raise Unusable
-        for node in writing:
-            editing.forget(node)
-            del node.attrib[name]
-            editing.note(node)
-
-
-def _given_by_class(editing: Editing, node: Node, name: str) -> bool:
-    return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))
 
 
 class Change:
@@ -126,7 +98,7 @@ class Change:
 
     def carry_out(self, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
         kind = kind_of(node)
-        values = Values(self.editing, node, index)
+        values = Values(self.editing, node, index, at)
         for key, item in written.items():
             path = (*at, key)
             if isinstance(item, dict):
@@ -167,7 +139,8 @@ class Change:
         faults: list[Fault] = []
         read = read_value(attribute, given, at, editing.called(node), faults)
         joint = joint_type(node, editing.classes) if attribute.angle == "joint" else None
-        if read is not None and editing.making.angle is None and attribute.angle is not None:
+        silent = editing.making.readings.at(at).angle is None
+        if read is not None and silent and attribute.angle is not None:
             bare = bare_angle(attribute, read, joint, at, editing.called(node))
             faults += [bare] if bare is not None else []
         for fault in faults[:1]:
@@ -278,20 +251,22 @@ class Change:
                 self._fault(Fault("wrong-type", "a factor has no unit", at), node)
             return float(given)  # type: ignore[arg-type]
         if is_angle:
-            if not isinstance(given, Angle) and given != 0 and making.angle is None:
+            reading = making.readings.at(at)
+            if not isinstance(given, Angle) and given != 0 and reading.angle is None:
                 help = f"write `{given}deg` or `{given}rad`, or `angle: degree` at the top of the recipe"
                 message = (
                     f"`{attribute.name}` of {self.editing.called(node)} is an angle and {given} has no unit"
                 )
                 self._fault(Fault("bare-angle", message, at, help=help), node)
             radians = numbers.joint_radians if attribute.angle == "joint" else numbers.orientation_radians
-            return turned(given, making, radians)
+            return making.turned(given, reading, radians)
         return given.radians if isinstance(given, Angle) else float(given)  # type: ignore[arg-type]
 
     def _same_sequence(self, node: Node, at: Path) -> None:
         making = self.editing.making
-        if making.eulerseq != making.model_eulerseq:
-            sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{making.eulerseq}`"
+        sequence = making.readings.at(at).eulerseq
+        if sequence != making.model_eulerseq:
+            sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{sequence}`"
             message = f"`euler` of {self.editing.called(node)} turns in {sequences}"
             self._fault(Fault("not-supported", message, at, help="set the whole orientation"), node)
 
@@ -327,8 +302,8 @@ class Change:
 def _take_files(editing: Editing) -> None:
     """A file that an edit names is relative to the recipe."""
     making, linking = editing.making, editing.linking
-    folder = (making.folder / making.file).parent
     for node, attribute, name in making.files:
+        folder = making.folder_of(node, attribute)
         linking.files = [
             use for use in linking.files if use.element is not node or use.attribute != attribute
         ]

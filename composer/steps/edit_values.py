@@ -36,11 +36,12 @@ class Unusable(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Values:
-    """Evaluates what is written for one element, the one at `index` of what was selected."""
+    """Evaluates what is written at a place in the recipe for one element, the one at `index` of what was selected."""
 
     editing: Editing
     node: Node
     index: int
+    at: Path
 
     @property
     def scope(self) -> dict[str, Value]:
@@ -118,7 +119,7 @@ class Values:
     def turned_out(self, attribute: Attribute, values: list[float]) -> list[float]:
         """Numbers of the model with its angles in the recipe's unit."""
         making = self.editing.making
-        wanted = making.angle or "radian"
+        wanted = making.readings.at(self.at).angle or "radian"
         if wanted == making.model_angle:
             return values
         turning = self.angles(attribute, len(values))

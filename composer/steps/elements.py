@@ -20,6 +20,7 @@ from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 from composer.grammar.format import to_text
 from composer.link import numbers
+from composer.plan.reading import Reading, Readings
 from composer.pose import quat_from_euler
 from composer.recipe.element import Element, Single, Value
 from composer.tree.classes import MAIN
@@ -34,8 +35,8 @@ _ALWAYS_DEGREES = frozenset({"fovy", "cutoff", "azimuth", "elevation"})
 class Making:
     """What is needed to turn a recipe's elements into nodes of one model, and what has been made so far.
 
-    `angle` is the unit of the recipe's bare angles (None: none may stand), `model_angle` that of the model; `folder` is
-    the one that the paths of files in messages count from.
+    `readings` say what the recipe's bare angles are in, `model_angle` what the model's are; `folder` is the one that
+    the paths of files in messages count from.
     `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
     below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is
     known.
@@ -44,8 +45,7 @@ class Making:
     document: Located
     file: str
     sink: Sink
-    angle: str | None
-    eulerseq: str
+    readings: Readings
     model_angle: str
     model_eulerseq: str
     folder: Path
@@ -64,6 +64,16 @@ class Making:
             if find(self.document, path) is not None:
                 return locate(self.document, path)
         return locate(self.document, element.at, key=True)
+
+    def reading_of(self, element: Element, attribute: str) -> Reading:
+        """How an attribute of an element is read; in a fragment, as the fragment is."""
+        path = (*element.at, attribute)
+        written = self.readings.others and find(self.document, path) is not None
+        return self.readings.at(path if written else (*element.at, "xml"))
+
+    def turned(self, value: object, reading: Reading, radians: Callable[[float], float]) -> float:
+        """An angle in the model's unit; `radians` turns one in degrees as MuJoCo does there."""
+        return _in(value, reading, self.model_angle, radians)
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
         """The same of a node; what stands in a fragment is looked up in its text."""
@@ -153,7 +163,7 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
         _set_euler(node, element, name, value, making)
     elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
         *axis, angle = value
-        inner = turned(angle, making, numbers.orientation_radians)
+        inner = making.turned(angle, making.reading_of(element, name), numbers.orientation_radians)
         node.set(name, numbers.text([*map(float, axis), inner]))
     elif attribute.angle == "joint":
         making.pending.append((node, element, name))
@@ -165,11 +175,13 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
 
 def _set_euler(node: Node, element: Element, name: str, value: object, making: Making) -> None:
     assert isinstance(value, tuple)
-    if making.eulerseq != making.model_eulerseq and node.tag != "replicate":
-        radians = [_in(angle, making, "radian", numbers.orientation_radians) for angle in value]
-        node.set("quat", numbers.text(quat_from_euler(radians, making.eulerseq)))
+    reading = making.reading_of(element, name)
+    if reading.eulerseq != making.model_eulerseq and node.tag != "replicate":
+        radians = [in_radians(angle, reading) for angle in value]
+        node.set("quat", numbers.text(quat_from_euler(radians, reading.eulerseq)))
         return
-    node.set(name, numbers.text([turned(angle, making, numbers.orientation_radians) for angle in value]))
+    turned = [making.turned(angle, reading, numbers.orientation_radians) for angle in value]
+    node.set(name, numbers.text(turned))
 
 
 def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
@@ -183,7 +195,8 @@ def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
             node.set(name, numbers.text([float(_plain(v, "radian")) for v in values]))  # type: ignore[arg-type]
             continue
         bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
-        if bare and making.angle is None:
+        reading = making.reading_of(element, name)
+        if bare and reading.angle is None:
             number = values[bare[0]]
             making.sink.error(
                 "bare-angle",
@@ -191,7 +204,7 @@ def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
                 _item_span(making, node, element, name, bare[0]),
                 help=f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe",
             )
-        node.set(name, numbers.text([turned(v, making, numbers.joint_radians) for v in values]))
+        node.set(name, numbers.text([making.turned(v, reading, numbers.joint_radians) for v in values]))
     making.pending.clear()
 
 
@@ -215,22 +228,18 @@ def joint_attributes(element: Element, making: Making) -> dict[str, str]:
 
 
 def in_radians(
-    value: object, making: Making, radians: Callable[[float], float] = numbers.orientation_radians
+    value: object, reading: Reading, radians: Callable[[float], float] = numbers.orientation_radians
 ) -> float:
     """An angle in radians; `radians` turns one in degrees as MuJoCo does there."""
-    return _in(value, making, "radian", radians)
+    return _in(value, reading, "radian", radians)
 
 
-def turned(value: object, making: Making, radians: Callable[[float], float]) -> float:
-    return _in(value, making, making.model_angle, radians)
-
-
-def _in(value: object, making: Making, unit: str, radians: Callable[[float], float]) -> float:
+def _in(value: object, reading: Reading, unit: str, radians: Callable[[float], float]) -> float:
     """An angle in `unit`; a bare one is in the recipe's unit."""
     if isinstance(value, Angle):
         number, written = value.value, "degree" if value.unit == "deg" else "radian"
     else:
-        number, written = float(value), making.angle or unit  # type: ignore[arg-type]  # a bare one is 0
+        number, written = float(value), reading.angle or unit  # type: ignore[arg-type]  # a bare one is 0
     if written == unit:
         return number
     return radians(number) if unit == "radian" else number / numbers.RADIANS_PER_DEGREE

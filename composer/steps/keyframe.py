@@ -171,14 +171,15 @@ class _Writing:
         self.values.setdefault(vector, {})[node] = numbers.text(values).split()
 
     def _angle(self, vector: str, name: str, value: Single) -> float:
-        if self.making.angle is None and not isinstance(value, Angle) and value != 0:
+        reading = self.making.readings.at((*self.step.key.at, vector, name))
+        if reading.angle is None and not isinstance(value, Angle) and value != 0:
             self.making.sink.error(
                 "bare-angle",
                 f"`{vector}` of the hinge `{name}` is an angle and {shown(value)} has no unit",
                 self._at(vector, name),
                 help=f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe",
             )
-        return in_radians(value, self.making, numbers.joint_radians)
+        return in_radians(value, reading, numbers.joint_radians)
 
     def _wrong_width(self, vector: str, name: str, slot: Slot, entry: Entry, width: int) -> None:
         kind = "actuator" if slot.kind == "actuator" else f"{slot.kind} joint"

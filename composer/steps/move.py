@@ -48,7 +48,7 @@ def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) ->
     kind = "body"
     if isinstance(written, dict):
         kind, written, at = "frame", written["frame"], (*at, "frame")
-    name = str(Values(editing, node, index).of(written, at))
+    name = str(Values(editing, node, index, at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")
     found = editing.index.find(kind, name)

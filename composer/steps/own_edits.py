@@ -52,7 +52,7 @@ class OwnEdits:
         plan, unit = self.plan, self.unit
         unit.origins.texts[plan.file] = plan.path
         making = Making(
-            plan.document, plan.file, self.context.sink, plan.angle, plan.eulerseq,
+            plan.document, plan.file, self.context.sink, plan.readings,
             unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
         )  # fmt: skip
         return Editing(linking, making, plan.scope, own=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import Any
 
 from lxml.etree import _Element as Node
@@ -15,6 +16,7 @@ from composer.expr.angle import Angle
 from composer.expr.value import Value
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.plan import DrawValues
+from composer.plan.reading import Reading
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import must_not_be_negative
 from composer.recipe.edit_values import MASS
@@ -69,11 +71,27 @@ class _Draws:
         step, entry = self.step, self.step.field
         self.check(node, (step.sample,))
         drawn = self._drawn(node, step.sample)
-        unit = entry.drawing.unit
-        written: Any = drawn if unit is None else _each(drawn, lambda each: f"{each!r}{unit}")
         at = (*entry.at, "attr")
+        written = self._with_unit(node, drawn)
         Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
         return self._told(node, drawn)
+
+    def _with_unit(self, node: Node, drawn: Any) -> Any:
+        """The draw as it would be written beside the attribute, of whose file bare angles need not be."""
+        entry = self.step.field
+        unit: str | None = entry.drawing.unit
+        items = drawn if isinstance(drawn, list) else [drawn]
+        turned = [True] * len(items)
+        if unit is None and entry.operation != "scale":
+            unit, turned = (
+                {"degree": "deg", "radian": "rad"}.get(self._reading.angle or ""),
+                self._angles(node),
+            )
+        written = [
+            f"{each!r}{unit}" if unit and is_angle and isinstance(each, int | float) else each
+            for each, is_angle in zip_longest(items, turned[: len(items)])
+        ]
+        return written if isinstance(drawn, list) else written[0]
 
     def tabled(self, node: Node) -> Tabled:
         """The draws of all samples for an element."""
@@ -83,7 +101,7 @@ class _Draws:
         kind = kind_of(node)
         return Tabled(
             draws[0], step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
-            tuple(each.value for each in draws), angles, self.editing.making.angle,
+            tuple(each.value for each in draws), angles, self._reading.angle,
         )  # fmt: skip
 
     def _told(self, node: Node, drawn: Any) -> Drawn:
@@ -115,6 +133,10 @@ class _Draws:
         number = self.numbers[parent].get(node, 0)
         return f"{self.identity(parent) if parent.tag != 'worldbody' else 'world'} {node.tag}#{number}"
 
+    @property
+    def _reading(self) -> Reading:
+        return self.editing.making.readings.at(self.step.field.drawn_at)
+
     # -- what is drawn -----------------------------------------------------------------------------------------
 
     def _drawn(self, node: Node, sample: int) -> Any:
@@ -138,7 +160,7 @@ class _Draws:
         attribute = kind.attributes.get(entry.attr)
         if attribute is None or not attribute.is_number or attribute.max_length == 1:
             return None  # what no such element has is told where it is written
-        now = Values(self.editing, node, 0).now(attribute)
+        now = Values(self.editing, node, 0, self.step.field.drawn_at).now(attribute)
         wanted = entry.drawing.components
         have = len(now) if isinstance(now, tuple) else None
         if now is None:
@@ -167,7 +189,7 @@ class _Draws:
         attribute = kind.attributes.get(name)
         is_mass = kind.path == "body" and name == MASS
         self._check_unit(node)
-        values = Values(self.editing, node, 0)
+        values = Values(self.editing, node, 0, self.step.field.drawn_at)
         now = values.now(attribute, subscript) if attribute is not None and not is_mass else None
         if attribute is not None and now is None and entry.operation != "set" and not is_mass:
             message = (
@@ -206,9 +228,9 @@ class _Draws:
 
     def _check_unit(self, node: Node) -> None:
         """An angle is drawn in a unit."""
-        entry, making = self.step.field, self.editing.making
+        entry = self.step.field
         drawing = entry.drawing
-        if entry.operation == "scale" or drawing.unit is not None or making.angle is not None:
+        if entry.operation == "scale" or drawing.unit is not None or self._reading.angle is not None:
             return
         if not any(self._angles(node)) or drawing.is_whole:
             return
@@ -230,7 +252,7 @@ class _Draws:
         if attribute is None or attribute.angle is None:
             return []
         count = max(attribute.max_length or 4, 1 + (subscript or 0))
-        angles = set(Values(self.editing, node, 0).angles(attribute, count))
+        angles = set(Values(self.editing, node, 0, self.step.field.drawn_at).angles(attribute, count))
         return [n in angles for n in (range(count) if subscript is None else (subscript,))]
 
     def _in_radians(self, node: Node, drawn: Any) -> Value:
@@ -247,7 +269,7 @@ class _Draws:
             return drawn if angle is None else angle.radians
         unit = entry.drawing.unit
         if unit is None and is_angle and entry.operation != "scale":
-            unit = "deg" if self.editing.making.angle == "degree" else "rad"
+            unit = "deg" if self._reading.angle == "degree" else "rad"
         return math.radians(drawn) if unit == "deg" and not isinstance(drawn, tuple) else drawn
 
     def _fault(self, code: str, message: str, node: Node, help: str | None = None) -> None:
@@ -255,10 +277,6 @@ class _Draws:
         notes = (Note(f"{editing.called(node)} is written here", editing.span_of(node)),)
         editing.sink.error(code, message, editing.span(self.step.field.drawn_at), notes=notes, help=help)
         raise Unusable
-
-
-def _each(drawn: Any, change: Any) -> Any:
-    return [change(each) for each in drawn] if isinstance(drawn, list) else change(drawn)
 
 
 def _place(node: Node) -> tuple[str, int, int] | None:

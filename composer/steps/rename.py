@@ -55,7 +55,7 @@ def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
 
 
 def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) -> str:
-    values = Values(editing, node, index)
+    values = Values(editing, node, index, at)
     naming = naming_attribute(kind_of(node))
     span = locate(editing.making.document, at)
     if naming is None or node.tag == "worldbody":

@@ -16,7 +16,7 @@ from composer.steps.edit_values import Unusable, Values, attributes_scope, equal
 from composer.steps.editing import Editing
 from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of
-from composer.tree.pattern import SECONDS, SlowPattern
+from composer.tree.pattern import SlowPattern
 from composer.tree.select import BadXPath, Selection
 from composer.tree.selector import XPATH, Selector
 
@@ -29,12 +29,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     try:
         return selection.of(selector)
     except SlowPattern as slow:
-        editing.sink.error(
-            "selector",
-            f"the regular expression `/{slow}/` takes longer than {SECONDS:g} seconds",
-            editing.span(path),
-            help="write it without repetitions inside repetitions, or use a glob",
-        )
+        editing.sink.error("selector", slow.message, editing.span(path), help=slow.help)
     except BadXPath as error:
         editing.sink.error(
             "selector",
@@ -83,8 +78,8 @@ def _selection(editing: Editing) -> Selection:
 
 
 def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
-    values = Values(editing, node, 0)
     at = (*selector.at, "where")
+    values = Values(editing, node, 0, at)
     if isinstance(selector.where, str):
         scope = {**values.scope, **attributes_scope(values)}
         scope["name"] = values.scope["name"]
@@ -108,7 +103,7 @@ def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
             have = now
         meant = values.of(wanted, (*at, key), have)
         if isinstance(meant, str) and attribute.is_number and (angle := Angle.read(meant)) is not None:
-            unit = editing.making.angle or "radian"
+            unit = editing.making.readings.at(at).angle or "radian"
             meant = angle.radians if unit == "radian" else angle.radians / RADIANS_PER_DEGREE
         if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_glob(meant):
             if not matcher(meant, editing.linking.separator)(str(have)):

@@ -144,10 +144,10 @@ def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = No
         return step.elements.get(tag, [])
     common = attribute is None or attribute.name in _common()
     tags = _actuators() if common else (tag,)
-    return sorted((each for name in tags for each in step.elements.get(name, ())), key=_position)
+    return sorted((each for name in tags for each in step.elements.get(name, ())), key=position)
 
 
-def _position(node: Node) -> list[int]:
+def position(node: Node) -> list[int]:
     """Where a node stands in its document, for sorting."""
     at: list[int] = []
     parent = node.getparent()

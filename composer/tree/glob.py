@@ -13,6 +13,16 @@ def is_glob(name: str) -> bool:
     return any(character in name for character in "*?{")
 
 
+def stray_brace(glob: str) -> int | None:
+    """The place of a brace that is no part of a choice, of which none can stand in another.
+
+    >>> stray_brace("{a,b}/*"), stray_brace("x{a"), stray_brace("a}"), stray_brace("{a,{b}}")
+    (None, 1, 1, 0)
+    """
+    found = re.search(r"[{}]", re.sub(r"\{[^{}]*\}", lambda choice: "-" * len(choice[0]), glob))
+    return found.start() if found else None
+
+
 def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
     """Whether a name is meant by a glob.
 

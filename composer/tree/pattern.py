@@ -21,6 +21,12 @@ _CHILD = (
 class SlowPattern(Exception):
     """The expression took longer than it was given."""
 
+    help = "write it without repetitions inside repetitions, or use a glob"
+
+    @property
+    def message(self) -> str:
+        return f"the regular expression `/{self}/` takes longer than {SECONDS:g} seconds"
+
 
 def is_regular(pattern: str) -> bool:
     """Whether it is written as a regular expression, `/…/`."""

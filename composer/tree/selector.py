@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 
 from composer.grammar import GRAMMAR
+from composer.tree.glob import is_glob
+from composer.tree.pattern import is_regular
 
 XPATH = "xpath"
 EVERYTHING = "**"
@@ -30,6 +32,12 @@ class Selector:
     dclass: str | None = None
     where: Mapping[str, object] | str | None = None
     at: tuple[str | int, ...] = ()
+
+    @property
+    def is_one_name(self) -> bool:
+        """Whether it means what has one name, whatever else there is."""
+        narrowed = any((self.parent, self.inside, self.part, self.dclass, self.where))
+        return not (narrowed or self.tag == XPATH or is_glob(self.pattern) or is_regular(self.pattern))
 
     def all(self) -> Iterator[Selector]:
         """This one and those of its parents."""

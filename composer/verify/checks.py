@@ -70,7 +70,8 @@ def _ask(
     check: Check, recipe: Nested, members: Sequence[Member], session: engine.Session, context: Context
 ) -> tuple[bool, dict[str, Any]]:
     """A check on the compiled model, asked in the process that keeps it; whether it still does, and what was found."""
-    asked = {**asdict(check), "angle": recipe.plan.angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
+    angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
+    asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
     about = f"check `{recipe.part}{check.name}`"
     if check.word == "reachable" and asked["frame"] is None:
         message = (

@@ -64,10 +64,11 @@ def tell(said: Told, element: Node | None, model: Unit, context: Context) -> Non
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
-    """The element that stands on that line of `model.xml`."""
-    if fault.line is None:
-        return None
-    return element_at(model.root, bundle.files[bundle.model], fault.line)
+    """The element that stands on that line of `model.xml`, or the only one that has that name."""
+    if fault.line is not None:
+        return element_at(model.root, bundle.files[bundle.model], fault.line)
+    named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
+    return named[0] if len(named) == 1 else None
 
 
 def _with_sources(message: str, model: Unit, context: Context) -> str:

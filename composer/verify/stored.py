@@ -44,12 +44,12 @@ def verify_stored(
     against its source, where that can be found with the hash that the manifest has: through `recipe`, or
     from the folder of the context. A part without a source is a warning, and with `recipe` an error.
     """
+    shown = context.shown(path)
     try:
         bundle = read(context.folder / path)
     except ReadError as error:
-        context.sink.error(error.code, error.message)
+        context.sink.error(error.code, error.message.replace(str(context.folder / path), shown))
         return None
-    shown = context.shown(path)
     manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
     if manifest is not None:
         check_files(bundle, manifest, shown, context.sink)

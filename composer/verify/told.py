@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _UNKNOWN_ATTRIBUTE = re.compile(r"unrecognized attribute: '(?P<name>[^']*)'")
 _UNKNOWN_ELEMENT = re.compile(r"unrecognized (?:model )?element")
 _NAMED_ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'|attribute missing: '(?P<missing>[^']*)'")
+_WORD = re.compile(r"\w+")
 _QUOTED = re.compile(r"'([^'\n]+)'")
 
 # What to do, by what MuJoCo says; the first that fits.
@@ -34,6 +35,7 @@ _ADVICE: tuple[tuple[str, str], ...] = (
     (r"PNG", "export the picture again, as PNG"),
     (r"^missing transmission target", "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`"),
     (r"^no decoder found for mesh file", "a mesh is a file that ends in .stl, .obj or .msh"),
+    (r"has joints but no flex vertices/nodes are pinned", "hang the flex on what does not move, or give it a `<pin>`"),
     (r"^more than 6 dofs", "spread the joints over several bodies, one inside the other"),
     (r"^bad format in attribute", "write numbers, parted by spaces"),
 )  # fmt: skip
@@ -116,13 +118,17 @@ def _attribute(message: str, element: Node) -> str | None:
         return name if element.get(name) is not None else None
     quoted = _QUOTED.findall(message)
     holders = [str(name) for name, value in element.items() if name != "name" and value in quoted]
-    return holders[0] if len(holders) == 1 else None
+    if len(holders) == 1:
+        return holders[0]
+    kind = kind_of(element)
+    spoken_of = {word for word in _WORD.findall(message) if kind is not None and word in kind.attributes}
+    return spoken_of.pop() if len(spoken_of) == 1 else None
 
 
 def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
     kind = kind_of(element)
     known = kind.attributes.get(attribute) if kind is not None and attribute is not None else None
-    if known is None or known.type not in ("keyword", "keywords") or not known.keywords:
+    if known is None or known.type not in ("keyword", "keywords") or element.get(known.name) is None:
         return ()
     return (exists_note("keyword", known.keywords, str(element.get(known.name))),)
 

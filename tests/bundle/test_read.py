@@ -62,6 +62,12 @@ def test_what_is_not_there_is_told(tmp_path: Path) -> None:
     assert caught.value.code == "file-not-found"
 
 
+def test_binary_is_told_to_be_no_bundle(tmp_path: Path) -> None:
+    (tmp_path / "a.mjb").write_bytes(bytes(100))
+    with pytest.raises(ReadError, match="is MuJoCo's binary form, which has no files to be read"):
+        read(tmp_path / "a.mjb")
+
+
 def test_what_is_no_zip_is_told(tmp_path: Path) -> None:
     (tmp_path / "a.zip").write_bytes(b"PK\x03\x04 and then nothing")
     assert "is no readable zip" in refusal(tmp_path / "a.zip")

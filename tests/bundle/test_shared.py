@@ -77,3 +77,12 @@ def test_what_was_changed_is_seen(tmp_path: Path) -> None:
     assert not any(path.startswith("assets/") for path in read(tmp_path / "a").files)
     model.write_text("<mujoco")
     assert read(tmp_path / "a").files["model.xml"] == b"<mujoco"
+
+
+def test_an_asset_that_was_altered_is_written_again(tmp_path: Path) -> None:
+    assets = write_shared(bundle(), tmp_path / "a")
+    whole = {path: path.read_bytes() for path in assets}
+    for path in assets:
+        path.write_bytes(bytes(reversed(path.read_bytes())))
+    write_shared(bundle(), tmp_path / "b")
+    assert {path: path.read_bytes() for path in assets} == whole

@@ -35,3 +35,28 @@ def test_formats(folder: Path) -> None:
     assert run("diff", "cell.yaml", "new.yaml", "--format", "markdown").stdout.startswith("### `cell.yaml`")
     told = json.loads(run("diff", "cell.yaml", "wrong.yaml", "--json").stdout)
     assert told["code"] == "attach-place"
+
+
+def test_a_cell_of_the_matrix(folder: Path) -> None:
+    matrix = "params: {load: 1}\nmatrix: {axes: {load: [1, 2]}, name: 'cell-${load}'}\n"
+    (folder / "a.yaml").write_text(RECIPE + matrix)
+    (folder / "b.yaml").write_text(
+        RECIPE + matrix + "option: {timestep: '${0.002 if load == 1 else 0.001}'}\n"
+    )
+    narrow = "compared at its defaults: of the 2 cells of the matrix, `--pick CELL` compares one"
+    result = run("diff", "a.yaml", "b.yaml")
+    assert (result.exit_code, result.stdout.splitlines()[3]) == (0, narrow)
+    markdown = run("diff", "a.yaml", "b.yaml", "--format", "markdown").stdout
+    assert f"<sub>C{narrow[1:]}</sub>" in markdown
+    result = run("diff", "a.yaml", "b.yaml", "--pick", "cell-2")
+    assert result.exit_code == 1
+    assert result.stdout.startswith("A a.yaml: cell-2\nB b.yaml: cell-2\ndifferent: ")
+    told = json.loads(run("diff", "a.yaml", "b.yaml", "--pick", "cell-1", "--json").stdout)
+    assert (told["same"], told["a"]["cell"]) == (True, "cell-1")
+    result = run("diff", "a.yaml", "b.yaml", "--pick", "cell-3")
+    assert result.exit_code == 2
+    assert "error[unknown-name]: the matrix of `a.yaml` has no cell `cell-3`" in result.stderr
+    result = run("diff", "a.yaml", "cell.yaml", "--pick", "cell-1")
+    assert result.exit_code == 2 and "there are no cells" in result.stderr
+    result = run("diff", "a.yaml", "b.yaml", "--pick", "cell-1", "--set", "load=2")
+    assert result.exit_code == 2 and "is an axis of the matrix" in result.stderr

@@ -315,3 +315,64 @@ def test_a_branch_and_a_tag_of_one_commit_are_two_sources(work: Path) -> None:
     assert run("lock", "cell.yaml").exit_code == 0
     assert set(told(work)) == ids
     assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
+
+
+def test_a_matrix_hashes_every_file_once(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from composer.sources import fetching
+
+    (work / "cell.yaml").write_text(
+        (work / "cell.yaml").read_text() + "params: {g: 1}\noption: {gravity: [0, 0, '${g}']}\n"
+        "matrix: {axes: {g: [1, 2, 3]}}\n"
+    )
+    assert run("lock", "cell.yaml").exit_code == 0
+    hashed: list[Path] = []
+    real = fetching.sha256_of
+    monkeypatch.setattr(fetching, "sha256_of", lambda path: (hashed.append(path), real(path))[1])
+    result = run("build", "cell.yaml", "--all", "--locked", "--no-verify", "-o", "out/{name}.zip")
+    assert result.exit_code == 0 and len(list((work / "out").iterdir())) == 3
+    assert hashed and len(hashed) == len(set(hashed))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("tree", "0" * 40), ("kind", "archive"), ("kind", "path"), ("tree", None)]
+)
+def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value: str | None) -> None:
+    run("lock", "cell.yaml")
+    lock = json.loads((work / "cell.lock").read_text())
+    (source,) = [each for each in lock["sources"].values() if each["kind"] == "git"]
+    source[key] = value
+    (work / "cell.lock").write_text(json.dumps(lock))
+    for more in ((), ("--locked",)):
+        result = run("build", "cell.yaml", "--no-verify", *more)
+        assert result.exit_code == 1
+        assert "cell.yaml:2:7: error[lock-invalid]: what `cell.lock` says of `git+file:" in result.stderr
+        assert f"  = note: its {key} is `" in result.stderr
+
+
+@pytest.mark.parametrize("locked", [False, True])
+def test_what_is_fetched_reaches_no_file_of_this_machine(work: Path, locked: bool) -> None:
+    """Neither by an absolute path nor by a way out of the repository: such a file is another one elsewhere."""
+    robots = work.parent / "robots"
+    secret = work.parent / "secret.obj"
+    secret.write_text(COVER)
+    (work.parent / "secret.xml").write_text(TOOL)
+    if locked:
+        run("lock", "cell.yaml")
+    before = snapshot(work)
+    commit(robots, **{
+        "arm/mesh.xml": ARM.replace("cover.obj", str(secret)),
+        "arm/far.xml": ARM.replace('"cover.obj"', f'"cover.obj" file="{"../" * 12}{secret.relative_to("/")}"').replace('file="cover.obj" ', ""),
+        "arm/include.xml": f'<mujoco><include file="{work.parent / "secret.xml"}"/></mujoco>',
+        "arm/recipe.yaml": f"recipe: 1\nattach: {{x: {{model: {work.parent / 'secret.xml'}}}}}\n",
+        "arm/element.yaml": f"recipe: 1\nasset: {{mesh: {{m: {{file: {secret}}}}}}}\n",
+    })  # fmt: skip
+    for name in ("mesh.xml", "far.xml", "include.xml", "recipe.yaml", "element.yaml"):
+        (work / "evil.yaml").write_text(
+            f"recipe: 1\nattach: {{x: {{model: git+file://{robots}@main#arm/{name}}}}}\n"
+        )
+        result = run("build", "evil.yaml", "--no-verify", "-o", "out.zip")
+        assert result.exit_code == 1, name
+        assert "error[source-outside]: `" in result.stderr, (name, result.stderr)
+        assert not (work / "out.zip").exists()
+    (work / "evil.yaml").unlink()
+    assert snapshot(work) == before

@@ -55,3 +55,12 @@ def test_a_bundle_without_parts(runner: CliRunner) -> None:
     Path("r.yaml").write_text("recipe: 1\nname: empty\n")
     assert runner.invoke(main, ["build", "r.yaml", "-o", "empty.zip"]).exit_code == 0
     assert runner.invoke(main, ["verify", "empty.zip"]).stdout == "empty.zip: ok: 2 files, no parts\n"
+
+
+def test_what_is_not_there_is_called_as_it_was_written(
+    runner: CliRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = runner.invoke(main, ["verify", "gone.zip"])
+    assert result.exit_code == 1
+    assert "error[file-not-found]: there is no file or folder `gone.zip`\n" in result.stderr

@@ -64,5 +64,8 @@ def test_what_lacks_a_lost_name_is_not_told_but_counts() -> None:
     sink.error("unknown-name", "there is no body `cup`")
     sink.error("unknown-name", "there is no body `cups`")
     sink.warning("option-conflict", "`right/` wants more")
-    assert [each.message for each in sink.diagnostics] == ["`left` is wrong", "there is no body `cups`"]
-    assert sink.error_count == 4
+    sink.error("source-fetch", "the repository `https://host/left/cup` cannot be fetched")
+    assert [each.message for each in sink.diagnostics] == [
+        "`left` is wrong", "there is no body `cups`", "the repository `https://host/left/cup` cannot be fetched",
+    ]  # fmt: skip
+    assert sink.error_count == 5

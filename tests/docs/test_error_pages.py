@@ -99,7 +99,14 @@ MODELS_OF = {
 
 NOT_A_BUILD = {
     **dict.fromkeys(
-        ("archive-refused", "source-changed", "source-fetch", "source-offline", "source-revision"),
+        (
+            "archive-refused",
+            "source-changed",
+            "source-fetch",
+            "source-offline",
+            "source-outside",
+            "source-revision",
+        ),
         "needs a host that answers: tests/sources",
     ),
     **dict.fromkeys(("lock-invalid", "lock-stale", "store-unusable"), "needs a lock or a store: tests/cli"),

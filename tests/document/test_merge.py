@@ -112,3 +112,11 @@ def test_nothing_is_changed_in_place() -> None:
     before = to_python(lower)
     merge(lower, tree("{a: {b: 2}, add: [2]}", "upper.yaml"), Sink())
     assert to_python(lower) == before
+
+
+def test_an_id_that_two_items_have() -> None:
+    sink = Sink()
+    lower, upper = "{add: [{id: a}]}", "{add: [{id: a, to: b}, {id: a, to: c}, {id: b}]}"
+    merge(tree(lower, "lower.yaml"), tree(upper, "upper.yaml"), sink)
+    (error,) = sink.errors
+    assert (error.code, str(error.span)) == ("name-clash", "upper.yaml:1:29")

@@ -96,6 +96,27 @@ def test_a_recipe_without_an_end() -> None:
     assert [each.code for each in context.sink.diagnostics] == ["yaml-too-large"]
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_a_recipe_that_nobody_writes(folder: Path) -> None:
+    (folder / "recipe.yaml").unlink()
+    os.mkfifo(folder / "recipe.yaml")
+    fault = told(folder)
+    assert (fault.code, fault.message.partition(",")[0]) == (
+        "file-unreadable",
+        "`recipe.yaml` is a named pipe",
+    )
+
+
+@pytest.mark.skipif(not Path("/dev/fd").exists(), reason="needs the shell's way to name a pipe")
+def test_a_recipe_that_a_command_writes() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, b"recipe: 1\n")
+    os.close(writing)
+    context = Context(environment={}, folder=Path("/dev/fd"))
+    assert build(Path(f"/dev/fd/{reading}"), context, verified=False) is not None
+    os.close(reading)
+
+
 @pytest.mark.parametrize("name", ["robot.xml", "more.xml", "base.obj"])
 def test_a_folder_in_the_place_of_a_file(folder: Path, name: str) -> None:
     (folder / name).unlink()

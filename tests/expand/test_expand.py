@@ -38,6 +38,8 @@ def concrete(text: str, given: str = "{}") -> Any:
         ("{type: int, default: 2}", "{x: 3}", 3),
         ("{default: a, choices: [a, b]}", "{x: b}", "b"),
         ("90deg", "{}", "90.0deg"),
+        ("{default: 90deg, unit: rad, max: 91deg}", "{}", "1.5707963267948966rad"),
+        ("{default: 10deg, choices: [10deg, 0rad]}", "{x: 0deg}", "0.0deg"),
         ("90deg", "{x: 1}", "1deg"),
         ("{default: 0, unit: rad}", "{x: 180deg}", "3.141592653589793rad"),
         ("{type: string, default: 90deg}", "{}", "90deg"),

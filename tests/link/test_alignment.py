@@ -19,7 +19,18 @@ FREE_JOINTS = [
     '<joint type="free"/>',
     '<joint type="free" name="j" group="2"/>',
     '<joint type="free" damping="3"/><body name="child"><geom size=".1"/></body>',
+    '<joint type="free"/><replicate count="2" offset="1 0 0"><geom size=".2"/></replicate>',
+    '<joint type="free"/><replicate count="2" offset="1 0 0"><body><geom size=".2"/></body></replicate>',
 ]
+ALIGNED = {
+    "freejoint": ("", '<freejoint align="true"/>'),
+    "of the compiler": ('alignfree="true"', "<freejoint/>"),
+    "with settings of its own": ('alignfree="true"', '<joint type="free" damping="3"/>'),
+    "with copies": (
+        "",
+        '<freejoint align="true"/><replicate count="2" offset="1 0 0"><geom size=".2"/></replicate>',
+    ),
+}
 
 
 @pytest.mark.parametrize("joint", FREE_JOINTS)
@@ -78,3 +89,22 @@ def test_what_is_measured_is_measured_in_the_frame_before_alignment(
     model = FREE.format(settings=f'alignfree="true" {settings}', joint=joint)
     workshop.link(BASE, model).check()
     workshop.link(model, BASE).check()
+
+
+@pytest.mark.parametrize(("settings", "joint"), ALIGNED.values(), ids=ALIGNED.keys())
+def test_nothing_hangs_on_what_is_aligned(workshop: Workshop, settings: str, joint: str) -> None:
+    model, arm = (
+        FREE.format(settings=settings, joint=joint),
+        '<mujoco><worldbody><body name="arm"/></worldbody></mujoco>',
+    )
+    on_base = workshop.link(model, Piece(arm, "p/", placed("body", "b")))
+    on_part = workshop.link(BASE, Piece(model, "p/"), Piece(arm, "q/", placed("body", "p/b")))
+    for linked in (on_base, on_part):
+        assert linked.fault.code == "attach-place"
+        assert "MuJoCo aligns its body" in linked.fault.message
+
+
+def test_what_carries_copies_of_bodies_is_not_aligned(workshop: Workshop) -> None:
+    joint = '<freejoint align="true"/><replicate count="2" offset="1 0 0"><body><geom size=".2"/></body></replicate>'
+    arm = '<mujoco><worldbody><body name="arm"><geom size=".1"/></body></worldbody></mujoco>'
+    workshop.link(FREE.format(settings="", joint=joint), Piece(arm, "p/", placed("body", "b"))).check()

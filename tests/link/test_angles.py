@@ -182,7 +182,8 @@ def test_a_replicate_about_one_axis_turns_the_same_in_every_sequence(
 
 def test_a_replicate_about_several_axes_cannot_change_its_sequence(workshop: Workshop) -> None:
     part = """<mujoco><compiler eulerseq="zyx"/><worldbody>
-      <replicate count="3" euler="30 20 0"><geom size=".1"/></replicate></worldbody></mujoco>"""
+      <replicate count="3" euler="30 20 0"><geom name="g" size=".1"/></replicate></worldbody>
+      <contact><pair geom1="g0" geom2="g1"/><pair geom1="g" geom2="g"/></contact></mujoco>"""
     fault = workshop.link(BASE, part).fault
     assert fault.code == "compiler-setting"
     assert fault.span is not None

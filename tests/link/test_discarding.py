@@ -74,6 +74,13 @@ def test_a_base_loses_it_and_its_part_does_not(workshop: Workshop) -> None:
     assert [composed.mat(at).name for at in range(composed.nmat)] == ["part/mt", "part/lay"]
 
 
+def test_a_flex_loses_its_material(workshop: Workshop) -> None:
+    flex = """<body name="f"><flexcomp name="x" type="grid" count="3 2 1" spacing=".1 .1 .1" radius=".01" dim="2"
+      material="mt"><pin id="0"/><edge equality="true"/></flexcomp></body>"""
+    # MuJoCo makes texture coordinates only where there is a material, and discards it afterwards.
+    workshop.link(BASE, part(visual(more=flex))).check(ignore=["flex_texcoord", "flex_texcoordadr"])
+
+
 @pytest.mark.mujoco4("the model is refused")
 def test_copies_that_are_not_all_discarded_are_told(workshop: Workshop) -> None:
     sensor = '<sensor><framepos objtype="geom" objname="g_1"/></sensor>'

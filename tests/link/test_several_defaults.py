@@ -11,9 +11,9 @@ MODEL = """<mujoco>{}
 </mujoco>"""
 EARLIER = '<default><position kp="4"/><default class="x"><velocity kv="7"/></default></default>'
 
-# Each finds its gain in another class once the top class is wrapped, section by section.
+# Each may find its gain in another class once the top class is wrapped, section by section.
 MOVED = {
-    "class of another kind": (EARLIER + '<default><general gainprm="9"/></default>', ' class="x"'),
+    "class of another kind": (EARLIER + '<default><velocity kv="9"/></default>', ' class="x"'),
     "class of no kind": (
         '<default><default class="x"/></default><default><position kp="9"/></default>',
         ' class="x"',
@@ -38,11 +38,29 @@ KEPT = {
 }
 
 
+LOST = EARLIER + '<default><general gainprm="9"/></default>'
+"""The `<general>` gives the top class a gain that no `<position>` of a class says."""
+
+
 @pytest.mark.parametrize(("defaults", "of"), MOVED.values(), ids=MOVED.keys())
-def test_an_actuator_that_would_find_another_gain_is_refused(
+def test_an_actuator_that_would_find_another_gain_says_its_own(
     workshop: Workshop, defaults: str, of: str
 ) -> None:
     model = MODEL.format(defaults, of)
+    workshop.link(BASE, model).check()
+    workshop.link(model, Piece(model, "again/")).check()
+
+
+def test_nothing_is_written_where_the_gain_is_the_same(workshop: Workshop) -> None:
+    defaults = '<default><default class="x"/></default><default><position timeconst=".1"/></default>'
+    model = MODEL.format(defaults, ' class="x"')
+    linked = workshop.link(BASE, model)
+    assert '<position name="part/a" joint="part/j" class="part/x"/>' in linked.xml
+    linked.check()
+
+
+def test_a_gain_that_cannot_be_written_is_refused(workshop: Workshop) -> None:
+    model = MODEL.format(LOST, ' class="x"')
     for fault in (workshop.link(BASE, model).fault, workshop.link(model, BASE).fault):
         assert fault.code == "not-supported"
         assert "the `<position>` `a` would take another gain" in fault.message

@@ -4,6 +4,9 @@ import pytest
 from link.workshop import Piece, Workshop
 
 REPLICATE = '<mujoco><worldbody><replicate count="2" offset="1 0 0"><body name="r"><geom size=".1"/></body></replicate></worldbody></mujoco>'
+REFERRED_TO = REPLICATE.replace(
+    "</mujoco>", '<sensor><framepos objtype="body" objname="r"/></sensor></mujoco>'
+)
 WORLD = '<worldbody><body name="b"><joint name="j1"/><joint name="j10" axis="1 0 0"/><joint name="k" axis="0 1 0"/><geom name="g" size=".1"/></body></worldbody>'
 
 
@@ -31,7 +34,7 @@ KEPT = {
 def test_what_a_replicate_would_multiply_in_another_unit_is_refused(
     workshop: Workshop, sections: str, swapped: bool
 ) -> None:
-    first, second = (part(sections), REPLICATE) if swapped else (REPLICATE, part(sections))
+    first, second = (part(sections), REFERRED_TO) if swapped else (REFERRED_TO, part(sections))
     fault = workshop.link(first, Piece(second, "p/")).fault
     assert fault.code == "not-supported"
     assert "would multiply" in fault.message
@@ -48,5 +51,17 @@ def test_what_it_does_not_multiply_composes_into_a_base(workshop: Workshop, sect
 
 
 def test_names_count_that_stand_before_the_replicate(workshop: Workshop) -> None:
-    assert workshop.link(part(J1), Piece(REPLICATE, "p/")).fault.code == "not-supported"
-    workshop.link(REPLICATE, Piece(part(J1), "p/")).check()
+    assert workshop.link(part(J1), Piece(REFERRED_TO, "p/")).fault.code == "not-supported"
+    workshop.link(REFERRED_TO, Piece(part(J1), "p/")).check()
+
+
+@pytest.mark.parametrize("row", [REPLICATE, REFERRED_TO])
+def test_names_count_that_another_replicate_makes(workshop: Workshop, row: str) -> None:
+    base = """<mujoco><worldbody><geom name="g" size=".1"/><geom name="h" size=".1"/>
+        <replicate count="3" offset="0 1 0"><geom name="h0" size=".1"/></replicate></worldbody>
+      <contact><pair name="q" geom1="h" geom2="g"/></contact></mujoco>"""
+    linked = workshop.link(base, Piece(row.replace('count="2"', 'count="11"'), "p/"))
+    if row == REFERRED_TO:
+        assert "would multiply the `<pair>` `q`" in linked.fault.message
+    else:
+        linked.check(tolerance=1e-12)

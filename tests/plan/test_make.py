@@ -8,6 +8,7 @@ from composer.context import Context
 from composer.plan.describe import as_data, describe
 from composer.plan.make import make_plan
 from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.plan.reading import Reading
 from composer.sources.source import Source
 
 ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoco>'
@@ -31,7 +32,7 @@ def tried(folder: Path, recipe: str, **files: str) -> tuple[Plan | None, Context
 def test_defaults(tmp_path: Path) -> None:
     plan = planned(tmp_path, "recipe: 1\n")
     assert (plan.name, plan.description, plan.file) == ("recipe", None, "recipe.yaml")
-    assert (plan.separator, plan.conflict, plan.angle, plan.eulerseq) == ("/", "error", None, "xyz")
+    assert (plan.separator, plan.conflict, plan.readings.at(())) == ("/", "error", Reading(None, "xyz"))
     assert plan.base.model is None and plan.parts == () and plan.steps == () and plan.settled == frozenset()
 
 

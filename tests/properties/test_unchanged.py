@@ -89,8 +89,13 @@ def composed(recipe: Path) -> tuple[str | None, list[str]]:
     return bundle.files[bundle.model].decode(), told
 
 
-def measured(unit: Unit, arrays: tuple[str, ...]) -> Mapping[str, list[float]]:
-    model = mujoco.MjModel.from_xml_string(write(unit.root).decode())
+def measured(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
+    try:
+        model = mujoco.MjModel.from_xml_string(write(unit.root).decode())
+    except ValueError:
+        if attempt:
+            return {}
+        raise
     return {name: [float(value) for value in _list(getattr(model, name))] for name in arrays}
 
 

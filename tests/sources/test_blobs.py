@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from composer.sources import blobs
+from composer.sources.blob import blobs_in
 from composer.sources.store import Store
 
 
@@ -13,16 +14,16 @@ def test_what_is_put_is_there(tmp_path: Path) -> None:
     blobs.put(tmp_path, "raw", "a", b"content")
     assert blobs.get(tmp_path, "raw", "a") == b"content"
     assert blobs.has(tmp_path, "raw", "a")
-    (blob,) = blobs.blobs(tmp_path)
-    assert (blob.kind, blob.key, blobs.is_damaged(blob)) == ("raw", "a", False)
+    (blob,) = blobs_in(tmp_path)
+    assert (blob.kind, blob.key, blob.is_damaged) == ("raw", "a", False)
 
 
 @pytest.mark.parametrize("content", [b"", b"short", bytes(40)])
 def test_what_is_damaged_is_gone(tmp_path: Path, content: bytes) -> None:
     blobs.put(tmp_path, "raw", "a", b"content")
     (tmp_path / "raw" / "a").write_bytes(content)
-    (blob,) = blobs.blobs(tmp_path)
-    assert blobs.is_damaged(blob)
+    (blob,) = blobs_in(tmp_path)
+    assert blob.is_damaged
     assert blobs.get(tmp_path, "raw", "a") is None
     assert not blobs.has(tmp_path, "raw", "a")
 

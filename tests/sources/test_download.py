@@ -130,3 +130,17 @@ def test_what_is_known_is_not_sent_again(
 ) -> None:
     web.pages["/a"] = lambda handler: answer(handler, b"", status=304)
     assert get(f"{web.url}/a", Version('"one"', "")) is None
+
+
+def test_no_way_leads_over_an_address_that_is_not_encrypted(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None]
+) -> None:
+    """The server is a proxy too, and would give the file in the name of any host."""
+    way = {"status": 302, "Location": "http://example.org/b"}
+    web.pages[f"{web.url}/a"] = lambda handler: answer(handler, b"", **way)
+    web.pages["http://example.org/b"] = lambda handler: answer(
+        handler, b"", status=302, Location=f"{web.url}/c"
+    )
+    web.pages[f"{web.url}/c"] = CONTENT
+    with pytest.raises(SourceError, match=r"leads to `http://example.org/b`, which is not encrypted"):
+        get(f"{web.url}/a", http_proxy=web.url)

@@ -116,6 +116,17 @@ def test_the_action_checks_and_builds(project: Path, shell: dict[str, str]) -> N
     assert (project / "build" / "my_arms.zip").is_file()
 
 
+def test_the_action_builds_no_model_over_another(project: Path, shell: dict[str, str]) -> None:
+    recipe = (project / "recipes" / "my_arms.yaml").read_text(encoding="utf-8")
+    (project / "recipes" / "other.yaml").write_text(
+        f"{recipe}  more: {{mass: {{range: [0, 9]}}}}\n", encoding="utf-8"
+    )
+    script, env = step("Build")
+    ran = sh(script, project, {**shell, **env})
+    assert ran.returncode == 1
+    assert "::error::two recipes make a model of one name, and one took the place of the other: build/my_arms.zip" in ran.stdout  # fmt: skip
+
+
 def test_the_action_tells_what_is_wrong(project: Path, shell: dict[str, str]) -> None:
     recipe = project / "recipes" / "my_arms.yaml"
     recipe.write_text(

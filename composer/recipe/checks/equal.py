@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,6 +13,7 @@ from composer.recipe.checks.arrays import TAGS, attributes
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import NAME, Kind, mapping_schema
 from composer.recipe.fault import Path, Remark
+from composer.recipe.pattern import GLOB
 from composer.recipe.reference import reference
 
 _INDEXED = re.compile(r"([A-Za-z]\w*)(?:\[(\d{1,3})\])?")
@@ -49,7 +51,7 @@ def read(keys: Keys, at: Path) -> Equal | None:
         keys.add("missing-key", message, key=True, remarks=(remark,), help="write for instance `joint: NAME`")
     keys.required("attr", "damping")
     keys.required("value", "0.5")
-    element = keys.text(tag, "a name or a glob") if tag else None
+    element = keys.glob_of(keys.value[tag], "a name or a glob", tag) if tag else None
     attr, index = _attribute(keys, tag)
     value = _value(keys, index) if "value" in keys.value else None
     tol = _tolerance(keys)
@@ -74,16 +76,21 @@ def _attribute(keys: Keys, tag: str | None) -> tuple[str | None, int | None]:
     return (None, None) if written is None or tag is None else attribute_of(keys, tag, written, "attr")
 
 
-def attribute_of(keys: Keys, tag: str, written: str, *at: str | int) -> tuple[str | None, int | None]:
-    """The attribute that is written at a place, and the index behind it; what no model can be asked for is told."""
+def attribute_of(
+    keys: Keys, tag: str, written: str, *at: str | int, others: Collection[str] = ()
+) -> tuple[str | None, int | None]:
+    """The attribute that is written at a place, and the index behind it; what no model can be asked for is told.
+
+    `others` are attributes of which no numbers are asked for, but which may be meant.
+    """
     match = _INDEXED.fullmatch(written)
     if match is None:
         message = f"`{at[-1]}` of {keys.owner} is `{written}`, which is no attribute"
         keys.add("wrong-type", message, *at, help='write for instance `damping`, or `"range[1]"`')
         return None, None
     name, index = match.groups()
-    known = list(attributes(tag))
-    if name not in known:
+    if tag not in TAGS or name not in attributes(tag):
+        known = [*(attributes(tag) if tag in TAGS else ()), *others]
         near = closest(name, known)
         remark = Remark(exists_note("attribute", known, name).message)
         message = f"`{name}` of a {tag} is nothing that {keys.owner} could ask for"
@@ -130,7 +137,7 @@ KIND = Kind(
     mapping_schema(
         "An attribute has a value in the compiled model.",
         {
-            **{tag: {**NAME, "description": f"a {tag}, or a glob for several"} for tag in TAGS},
+            **{tag: {**GLOB, "description": f"a {tag}, or a glob for several"} for tag in TAGS},
             "attr": {
                 **NAME,
                 "description": "an attribute of MJCF, with an index for one of its numbers: `range[1]`",

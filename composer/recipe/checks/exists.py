@@ -9,10 +9,12 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.recipe.checks.arrays import TAGS as ATTRIBUTES_OF
 from composer.recipe.checks.equal import Number, attribute_of, numbers_of
 from composer.recipe.checks.keys import Keys
-from composer.recipe.checks.kind import NAME, Kind
+from composer.recipe.checks.kind import Kind
+from composer.recipe.checks.words import ENUMERATED, keywords, naming
 from composer.recipe.fault import Path, Remark
+from composer.recipe.pattern import GLOB
 from composer.recipe.select import NARROWING
-from composer.recipe.shown import kind_of
+from composer.recipe.shown import kind_of, shown
 
 TAGS = (
     "body", "joint", "geom", "site", "camera", "light", "flex", "skin", "mesh", "hfield", "texture", "material",
@@ -28,12 +30,16 @@ _BESIDE = (EXPECT, *AROUND, WHERE)
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """An attribute, or one of its numbers, and what it must be; `key` is how the recipe writes it."""
+    """An attribute, or one of its numbers, and what it must be; `key` is how the recipe writes it.
+
+    `word` is what one that has words must be: a name may be a glob.
+    """
 
     key: str
     attr: str
     index: int | None
-    value: tuple[Number, ...]
+    value: tuple[Number, ...] = ()
+    word: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,10 +104,8 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
         message = f"a selector in {keys.owner} has {len(tags)} tags, and needs one"
         keys.add("wrong-type", message, index, help="write one selector for each: `[{site: a}, {body: b}]`")
         return None
-    glob = value[tags[0]]
-    if not isinstance(glob, str) or not glob:
-        message = f"`{tags[0]}` in {keys.owner} expects a name or a glob, got {kind_of(glob)}"
-        keys.add("wrong-type", message, index, tags[0])
+    glob = keys.glob_of(value[tags[0]], "a name or a glob", index, tags[0])
+    if glob is None:
         return None
     expect = value.get(EXPECT)
     if EXPECT in value and (isinstance(expect, bool) or not isinstance(expect, int) or expect < 0):
@@ -118,23 +122,43 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
 
 def _where(index: int, value: object, tag: str, keys: Keys) -> tuple[Where, ...]:
     """The attributes in the compiled model, and what they must be."""
-    if tag not in ATTRIBUTES_OF:
+    if tag not in (*ATTRIBUTES_OF, *ENUMERATED) and not naming(tag):
         message = f"`{WHERE}` in {keys.owner}: a compiled model has no attributes of a {tag} that could be asked for"
         keys.add("unknown-key", message, index, WHERE, key=True, help=f"leave `{WHERE}` out")
         return ()
     if not isinstance(value, dict) or not value:
-        message = f"`{WHERE}` in {keys.owner} is a mapping from attributes to numbers, got {kind_of(value)}"
+        message = f"`{WHERE}` in {keys.owner} is a mapping from attributes to values, got {kind_of(value)}"
         keys.add(
             "wrong-type", message, index, WHERE, help=f'write for instance `{WHERE}: {{"size[0]": 0.1}}`'
         )
         return ()
     found: list[Where] = []
+    words = [*keywords(tag), *naming(tag)]
     for key, wanted in value.items():
-        attr, place = attribute_of(keys, tag, key, index, WHERE, key)
+        if key in words:
+            word = _word(tag, key, wanted, keys, index)
+            found += [Where(key, key, None, word=word)] if word is not None else []
+            continue
+        attr, place = attribute_of(keys, tag, key, index, WHERE, key, others=words)
         numbers = numbers_of(keys, wanted, place, index, WHERE, key) if attr is not None else None
         if attr is not None and numbers is not None:
             found.append(Where(key, attr, place, numbers))
     return tuple(found)
+
+
+def _word(tag: str, attr: str, value: object, keys: Keys, index: int) -> str | None:
+    """The word that an attribute must have: one that there is, or a glob over names."""
+    at = (index, WHERE, attr)
+    if attr not in keywords(tag):
+        return keys.glob_of(value, "a name or a glob", *at)
+    word, known = str(value), keywords(tag)[attr]
+    if word in known:
+        return word
+    near = closest(word, known)
+    remark = Remark(exists_note("value", known, word).message)
+    message = f"`{attr}` of a {tag} is never `{shown(value)}`"
+    keys.add("wrong-keyword", message, *at, remarks=(remark,), help=f"write `{near[0]}`" if near else None)
+    return None
 
 
 def _around(index: int, key: str, value: object, tag: str, keys: Keys) -> str | None:
@@ -144,7 +168,7 @@ def _around(index: int, key: str, value: object, tag: str, keys: Keys) -> str | 
         keys.add("unknown-key", f"`{tag}` in {keys.owner} stands on no body", index, key, key=True,
                  help=f"leave `{key}` out")  # fmt: skip
     elif isinstance(body, str) and body:
-        return body
+        return keys.glob_of(body, "a name or a glob", index, key, "body")
     else:
         message = f"`{key}` in {keys.owner} is a body by its name or a glob, got {kind_of(value)}"
         keys.add("wrong-type", message, index, key, help=f'write for instance `{key}: {{body: "**/pad"}}`')
@@ -164,7 +188,7 @@ KIND = Kind(
             "maxProperties": 5,
             "additionalProperties": False,
             "properties": {
-                **{tag: {**NAME, "description": f"a glob over the names: {tag}"} for tag in TAGS},
+                **{tag: {**GLOB, "description": f"a glob over the names: {tag}"} for tag in TAGS},
                 EXPECT: {
                     "type": ["integer", "string"],
                     "minimum": 0,
@@ -174,13 +198,13 @@ KIND = Kind(
                 WHERE: {
                     "type": "object",
                     "minProperties": 1,
-                    "description": "only what has these values in the compiled model: attributes and numbers",
+                    "description": "only what has these values in the compiled model: `type: mesh`, `joint: elbow`",
                 },
                 **{
                     key: {
                         "type": "object",
                         "description": f"only what has a body of that name {where} it",
-                        "properties": {"body": {**NAME, "description": "a glob over the names of bodies"}},
+                        "properties": {"body": {**GLOB, "description": "a glob over the names of bodies"}},
                         "required": ["body"],
                         "additionalProperties": False,
                     }

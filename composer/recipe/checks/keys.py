@@ -9,6 +9,7 @@ from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.pattern import pattern_fault
 from composer.recipe.shown import kind_of
 
 
@@ -76,8 +77,17 @@ class Keys:
         if isinstance(value, str) and value:
             return value
         got = "nothing" if value == "" else kind_of(value)
-        self.add("wrong-type", f"`{at[0]}` of {self.owner} expects {what}, got {got}", *at)
+        key = next(each for each in reversed(at) if isinstance(each, str))
+        self.add("wrong-type", f"`{key}` of {self.owner} expects {what}, got {got}", *at)
         return None
+
+    def glob_of(self, value: Any, what: str, *at: str | int) -> str | None:
+        """A value that must be a name, a glob or a regular expression over names, at its path."""
+        text = self.text_of(value, what, *at)
+        if text is not None and (fault := pattern_fault(text, self.owner, (self.name, self.word, *at))):
+            self.faults.append(fault)
+            return None
+        return text
 
     def number(
         self,

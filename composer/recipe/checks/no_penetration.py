@@ -8,6 +8,7 @@ from typing import ClassVar
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import NAME, Kind, mapping_schema
 from composer.recipe.fault import Path
+from composer.recipe.pattern import GLOB
 from composer.recipe.reference import reference
 from composer.recipe.shown import kind_of
 
@@ -44,7 +45,7 @@ def read(keys: Keys, at: Path) -> NoPenetration | None:
     for index, pair in enumerate(pairs):
         if isinstance(pair, list) and len(pair) == 2:
             globs = [
-                keys.text_of(each, "globs over names of geoms or bodies", "exclude", index, side)
+                keys.glob_of(each, "globs over names of geoms or bodies", "exclude", index, side)
                 for side, each in enumerate(pair)
             ]
             found.append((globs[0] or "", globs[1] or ""))
@@ -74,7 +75,7 @@ KIND = Kind(
             "exclude": {
                 "type": "array",
                 "description": "pairs of globs over names of geoms and bodies whose contacts do not count",
-                "items": {"type": "array", "items": dict(NAME), "minItems": 2, "maxItems": 2},
+                "items": {"type": "array", "items": dict(GLOB), "minItems": 2, "maxItems": 2},
             },
         },
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from composer.tree.pattern import SlowPattern
 from composer.verify.kinds import equal, exists, mass, no_penetration, reachable, size, stable
 from composer.verify.kinds.finding import Finding
 from composer.verify.kinds.scope import Scope
@@ -27,5 +28,8 @@ def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
     ``question`` has the `kind`, what the check asks for under `asked`, and the fields of a `Scope` under `scope`.
     """
     scope = Scope(mujoco, model, **question["scope"])
-    findings = [finding.to_json() for finding in KINDS[question["kind"]](scope, question["asked"])]
-    return {"findings": findings, "values": scope.values}
+    try:
+        found = KINDS[question["kind"]](scope, question["asked"])
+    except SlowPattern as slow:
+        found = [Finding(slow.message, code="selector", help=slow.help)]
+    return {"findings": [finding.to_json() for finding in found], "values": scope.values}

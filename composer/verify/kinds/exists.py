@@ -9,6 +9,7 @@ from typing import Any
 from composer.verify.kinds.equal import equal, expected_of, value_of
 from composer.verify.kinds.finding import Finding, failed, unknown
 from composer.verify.kinds.scope import Scope
+from composer.verify.kinds.words import words_of
 from composer.verify.matching import ON_BODIES
 
 
@@ -53,6 +54,11 @@ def _fits(
 ) -> bool | Finding:
     """Whether an element has the values that `where` asks for; the finding that it cannot be asked."""
     for each in selector["where"]:
+        if each["word"] is not None:
+            words = set(words_of(scope, kind, index, each["attr"]))
+            if not scope.fitting(each["word"], words):
+                return False
+            continue
         actual = value_of(scope, kind, index, each["attr"])
         expected = expected_of(scope, kind, index, {**each, "angle": angle})
         if isinstance(actual, Finding) or isinstance(expected, Finding):

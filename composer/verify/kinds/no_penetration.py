@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from composer.tree.glob import matcher
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.verify.kinds.finding import Finding, failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
+_NAMED = ("geom", "body", "flex")
 _SHOWN = 8
 
 Side = tuple[str, int]
@@ -21,7 +21,15 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     if isinstance(data, Finding):
         return [data]
     _collide(scope, data)
-    globs = [tuple(matcher(glob, scope.separator) for glob in pair) for pair in asked["exclude"]]
+    known = {name for kind in _NAMED for name in scope.names(kind)}
+    excluded = [[scope.fitting(glob, known) for glob in pair] for pair in asked["exclude"]]
+    unmet = [(at, side) for at, pair in enumerate(excluded) for side, names in enumerate(pair) if not names]
+    if unmet:
+        at, side = unmet[0]
+        glob = asked["exclude"][at][side]
+        notes = (exists_note("name", sorted(known), glob).message,)
+        message = f"`{glob}` names no geom and no body"
+        return [Finding(message, ("exclude", at, side), notes, "unknown-name", did_you_mean(glob, known))]
     deepest: dict[tuple[Side, Side], float] = {}
     most = 0.0
     for contact in data.contact:
@@ -30,7 +38,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
         if depth <= most and depth <= asked["max"]:
             continue
         if not all(scope.owns(*side) for side in pair) or any(
-            _excluded(scope, pair, one, other) for one, other in globs
+            _excluded(scope, pair, one, other) for one, other in excluded
         ):
             continue
         most = max(most, depth)
@@ -64,19 +72,15 @@ def _side(contact: Any, side: int) -> Side:
     return ("geom", geom) if geom >= 0 else ("flex", int(contact.flex[side]))
 
 
-def _excluded(
-    scope: Scope, pair: tuple[Side, Side], one: Callable[[str], bool], other: Callable[[str], bool]
-) -> bool:
+def _excluded(scope: Scope, pair: tuple[Side, Side], one: frozenset[str], other: frozenset[str]) -> bool:
     first, second = (_names(scope, side) for side in pair)
-    return (any(map(one, first)) and any(map(other, second))) or (
-        any(map(other, first)) and any(map(one, second))
-    )
+    return bool((first & one and second & other) or (first & other and second & one))
 
 
-def _names(scope: Scope, side: Side) -> list[str]:
+def _names(scope: Scope, side: Side) -> set[str]:
     """What a glob can name a side by: its own name and that of its body."""
     kind, index = side
     names = [scope.roster.names[kind][index]]
     if kind == "geom":
         names.append(scope.roster.names["body"][int(scope.model.geom_bodyid[index])])
-    return [name.removeprefix(scope.prefix) for name in names if name]
+    return {name.removeprefix(scope.prefix) for name in names if name}

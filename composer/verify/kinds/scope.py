@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 from composer.tree.glob import matcher
+from composer.tree.pattern import fitting, is_regular
 from composer.verify.kinds.finding import Finding, unknown
 from composer.verify.links import links
 from composer.verify.matching import ON_BODIES
@@ -93,15 +94,23 @@ class Scope:
         return unknown(kind, name, self.names(kind), *at) if index is None else index
 
     def matching(self, kind: str, glob: str) -> list[int]:
-        """The ids of the recipe's elements that a glob names; `**` alone names those without a name too."""
+        """The ids of the recipe's elements that a glob or a regular expression names.
+
+        `**` alone names those without a name too. Raises SlowPattern.
+        """
         if glob == "**":
             return list(self.own(kind))
-        fits, before = matcher(glob, self.separator), self.before(kind)
-        return [
-            index
-            for index in self.own(kind)
-            if (name := self.roster.names[kind][index]) and fits(name.removeprefix(before))
-        ]
+        before = self.before(kind)
+        named = [(index, self.roster.names[kind][index].removeprefix(before)) for index in self.own(kind)]
+        fitting = self.fitting(glob, {name for _, name in named if name})
+        return [index for index, name in named if name in fitting]
+
+    def fitting(self, glob: str, names: Collection[str]) -> frozenset[str]:
+        """Those of names as the recipe writes them that a glob or a regular expression means. Raises SlowPattern."""
+        if is_regular(glob):
+            return fitting(glob[1:-1], names)
+        fits = matcher(glob, self.separator)
+        return frozenset(name for name in names if fits(name))
 
     def at_key(self, key: str | None) -> Any | Finding:
         """An mjData at a keyframe, or at the reference configuration; `mj_forward` is still to be called."""

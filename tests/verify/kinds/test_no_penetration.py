@@ -59,3 +59,9 @@ def test_in_a_nested_recipe_only_contacts_among_its_own_count(ask) -> None:
 def test_options_that_switch_contacts_off_hide_nothing(ask) -> None:
     off = BALLS.format(option='<option><flag contact="disable"/></option>')
     assert len(ask(off, "no_penetration: {}")) == 1
+
+
+def test_what_is_excluded_must_be_there(ask) -> None:
+    (finding,) = ask(MODEL, 'no_penetration: {exclude: [["a/*", "/.*thre+/"], ["b/*", "c/**"]]}')
+    assert (finding.code, finding.at) == ("unknown-name", ("exclude", 1, 1))
+    assert finding.message == "`c/**` names no geom and no body"

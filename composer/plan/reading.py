@@ -1,0 +1,67 @@
+"""What bare angles and `euler` mean, by the file of a recipe and of what it extends that they are written in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as Map
+from dataclasses import dataclass, field
+
+from composer.diagnostics.sink import Sink
+from composer.document.node import Mapping, Node, locate, to_python
+from composer.expand.expand import Concrete
+from composer.expand.substitute import Substitution
+from composer.recipe.fault import Path
+from composer.recipe.validate import judge
+
+SETTINGS = ("angle", "eulerseq")
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """`angle` is the unit of angles without one (None: none may stand), `eulerseq` the sequence of `euler`."""
+
+    angle: str | None = None
+    eulerseq: str = "xyz"
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """The reading of a recipe, and those of its files that have another one than it has merged."""
+
+    document: Mapping
+    whole: Reading = Reading()
+    others: Map[str, Reading] = field(default_factory=dict)
+
+    def at(self, path: Path) -> Reading:
+        """How what stands at a path is read."""
+        return self.others.get(locate(self.document, path).file, self.whole) if self.others else self.whole
+
+
+def readings_of(
+    concrete: Concrete, document: Mapping, whole: Reading, files: Map[str, Node], sink: Sink
+) -> Readings:
+    """The readings of what `document` has of a concrete recipe; `files` is what each file says of them."""
+    others: dict[str, Reading] = {}
+    for file, said in files.items():
+        node = Substitution(concrete.scope, concrete.parameters, frozenset(), sink).of(said)
+        assert isinstance(node, Mapping)
+        faults = [fault for fault in judge(node)[1] if fault.at[:1] in [(name,) for name in SETTINGS]]
+        for fault in faults:
+            sink.error(fault.code, fault.message, locate(node, fault.at, key=fault.key), help=fault.help)
+        read = whole if faults else Reading(**to_python(node))
+        if read != whole:
+            others[file] = read
+    return Readings(document, whole, others)
+
+
+def check_bare_angles(readings: Readings, sink: Sink) -> None:
+    """Tell angles without a unit in the files that do not say which they mean, although another one does."""
+    if readings.whole.angle is None or all(each.angle is not None for each in readings.others.values()):
+        return
+    document = readings.document
+    silent = Mapping(
+        {name: each for name, each in document.entries.items() if name != "angle"}, document.span
+    )
+    for fault in judge(silent)[1]:
+        if fault.code == "bare-angle" and readings.at(fault.at).angle is None:
+            message = f"{fault.message}, and its file does not say which"
+            sink.error(fault.code, message, locate(document, fault.at), help=fault.help)

@@ -1,0 +1,31 @@
+"""Names by a glob or a regular expression, as selectors and checks have them: what is wrong with the text."""
+
+from __future__ import annotations
+
+from composer.recipe.fault import Fault, Path
+from composer.recipe.reference import Schema
+from composer.tree.glob import stray_brace
+from composer.tree.pattern import fault_of, is_regular
+
+GLOB: Schema = {
+    "type": "string",
+    "minLength": 1,
+    "pattern": r"^/.*/$|\$\{|^(?:[^{}]|\{[^{}]*\})*$",
+    "patternErrorMessage": "a choice is `{a,b}`, with no other one in it",
+}
+"""A glob or a regular expression over names."""
+
+
+def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
+    """The fault of what `owner` is compared with, or None."""
+    if is_regular(text):
+        wrong = fault_of(text[1:-1])
+        return (
+            Fault("wrong-type", f"the regular expression of {owner} is none: {wrong}", at) if wrong else None
+        )
+    stray = stray_brace(text)
+    if stray is None:
+        return None
+    message = f"the `{text[stray]}` in the glob `{text}` of {owner} is part of no choice"
+    help = "a choice is `{a,b}`, with no other one in it; `/(a|b)[{]c/` is a regular expression"
+    return Fault("wrong-type", message, at, help=help)

@@ -1,0 +1,47 @@
+"""What an element of a compiled model is, and which others it names, in the words of MJCF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from composer.recipe.checks.words import ENUMERATED, naming
+from composer.verify.kinds.scope import Scope
+from composer.verify.links import links
+
+# Where MuJoCo calls something otherwise in its enumerations than in MJCF.
+_OTHERWISE: Mapping[str, str] = {
+    "geomdist": "distance",
+    "geomnormal": "normal",
+    "geomfromto": "fromto",
+    "jointactfrc": "jointactuatorfrc",
+    "tendonactfrc": "tendonactuatorfrc",
+}
+_SECOND = ("refsite", "slidersite", "refname")
+
+
+def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
+    """The value of an attribute; several where MuJoCo does not keep which of two it is, none where it has none."""
+    if attr in ENUMERATED.get(tag, ()):
+        array, enumeration = ENUMERATED[tag][attr]
+        values = getattr(scope.model, array, None)
+        if values is not None:
+            word = getattr(scope.mujoco, enumeration)(int(values[index])).name.partition("_")[2].lower()
+            yield _OTHERWISE.get(word, word)
+        return
+    kind = naming(tag)[attr]
+    for link in links(scope.model, tag, index):
+        if link.index >= 0 and (kind is None or link.kind == kind) and _is_meant(link.field, tag, attr):
+            yield scope.written(link.kind, link.index)
+
+
+def _is_meant(field: str, tag: str, attr: str) -> bool:
+    """Whether the reference that is kept in a field is the one that an attribute writes."""
+    if attr == "target":
+        return "target" in field
+    if tag == "sensor":
+        return field == ("sensor_refid" if attr in _SECOND or attr.endswith("2") else "sensor_objid")
+    if tag == "equality":
+        return field == ("eq_obj2id" if attr.endswith("2") else "eq_obj1id")
+    if tag == "actuator":
+        return field == f"actuator_trnid[{int(attr in _SECOND)}]"
+    return True
