@@ -12,6 +12,7 @@ from composer.grammar.attribute import Attribute
 from composer.grammar.number import INT_MAX, INT_MIN, items, parse_int, parse_real
 
 SHOWN_KEYWORDS = 12
+_LETTERS = {"eulerseq": "xyzXYZ"}
 SHOWN_TEXT = 40
 
 
@@ -150,7 +151,9 @@ def check_characters(attribute: Attribute, text: str) -> str | None:
     """What is wrong with a string whose characters are counted."""
     low, high = attribute.min_length, attribute.max_length
     if (low is None or len(text) >= low) and (high is None or len(text) <= high):
-        return None
+        letters = _LETTERS.get(attribute.name, text)
+        odd = next((each for each in text if each not in letters), None)
+        return None if odd is None else f"expects letters of `{letters}`, got `{odd}`"
     return f"expects {counted(attribute, 'character')}, got {len(text)}"
 
 

@@ -75,10 +75,8 @@ def _skin(
 def _free(unit: Unit, written: str, source: str, content: bytes | None, taken: Taken) -> str:
     below = inside(unit.settings, written)
     path = f"{ASSETS}/{unit.label}/{below}"
-    if (
-        written.startswith(f"{ASSETS}/") and written in unit.contents
-    ):  # a composed unit: its paths are settled
-        path = written
+    if written.startswith(f"{ASSETS}/") and written.count("/") > 1 and written in unit.contents:
+        path = written  # a composed unit: its paths are settled
     key = path.lower()
     if key not in taken:
         taken[key] = (source, content)

@@ -156,10 +156,11 @@ def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path
         name = f"{asset.prefix}{'' if number == 1 else f'-{number}'}{asset.extension}"
         written = _written(model, tag, name)
         known = contents.get(written, model.unit.contents.get(written))
-        if known is None and not Path(join(str(model.unit.directory), written)).exists():
+        there = Path(join(str(model.unit.directory), written))
+        if known is None and not there.exists():
             contents[written] = asset.source
             return name
-        if known == asset.source:
+        if asset.source == (there if known is None else known):
             return name
         number += 1
 

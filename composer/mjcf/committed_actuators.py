@@ -15,8 +15,8 @@ from composer.mjcf.element import class_of
 from composer.mjcf.errors import MjcfWarning
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
-from composer.tree.classes import DefaultClass
-from composer.tree.kinds import kind_of
+from composer.tree.classes import MAIN, DefaultClass
+from composer.tree.kinds import ROOT, kind_of
 
 ACTUATORS = frozenset(GRAMMAR.section("actuator").children)
 _GENERAL = "general"
@@ -46,7 +46,7 @@ def is_plain(found: DefaultClass, node: Node) -> bool:
     return True
 
 
-def commit(model: Model, node: Node, given: Mapping[str, str]) -> None:
+def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultClass) -> None:
     """Write onto an actuator what makes MuJoCo read the same of it with its classes and without.
 
     `given` is what they give by attributes of its own. Where these do not say it, it becomes a `general`, which can say
@@ -54,12 +54,16 @@ def commit(model: Model, node: Node, given: Mapping[str, str]) -> None:
     """
     from composer.mjcf.physics.actuators import settings
 
-    sections = list(model.unit.root.iterchildren("default"))
-    wanted = settings(sections, node)
+    sections = _sections(found)
+    spelled = copy.copy(node)
+    drop(spelled, "class")
+    if found.name != MAIN:
+        spelled.set("class", found.name)
+    wanted = settings(sections, spelled)
     if wanted is None:  # MuJoCo says why when the model is compiled
         return
     as_good: Node | None = None
-    for candidate in _candidates(node, given, wanted, settings(sections, _bare(node)) or {}):
+    for candidate in _candidates(spelled, given, wanted, settings(sections, _bare(spelled)) or {}):
         if settings(sections, candidate) != wanted:
             continue
         as_good = candidate if as_good is None else as_good
@@ -71,6 +75,14 @@ def commit(model: Model, node: Node, given: Mapping[str, str]) -> None:
     if as_good is not None:
         _become(model, node, as_good)
     _tell(f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written")
+
+
+def _sections(found: DefaultClass) -> list[Node]:
+    """All default classes of the model that a class is of; none where it says nothing, and neither do those above."""
+    for element in _elements(found):
+        above = [each for each in element.iterancestors() if each.tag == ROOT]
+        return list(above[0].iterchildren("default"))
+    return []
 
 
 def _elements(found: DefaultClass | None) -> Iterator[Node]:
@@ -123,9 +135,9 @@ def _become(model: Model, node: Node, other: Node) -> None:
         view = model.views.get(node)
         if view is not None:
             object.__setattr__(view, "__class__", class_of(kind_of(node)))
-    for name in set(node.keys()) - set(other.keys()):
+    for name in set(node.keys()) - set(other.keys()) - {"class"}:
         del node.attrib[name]
-    node.attrib.update(other.attrib)
+    node.attrib.update({name: value for name, value in other.items() if name != "class"})
     model.note(node)
 
 

@@ -67,7 +67,7 @@ def _commit_below(model: Model, top: Node) -> None:
     classes = Classes(model.unit.root)
     for node in _elements(top):
         found = str(node.get("class") or "") or (childclass_of(node) if _in_tree(node) else None)
-        _commit(model, node, classes.get(found))
+        _commit(model, node, _class(model, classes, found))
 
 
 def _commit_joints(model: Model, top: Node) -> None:
@@ -77,7 +77,16 @@ def _commit_joints(model: Model, top: Node) -> None:
         frame = model.frame_above(node)
         assert frame is not None
         found = str(node.get("class") or "") or childclass_at(model.attachment_of(frame).host)
-        _commit(model, node, classes.get(found))
+        _commit(model, node, _class(model, classes, found))
+
+
+def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
+    """The class of a name, which may be one of an attached model."""
+    if name is not None and name not in classes.by_name:
+        found = model.lookup("default", name)
+        if found is not None and found.model is not model:
+            return Classes(found.model.unit.root).get(str(found.node.get("class") or "") or None)
+    return classes.get(name)
 
 
 def _elements(top: Node) -> Iterator[Node]:
@@ -114,7 +123,8 @@ def _commit(model: Model, node: Node, found: DefaultClass) -> None:
         if node.get("fovy"):
             changes["fovy"] = None
     if default_tag(node) in ACTUATORS and not is_plain(found, node):
-        commit_actuator(model, node, {name: value for name, value in changes.items() if value is not None})
+        given = {name: value for name, value in changes.items() if value is not None}
+        commit_actuator(model, node, given, found)
     elif changes:
         model.forget(node)
         for name, written in changes.items():

@@ -21,7 +21,7 @@ from composer.mjcf.misspelled import unknown_attribute
 from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode
-from composer.tree.classes import ORIENTATIONS
+from composer.tree.classes import MAIN, ORIENTATIONS
 from composer.tree.kinds import attribute_of, naming_attribute, section_of, spoken
 from composer.tree.name_index import MAY_REPEAT, is_list
 
@@ -189,6 +189,10 @@ def _check_name(
         name = frame.child.prefix + (name or "")
     if not name:
         return
+    if node is not None and namespace == "default" and node.getparent() is model.unit.root and name != MAIN:
+        raise failure(
+            "wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`", call_site()
+        )
     before = None if node is None or frame is not None else model.declared(node)
     if before is not None:
         check_lists(model, namespace, before[1], name)

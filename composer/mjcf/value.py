@@ -97,10 +97,14 @@ def _flat(attribute: Attribute, value: object) -> object:
         value = np.asarray(value).reshape(-1)
     if isinstance(value, bytes | bytearray):
         raise BadValue(f"expects {expected(attribute)}, got `{value!r}`")
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "f":
+        value = value.astype(np.float64)  # a `longdouble` is no `float`
     value = plain(value)
     if not isinstance(value, list | tuple):
         return value
     flat = [plain(item) for item in value]
     if open_ended and flat and all(isinstance(item, list | tuple) for item in flat):
+        if len({len(row) for row in flat if isinstance(row, list | tuple)}) > 1:
+            raise BadValue("expects rows of one length, got several")
         return [plain(number) for row in flat if isinstance(row, list | tuple) for number in row]
     return flat

@@ -83,3 +83,20 @@ def test_paths_are_taken_as_text_or_as_paths(tmp_path: Path) -> None:
     mesh = model.asset.add("mesh", file=tmp_path / "box.stl")
     assert mesh.file.path == tmp_path / "box.stl" and mesh.name == "box"
     assert mjcf.Asset(path=str(tmp_path / "box.stl")) == mjcf.Asset(path=tmp_path / "box.stl") == mesh.file
+
+
+def test_a_file_that_is_given_as_it_was_read_keeps_its_name(arm: mjcf.RootElement) -> None:
+    mesh, text = arm.find("mesh", "shell"), arm.to_xml_string()
+    mesh.file = mesh.file
+    other = arm.asset.add("mesh", name="other", file=mesh.file)
+    assert other._node.get("file") == mesh._node.get("file") == "shell.stl"
+    other.remove()
+    assert arm.to_xml_string() == text
+
+
+def test_one_file_in_memory_may_be_named_twice() -> None:
+    """Below a folder that is called as that of an export."""
+    mesh = '<mesh name="{}" file="a.obj" scale="1 {} 1"/>'
+    text = f'<mujoco><compiler meshdir="assets"/><asset>{mesh.format("a", 1)}{mesh.format("b", -1)}</asset></mujoco>'
+    model = mjcf.from_xml_string(text, assets={"assets/a.obj": b"v 0 0 0"})
+    assert model.assets == {"assets/unnamed_model/a.obj": b"v 0 0 0"}

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -135,6 +136,24 @@ def test_a_crank_length_is_written_where_there_is_a_crank() -> None:
     assert model.find("position", "p").cranklength is None
 
 
+def test_a_class_of_an_attached_model_gives_what_it_says() -> None:
+    model, child = _of_actuators("", '<position name="p" joint="j"/>'), mjcf.RootElement("child")
+    model.default.geom.rgba = [1, 0, 0, 1]
+    model.default.position.kp = 3
+    child.default.geom.rgba = [0, 1, 0, 1]
+    strong = child.default.add("default", dclass="strong")
+    strong.add("position", kp=7)
+    strong.add("motor", gear=[5])
+    child.worldbody.add("body", name="palm").add("geom", size=[1])
+    model.attach(child)
+    geom, actuator = model.find("geom"), model.find("actuator", "p")
+    geom.dclass, actuator.dclass = child.default, strong
+    assert (geom._node.get("class"), actuator._node.get("class")) == ("child/", "child/strong")
+    _same(model)
+    assert geom.rgba.tolist() == [0, 1, 0, 1] and actuator.gear.tolist() == [5]
+    assert actuator._node.get("class") == "child/strong"
+
+
 def test_an_actuator_that_goes_on_needing_its_class_is_told() -> None:
     model = _of_actuators('<position inheritrange="0.5" gear="2"/>', '<motor name="m" joint="j"/>')
     with pytest.warns(mjcf.MjcfWarning, match=r"`<motor>` `m` keeps needing its default class"):
@@ -251,13 +270,19 @@ def _without_classes(model: RootElement) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(etree.tostring(root, encoding="unicode"), model.assets)
 
 
+def _folders() -> list[str]:
+    """The folders of the corpus: of models one by one, so that none takes long; none where there is no corpus."""
+    corpus = Path(os.environ.get("MJCOMPOSE_CORPUS", "nowhere"))
+    models = [f"models/{folder.name}" for folder in corpus.glob("models/*") if folder.is_dir()]
+    cases = [f"feature-cases/{folder.name[0]}*" for folder in corpus.glob("feature-cases/*")]
+    return sorted({*models, *cases})
+
+
 @pytest.mark.slow
-def test_no_class_is_needed_afterwards(corpus: Path, differences: Differences) -> None:
+@pytest.mark.parametrize("folder", _folders())
+def test_no_class_is_needed_afterwards(folder: str, corpus: Path, differences: Differences) -> None:
     """Of every model that MuJoCo reads; `mjx_panda` and its scenes have gains of two tags in one class."""
-    names = ["*/*.xml", "mujoco_model/*/*.xml", "gymnasium_robotics/*/*.xml", "dm_control/*/*.xml"]
-    paths = {path for name in names for path in (corpus / "models").glob(name)}
-    tried = 0
-    for path in sorted(paths | set((corpus / "feature-cases").glob("*/*.xml"))):
+    for path in sorted(path for each in corpus.glob(folder) for path in each.rglob("*.xml")):
         try:
             expected = mujoco.MjModel.from_xml_path(str(path))
             model = mjcf.from_path(path)
@@ -268,5 +293,3 @@ def test_no_class_is_needed_afterwards(corpus: Path, differences: Differences) -
             mjcf.commit_defaults(model)
         committed = mujoco.MjModel.from_xml_string(model.to_xml_string(), model.assets)
         assert differences(expected, committed) == differences(expected, _without_classes(model)) == [], path
-        tried += 1
-    assert tried > 250

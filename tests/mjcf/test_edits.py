@@ -220,12 +220,10 @@ class Edits(RuleBasedStateMachine):
     def detach(self, data: st.DataObject) -> None:
         """What the others refer to in it goes with it: here all is to stay whole."""
         child = data.draw(st.sampled_from(self.models))
-        referred = any(
-            name.startswith(child._model.prefix)
-            for model in self.models
-            for names in model._model.names.uses.values()
-            for name in names
-        )
+        prefix, referred = child._model.prefix, False
+        for model in child._model.ancestors():
+            referred |= any(name.startswith(prefix) for names in model.names.uses.values() for name in names)
+            prefix = model.prefix + prefix
         if not referred:
             self._try(child.detach, wrong=child.parent_model is None)
 

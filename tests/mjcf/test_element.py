@@ -352,3 +352,12 @@ def test_what_is_in_a_list_of_names_gets_no_name_with_a_space() -> None:
     flex.remove()
     body.name, other.name, child.model = "a a", "b b", "the child"
     assert other.full_identifier == "the child/b b"
+
+
+def test_the_top_class_keeps_its_name() -> None:
+    model = mjcf.RootElement()
+    model.default.geom.rgba = [1, 0, 0, 1]
+    with pytest.raises(mjcf.MjcfError, match="the top default class is called `main`"):
+        model.default.dclass = "top"
+    model.default.dclass = "main"
+    assert model.find("default", "main") is model.default

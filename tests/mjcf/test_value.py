@@ -107,3 +107,20 @@ def test_numbers_survive_to_the_bit(value: float) -> None:
 def test_text_that_mujoco_would_refuse_is_not_read() -> None:
     with pytest.raises(BadValue):
         decode(GEOM["pos"], "1 2")
+
+
+def test_rows_are_of_one_length_and_any_precision() -> None:
+    with pytest.raises(BadValue, match="expects rows of one length"):
+        encode(MESH["vertex"], [[0, 0, 0], [1, 0]])
+    assert encode(MESH["vertex"], np.full((2, 3), 0.5, np.longdouble)) == "0.5 0.5 0.5 0.5 0.5 0.5"
+
+
+def test_axes_of_angles_are_letters() -> None:
+    eulerseq = GRAMMAR.element("compiler").attributes["eulerseq"]
+    assert encode(eulerseq, "XYz") == "XYz"
+    for value, said in (
+        ("xyw", "expects letters of `xyzXYZ`, got `w`"),
+        ("xy", "expects 3 characters, got 2"),
+    ):
+        with pytest.raises(BadValue, match=said):
+            encode(eulerseq, value)

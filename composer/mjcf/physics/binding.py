@@ -184,7 +184,10 @@ class EmptyBinding:
         return np.empty(0)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        np.empty(0)[...] = value
+        if np.size(value) > 1:
+            raise failure(
+                "wrong-length", f"`{name}` of nothing has the shape (0,), got {np.shape(value)}", call_site()
+            )
 
     def __repr__(self) -> str:
         return "<Binding of nothing>"

@@ -47,6 +47,10 @@ def _renderer(model: Any, height: int, width: int) -> Any:
     try:
         return engine().Renderer(model, height, width)
     except Exception as error:
+        if "framebuffer" in str(error):
+            size = f"{width} times {height} pixels"
+            message = f"OpenGL has no room for a picture of {size}: {error}"
+            raise failure("out-of-range", message, call_site()) from error
         raise failure(
             "not-supported",
             f"there is no OpenGL to render with: {error}",

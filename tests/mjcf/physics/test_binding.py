@@ -137,7 +137,7 @@ def test_nothing_is_bound_to_nothing(physics: Physics) -> None:
     nothing = physics.bind([])
     assert nothing.qpos.shape == (0,)
     nothing.ctrl = []
-    with pytest.raises(ValueError, match="broadcast"):
+    with pytest.raises(MjcfError, match=r"`ctrl` of nothing has the shape \(0,\), got \(2,\)"):
         nothing.ctrl = [1, 2]
 
 

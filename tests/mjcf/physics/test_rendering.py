@@ -89,3 +89,12 @@ def test_without_opengl_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> N
         physics.render(10, 2000)
     assert "MUJOCO_GL=egl" in str(caught.value.diagnostics[0].help)
     assert physics.model.vis.global_.offwidth == 640
+
+
+def test_a_picture_that_is_too_large_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
+    def too_large(*size: object) -> None:
+        raise RuntimeError("Offscreen framebuffer is not complete, error 0x8cd6")
+
+    monkeypatch.setattr(mujoco, "Renderer", too_large)
+    with pytest.raises(MjcfError, match="OpenGL has no room for a picture of 200000 times 100000 pixels"):
+        mjcf.RootElement().compile_model().render(100_000, 200_000)
