@@ -204,7 +204,7 @@ def test_findings(folder: Path, recipe: str) -> None:
 
 def test_a_rejected_model_is_told_at_its_line(folder: Path) -> None:
     result = run("build", "rejected.yaml", "-o", "out.zip")
-    assert result.stderr.startswith("rejected.yaml:9:16: error[mujoco-rejects]: ")
+    assert result.stderr.startswith("rejected.yaml:9:40: error[mujoco-rejects]: ")
     assert run("build", "rejected.yaml", "-o", "out.zip", "--no-verify").exit_code == 0
 
 
