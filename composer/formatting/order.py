@@ -52,12 +52,15 @@ def is_free(path: Path) -> bool:
 
 
 def put_in_order(root: Collection) -> None:
-    """Sort the keys in place, each with its comments."""
+    """Sort the keys in place, each with its comments.
+
+    What has an anchor keeps its order: it may stand a second time where the order means something.
+    """
     _walk(root, ())
 
 
 def _walk(node: Leaf | Collection | None, path: Path) -> None:
-    if not isinstance(node, Collection):
+    if not isinstance(node, Collection) or "&" in node.properties:
         return
     if node.mapping:
         _sort(node, path)

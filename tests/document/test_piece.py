@@ -9,7 +9,7 @@ from composer.document.piece import Path, is_appended, is_edits, is_of_elements
     "path", [("edit",), ("base", "edit"), ("attach", "arm", "edit"), ("attach", "edit", "edit")]
 )
 def test_lists_of_edits(path: Path) -> None:
-    assert is_edits(path) and is_appended(path) and is_of_elements(path)
+    assert is_edits(path) and is_appended(path) and not is_of_elements(path)
     assert is_of_elements((*path, 0, "set", "mass")) and not is_edits((*path, 0))
 
 

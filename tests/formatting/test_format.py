@@ -6,7 +6,7 @@ from textwrap import dedent
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from composer.diagnostics import Sink, render
@@ -328,6 +328,7 @@ def recipes(draw: st.DrawFn) -> str:
 
 @settings(max_examples=600, deadline=None)
 @given(recipes())
+@example("attach: &a\n  - {edit: 1, model: 1}\nrecipe: *a\n")  # what stands twice, once where the order counts
 def test_nothing_is_lost(text: str) -> None:
     sink = Sink()
     node = load(text, "recipe.yaml", sink)
