@@ -328,7 +328,9 @@ def recipes(draw: st.DrawFn) -> str:
 
 @settings(max_examples=600, deadline=None)
 @given(recipes())
-@example("attach: &a\n  - {edit: 1, model: 1}\nrecipe: *a\n")  # what stands twice, once where the order counts
+@example(
+    "attach: &a\n  - {edit: 1, model: 1}\nrecipe: *a\n"
+)  # what stands twice, once where the order counts
 def test_nothing_is_lost(text: str) -> None:
     sink = Sink()
     node = load(text, "recipe.yaml", sink)
