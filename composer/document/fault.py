@@ -13,7 +13,7 @@ from composer.document.quote import in_flow, quoted, unquoted_end, unquoted_star
 _TIGHT_COLON = re.compile(r"([ \t]*(?:- +)*)([A-Za-z_][\w.-]*):([^\s:/\\][^\r\n]*)")
 _GLOB_CHOICE = re.compile(r"[\w,*?/.:\- ]*")
 _FLOW_TEXT = re.compile(r""" *("(?:[^"\\]|\\.)*"|'[^']*'|[^,\[\]{}"'\r\n]+)""")
-_MAX_KEY = 1024
+MAX_KEY = 1024
 _LINE = re.compile(r"[^\r\n]*")
 _KEY = re.compile(r"[A-Za-z_][\w-]*")
 
@@ -35,13 +35,13 @@ def _long_key(it: Complaint) -> Fault | None:
     """The readers look for the colon of a key in 1024 characters, as the specification has it."""
     if "simple key" in it.context:
         length = it.line_of(it.since).find(":") - (it.since - it.line_start(it.since))
-        starts = [it.since] if length > _MAX_KEY else []
+        starts = [it.since] if length > MAX_KEY else []
     elif it.text.startswith(":", it.at):
         texts = _FLOW_TEXT.finditer(it.text, it.line_start(it.at), it.at)
-        starts = [each.start(1) for each in texts if each.end() == it.at and len(each.group(1)) > _MAX_KEY]
+        starts = [each.start(1) for each in texts if each.end() == it.at and len(each.group(1)) > MAX_KEY]
     else:
         return None
-    return it.fault(f"a key has more than {_MAX_KEY} characters", it.span(starts[0])) if starts else None
+    return it.fault(f"a key has more than {MAX_KEY} characters", it.span(starts[0])) if starts else None
 
 
 def _template(it: Complaint) -> Fault | None:

@@ -12,7 +12,7 @@ from composer.recipe.distribution import CHOICE, EXAMPLES, KINDS, Drawing, Opera
 from composer.recipe.edit_values import MASS, Checker
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
 from composer.recipe.raw import path_of
-from composer.recipe.select import kinds_of, read_selector
+from composer.recipe.select import inside, kinds_of, read_selector
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.subscript import attribute_and_index
 from composer.tree.selector import Selector
@@ -108,7 +108,7 @@ def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
             near = closest(key, KEYS)
             remark = Remark(exists_note("key", KEYS, key).message)
             yield Fault("unknown-key", f"field `{name}` of `randomize` has no key `{key}`", (name, key), key=True,
-                        remarks=(remark,), help=f"write `{near[0]}`" if near else None)  # fmt: skip
+                        remarks=(remark,), help=inside(key) or (f"write `{near[0]}`" if near else None))  # fmt: skip
 
 
 def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Fault]:

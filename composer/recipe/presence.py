@@ -24,8 +24,9 @@ def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, fa
 def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
     """That a key is required and not there; `doc` explains the key."""
     remarks = (Remark(f"`{name}` is: {doc}"),) if doc else ()
+    message = f"{owner} lacks `{name}`"
     return Fault(
-        "missing-key", f"{owner} lacks `{name}`", at, key=True, remarks=remarks, help=f"write `{name}: …`"
+        "missing-key", message, at, key=True, remarks=remarks, help=f"write `{name}: …`", lacks=name
     )
 
 

@@ -18,6 +18,11 @@ from composer.recipe.subscript import attribute_and_index
 from composer.tree.selector import XPATH, Selector, known_tags, paths_of
 
 NARROWING = ("parent", "in", "part", "class", "where")
+_BESIDE = (
+    "expect", "optional", "when", "id", "unset", "set", "scale", "offset", "convert", "move", "rename", "remove", "attr",
+    "per",
+)  # fmt: skip
+"""Keys that stand beside a `select`."""
 _EXAMPLE = 'write for instance `{geom: "**/pad*"}`'
 
 
@@ -39,6 +44,9 @@ def read_selector(
     if others:
         known = bool(paths_of(others[0])) or others[0] == XPATH
         near = closest(others[0], keys)
+        help = f"write `{near[0]}`" if near else None
+        if others[0] in _BESIDE and owner.startswith("`select`"):
+            help = f"write it beside `select`, behind the `}}` of the selector: `{others[0]}: …`"
         faults.append(
             Fault(
                 EXCLUSIVE if known else "unknown-key",
@@ -52,9 +60,9 @@ def read_selector(
                 else (Remark(exists_note("key", keys, others[0]).message),),
                 help="write an entry of its own for each"
                 if known
-                else f"write `{near[0]}`" if near else None,
+                else help,
             )
-        )  # fmt: skip
+        )
     if tag != XPATH and not paths_of(tag):
         faults.append(_unknown_tag(tag, (*at, tag)))
         return None
@@ -78,6 +86,11 @@ def read_selector(
         tag, pattern, outer.get("parent"), outer.get("in"), texts.get("part"), texts.get("class"), where,
         path_of(value),
     )  # fmt: skip
+
+
+def inside(name: str) -> str | None:
+    """What to write where a key of a selector stands beside it; None for other keys."""
+    return f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" if name in NARROWING else None
 
 
 def kinds_of(tag: str) -> tuple[ElementType, ...]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from pydantic import ValidationError
 
 from composer.diagnostics import Note, Sink, Span
+from composer.diagnostics.suggest import closest
 from composer.document.node import Mapping, Node, Scalar, find, locate, to_python
 from composer.recipe import errors
 from composer.recipe.fault import Fault, Path
@@ -15,6 +17,8 @@ from composer.recipe.recipe import Recipe
 from composer.recipe.remains import Remains, remains
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
+
+_UNKNOWN = ("unknown-key", "unknown-attribute", "unknown-element")
 
 
 def validate(node: Node, sink: Sink) -> Recipe | None:
@@ -55,7 +59,7 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
     if not early and not found:
         return recipe, []
     version = [fault for fault in found if fault.code == "recipe-version"]
-    return None, version or list(_one_each(early, found))
+    return None, version or list(_without_misspelt(list(_one_each(early, found))))
 
 
 def _no_mapping(node: Node, sink: Sink) -> None:
@@ -74,6 +78,20 @@ def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
     settled = {fault.at for fault in kept}
     yield from kept
     yield from (fault for fault in found if fault.key or fault.at not in settled)
+
+
+def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
+    """A key with a typing error is a key too many and a key too few: here it is one fault."""
+    lacking = {(fault.at, fault.lacks): fault for fault in faults if fault.lacks is not None}
+    found: list[Fault] = []
+    for fault in faults:
+        if lacking and fault.code in _UNKNOWN and fault.key:
+            keys = [key for at, key in lacking if at == fault.at[:-1]]
+            if near := closest(str(fault.at[-1]), keys):
+                del lacking[fault.at[:-1], near[0]]
+                fault = replace(fault, help=f"write `{near[0]}`")
+        found.append(fault)
+    return (fault for fault in found if fault.lacks is None or (fault.at, fault.lacks) in lacking)
 
 
 def _tell(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:

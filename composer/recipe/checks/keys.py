@@ -55,7 +55,10 @@ class Keys:
         if key in self.value:
             return True
         message = f"`{self.word}` of {self.owner} lacks `{key}`"
-        self.add("missing-key", message, key=True, help=f"write `{key}: {example}`")
+        at = (self.name, self.word)
+        self.faults.append(
+            Fault("missing-key", message, at, key=True, help=f"write `{key}: {example}`", lacks=key)
+        )
         return False
 
     def one_of(self, *keys: str) -> str | None:
