@@ -298,6 +298,9 @@ def _block(it: Complaint) -> Fault | None:
             else (f"{it.shown} is no key, and stands among the keys of a mapping")
         )
         help = "give the list a key of its own, or write `key: value`"
+    elif it.text.startswith("-", it.at):
+        message = "the `-` of a list item needs a space behind it"
+        help = "write `- ` and then the item"
     else:
         message = "a line without `-` stands among the items of a list"
         help = "begin it with `- `, or indent it so that it belongs to the item above"

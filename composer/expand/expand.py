@@ -25,7 +25,7 @@ SETTLED = ("extends", "params", "variants", "matrix")
 class Concrete:
     """A recipe without parameters and variants, and what it was made with.
 
-    `scope` has the values by name, those of variants as text; `lost` what was left out because it is wrong.
+    `scope` has the values by name, those of variants as text; `lost` what was left out, or is in doubt, because it is wrong.
     """
 
     document: Mapping
@@ -35,8 +35,11 @@ class Concrete:
     lost: frozenset[str] = frozenset()
 
 
-def expand(document: Mapping, given: Map[str, Node], sink: Sink) -> Concrete:
-    """The recipe with the values of `given`, defaults for the rest; what has a fault is told and left out."""
+def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
+    """The recipe with the values of `given`, defaults for the rest; what has a fault is told and left out.
+
+    With `any` it has the items of all builds, whatever their `when` says.
+    """
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
     document = merged(document, axes, chosen, sink)
@@ -49,9 +52,10 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink) -> Concrete:
     )
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
     substitution = Substitution(scope, parameters, broken, sink)
-    substituted = substitution.of(without_ids(Condition(scope, axes, broken, sink).kept(rest)))
+    condition = Condition(scope, axes, broken, sink, any)
+    substituted = substitution.of(without_ids(condition.kept(rest)))
     assert isinstance(substituted, Mapping)
-    return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost))
+    return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost | condition.in_doubt))
 
 
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:

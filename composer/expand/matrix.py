@@ -54,7 +54,8 @@ def cells(document: Mapping, name: str, sink: Sink) -> list[Cell]:
     if sink.error_count > before:
         return []
     made = [Cell(matrix.name_of(name, given), given, span) for given, span in combinations]
-    _check_unique(made, matrix, sink)
+    if sink.error_count == before:
+        _check_unique(made, matrix, sink)
     return made if sink.error_count == before else []
 
 

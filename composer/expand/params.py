@@ -73,7 +73,7 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
         help = did_you_mean(str(type), TYPES) or "`choices: […]` lists the values of a choice"
         sink.error("wrong-keyword", f"`type` of `{key.name}` is none of the types", at_type.span,
                    notes=(exists_note("type", TYPES),), help=help)  # fmt: skip
-    if type is None and guess is None:
+    if type is None and guess is None and at is None:
         sink.error("missing-key", f"parameter `{key.name}` has neither `default` nor `type`", key.span,
                    help="write `{default: …}`, or `{type: float}` for one that must be given")  # fmt: skip
     own_unit, own_doc = part("unit")[0], part("doc")[0]

@@ -35,6 +35,7 @@ SEVERAL = {
     "check_nested",
     "files_beside_others",
     "variant_pieces",
+    "when_not",
     "keyframe_several",
     "draw_faults",
     "draw_in_cells",
