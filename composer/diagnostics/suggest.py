@@ -78,6 +78,8 @@ def _score(name: str, candidate: str) -> float | None:
         return 0.3
     if bare and prefixed and bare == known_bare:
         return 0.5
+    if len(written) == len(known) == 2:  # another letter makes another word of it
+        return 1.0 if written == known[::-1] else None
     distance = _distance(written, known, _tolerance(written))
     if distance is not None:
         return 1.0 + distance
@@ -122,7 +124,7 @@ def _quoted(name: str) -> str:
 
 def _tolerance(word: str) -> int:
     """How many typing errors a word of this length may have."""
-    return 0 if len(word) < 2 else 1 if len(word) < 5 else 2 if len(word) < 9 else 3
+    return 0 if len(word) < 2 else 1 if len(word) < 6 else 2 if len(word) < 9 else 3
 
 
 def _distance(a: str, b: str, limit: int) -> int | None:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from composer.diagnostics.suggest import closest
 from composer.document.node import Key, Mapping, Node, texts
 from composer.document.node import Sequence as List
+from composer.recipe.attach import Attachment
 from composer.recipe.fault import Fault, Path
 from composer.recipe.recipe import Recipe
 
 # Without these nothing else in the recipe can be judged.
 _INDISPENSABLE = ("recipe", "separator", "base")
+# Without these a part is another one, or hangs in another way.
+_MAKING = ("subtree", "joint", "drop", "edit", "prefix", "replicate", "with", "keyframes")
+# What may disagree as `conflict` says.
+_AGREED = ("option", "size", "statistic", "visual")
 _ROUNDS = 8
 
 Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
@@ -32,9 +37,12 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
     lost: set[str] = set()
     for _ in range(_ROUNDS):
         for path in _outermost(_way(node, fault.at) for fault in faults):
-            if not path or (len(path) == 1 and _is_indispensable(path[0])):
+            if not path or (len(path) == 1 and _means(path[0], _INDISPENSABLE)):
                 return None
+            path = _whole(path)
             lost.update(_texts(node, path))
+            if _means(path[0], ("conflict",)):
+                lost.update(_AGREED)
             node = _without(node, path)
         recipe, faults = judge(node)
         if recipe is not None:
@@ -42,11 +50,15 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
     return None
 
 
-def _is_indispensable(key: str | int) -> bool:
-    """Whether a key at the top, or what was meant by it, is one without which nothing else can be judged."""
-    if key in Recipe.model_fields:
-        return key in _INDISPENSABLE
-    return any(meant in _INDISPENSABLE for meant in closest(str(key), Recipe.model_fields))
+def _whole(path: Path) -> Path:
+    """The path of what goes: a part with a fault in a key that makes it what it is goes whole."""
+    is_made = len(path) == 3 and path[0] == "attach" and _means(path[2], _MAKING, Attachment.model_fields)
+    return path[:2] if is_made else path
+
+
+def _means(key: str | int, keys: Collection[str], known: Iterable[str] = Recipe.model_fields) -> bool:
+    """Whether a key, or what was meant by it, is one of `keys`."""
+    return key in keys if key in known else any(meant in keys for meant in closest(str(key), known))
 
 
 def _way(node: Node, path: Path) -> Path:
