@@ -16,7 +16,7 @@ from yaml.events import (
     SequenceStartEvent,
 )
 
-from composer.diagnostics import Note, Sink, Span
+from composer.diagnostics import Diagnostic, Note, Sink, Span
 from composer.document.fault import MAX_KEY
 from composer.document.lone import advice
 from composer.document.marks import Marks
@@ -90,6 +90,7 @@ class Builder:
         self._total = 0
         self._expanded = 0
         self._root: Node | None = None
+        self._lone: list[Diagnostic] = []
 
     @property
     def in_flow(self) -> bool:
@@ -147,6 +148,8 @@ class Builder:
                     "yaml-too-large", f"more than {MAX_NODES} values in one file", self._marks.span(event)
                 )
                 return None
+        for lone in self._lone:  # where the reading breaks off, that is why
+            self._sink.add(lone)
         root = self._root
         if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
             self._sink.error(
@@ -270,7 +273,8 @@ class Builder:
         if frame.has_lone:
             return
         if type(event) is ScalarEvent and self._restore is None:
-            frame.key_end, frame.is_quoted = event.end_mark.index, bool(event.style)
+            end: Any = event.end_mark
+            frame.key_end, frame.is_quoted = end.index, bool(event.style)
         if type(event) is ScalarEvent:
             if event.tag not in (None, "!", _STANDARD + "str"):
                 self._refuse_tag(event.tag, self._marks.tag(event))
@@ -305,12 +309,9 @@ class Builder:
             return
         before = next(reversed(frame.entries or {}), None)
         frame.key, frame.has_lone = _DROPPED, True
-        self._sink.error(
-            "yaml-syntax",
-            f"`{key.name}` stands in `{{ }}` without a colon",
-            key.span,
-            help=advice(key.name, frame.is_quoted, before),
-        )
+        message = f"`{key.name}` stands in `{{ }}` without a colon"
+        help = advice(key.name, frame.is_quoted, before)
+        self._lone.append(Diagnostic("yaml-syntax", message, key.span, help=help))
 
     def _alias(self, event: Any) -> bool:
         name = event.anchor

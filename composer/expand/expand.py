@@ -25,7 +25,8 @@ SETTLED = ("extends", "params", "variants", "matrix")
 class Concrete:
     """A recipe without parameters and variants, and what it was made with.
 
-    `scope` has the values by name, those of variants as text; `lost` what was left out, or is in doubt, because it is wrong.
+    `scope` has the values by name, those of variants as text; `lost` what is left out or in doubt
+    because it is wrong.
     """
 
     document: Mapping
@@ -53,7 +54,7 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
     substitution = Substitution(scope, parameters, broken, sink)
     condition = Condition(scope, axes, broken, sink, any)
-    substituted = substitution.of(without_ids(condition.kept(rest)))
+    substituted = substitution.of(without_ids(condition.kept(rest), sink))
     assert isinstance(substituted, Mapping)
     return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost | condition.in_doubt))
 

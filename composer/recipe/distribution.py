@@ -190,7 +190,13 @@ class Reading:
                 _is_number(read) and abs(read) < _LARGEST and float(read).is_integer()
             )
             if not whole or not (isinstance(read, Angle) or _is_finite(read)):
-                noun = "a whole number" if kind == "integers" else "a finite number" if _is_number(read) else "a number"
+                noun = (
+                    "a whole number"
+                    if kind == "integers"
+                    else "a finite number"
+                    if _is_number(read)
+                    else "a number"
+                )
                 message = f"`{kind}` of {self.owner} expects {noun}, got {kind_of(item)}"
                 self._fault("wrong-type", message, (*at, place) if isinstance(value, list) else at)
             else:

@@ -113,6 +113,8 @@ def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
 
 def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Fault]:
     """What is drawn: an attribute of what is selected, or a parameter. `meant` are keys that are misspelt."""
+    if "param" in meant:
+        return
     if "param" in value:
         for key in _SELECTING:
             if key in value:

@@ -95,7 +95,9 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
     faults += _unknown(value, at)
     if "select" not in value:
         help = "write `select: {TAG: NAME}`: which elements are meant"
-        faults.append(Fault("missing-key", "an entry of `edit` lacks `select`", at, help=help, lacks="select"))
+        faults.append(
+            Fault("missing-key", "an entry of `edit` lacks `select`", at, help=help, lacks="select")
+        )
         return None
     selector = read_selector(value["select"], (*at, "select"), "`select`", faults)
     verbs = [name for name in (*VERBS, REMOVE) if name in value]

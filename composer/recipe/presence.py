@@ -25,9 +25,7 @@ def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
     """That a key is required and not there; `doc` explains the key."""
     remarks = (Remark(f"`{name}` is: {doc}"),) if doc else ()
     message = f"{owner} lacks `{name}`"
-    return Fault(
-        "missing-key", message, at, key=True, remarks=remarks, help=f"write `{name}: …`", lacks=name
-    )
+    return Fault("missing-key", message, at, key=True, remarks=remarks, help=f"write `{name}: …`", lacks=name)
 
 
 def clashing(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from composer.diagnostics.suggest import closest
-from composer.document.node import Key, Mapping, Node, texts
+from composer.document.node import Key, Mapping, Node, Scalar, texts
 from composer.document.node import Sequence as List
 from composer.recipe.attach import Attachment
 from composer.recipe.fault import Fault, Path
@@ -43,7 +43,8 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
             lost.update(_texts(node, path))
             if _means(path[0], ("conflict",)):
                 lost.update(_AGREED)
-            node = _without(node, path)
+            unit = _means(path[0], ("angle",)) and len(path) == 1
+            node = _in_some_unit(_without(node, path)) if unit else _without(node, path)
         recipe, faults = judge(node)
         if recipe is not None:
             return Remains(recipe, node, frozenset(lost))
@@ -56,9 +57,12 @@ def _whole(path: Path) -> Path:
     return path[:2] if is_made else path
 
 
-def _means(key: str | int, keys: Collection[str], known: Iterable[str] = Recipe.model_fields) -> bool:
+def _means(
+    key: str | int, keys: Collection[str], known: Collection[str] = tuple(Recipe.model_fields)
+) -> bool:
     """Whether a key, or what was meant by it, is one of `keys`."""
-    return key in keys if key in known else any(meant in keys for meant in closest(str(key), known))
+    near = [str(key)] if key in known else closest(str(key), known)
+    return any(meant in keys for meant in near)
 
 
 def _way(node: Node, path: Path) -> Path:
@@ -73,6 +77,12 @@ def _way(node: Node, path: Path) -> Path:
             continue
         way.append(step)
     return tuple(way)
+
+
+def _in_some_unit(node: Mapping) -> Mapping:
+    """The recipe with a unit of angles, so that none is told to lack it."""
+    key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", True)
+    return Mapping({**node.entries, key.name: (key, unit)}, node.span)
 
 
 def _outermost(paths: Iterator[Path]) -> list[Path]:

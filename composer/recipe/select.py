@@ -19,8 +19,8 @@ from composer.tree.selector import XPATH, Selector, known_tags, paths_of
 
 NARROWING = ("parent", "in", "part", "class", "where")
 _BESIDE = (
-    "expect", "optional", "when", "id", "unset", "set", "scale", "offset", "convert", "move", "rename", "remove", "attr",
-    "per",
+    "expect", "optional", "when", "id", "unset", "set", "scale", "offset", "convert", "move", "rename", "remove",
+    "attr", "per",
 )  # fmt: skip
 """Keys that stand beside a `select`."""
 _EXAMPLE = 'write for instance `{geom: "**/pad*"}`'
@@ -55,12 +55,8 @@ def read_selector(
                 else f"`{others[0]}` is no key of a selector",
                 (*at, others[0]),
                 key=True,
-                remarks=()
-                if known
-                else (Remark(exists_note("key", keys, others[0]).message),),
-                help="write an entry of its own for each"
-                if known
-                else help,
+                remarks=() if known else (Remark(exists_note("key", keys, others[0]).message),),
+                help="write an entry of its own for each" if known else help,
             )
         )
     if tag != XPATH and not paths_of(tag):
