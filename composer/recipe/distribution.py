@@ -186,17 +186,11 @@ class Reading:
         found: list[float | Angle] = []
         for place, item in enumerate(items):
             read: Any = Angle.read(item) if isinstance(item, str) else item
-            whole = kind != "integers" or (
-                _is_number(read) and abs(read) < _LARGEST and float(read).is_integer()
-            )
-            if not whole or not (isinstance(read, Angle) or _is_finite(read)):
-                noun = (
-                    "a whole number"
-                    if kind == "integers"
-                    else "a finite number"
-                    if _is_number(read)
-                    else "a number"
-                )
+            finite = _is_number(read) and abs(read) <= sys.float_info.max
+            whole = kind != "integers" or (finite and abs(read) < _LARGEST and float(read).is_integer())
+            if not whole or not (finite or isinstance(read, Angle)):
+                noun = "a whole number" if kind == "integers" else "a number"
+                noun = noun if finite or not _is_number(read) else "a finite number"
                 message = f"`{kind}` of {self.owner} expects {noun}, got {kind_of(item)}"
                 self._fault("wrong-type", message, (*at, place) if isinstance(value, list) else at)
             else:
@@ -258,10 +252,6 @@ def _fault_of(distribution: Distribution) -> str | None:
         if distribution.is_empty:
             return "between `min` and `max` there is next to nothing of it"
     return None
-
-
-def _is_finite(value: Any) -> bool:
-    return _is_number(value) and abs(value) <= sys.float_info.max  # a whole number may be larger
 
 
 def _is_number(value: object) -> bool:
