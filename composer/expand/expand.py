@@ -62,19 +62,17 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
     """The values by name that `expand` would give, without expanding anything; what is wrong is told there."""
     sink = Sink()
-    axes = {name: _only_params(values) for name, values in read_axes(document, sink).items()}
+    axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
-    declared = merged(_section(document), axes, chosen, sink).entries.get("params")
+    taken = {axis: _only_params(axes[axis], value) for axis, value in chosen.items()}
+    declared = merged(_section(document), taken, chosen, sink).entries.get("params")
     return {**settle(read_params(declared[1] if declared else None, sink), given, sink), **chosen}
 
 
-def _only_params(values: Mapping) -> Mapping:
-    """The values of an axis with that part of their pieces which declares parameters."""
-    entries = {
-        name: (key, _section(piece) if isinstance(piece, Mapping) else piece)
-        for name, (key, piece) in values.entries.items()
-    }
-    return Mapping(entries, values.span)
+def _only_params(values: Mapping, chosen: str) -> Mapping:
+    """The chosen value of an axis with that part of its piece which declares parameters."""
+    key, piece = values.entries[chosen]
+    return Mapping({chosen: (key, _section(piece) if isinstance(piece, Mapping) else piece)}, values.span)
 
 
 def _section(document: Mapping) -> Mapping:
