@@ -36,6 +36,10 @@ _ADVICE: tuple[tuple[str, str], ...] = (
     (r"^missing transmission target", "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`"),
     (r"^no decoder found for mesh file", "a mesh is a file that ends in .stl, .obj or .msh"),
     (r"has joints but no flex vertices/nodes are pinned", "hang the flex on what does not move, or give it a `<pin>`"),
+    (
+        r"actuator not found for plugin instance",
+        "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
+    ),
     (r"^more than 6 dofs", "spread the joints over several bodies, one inside the other"),
     (r"^bad format in attribute", "write numbers, parted by spaces"),
 )  # fmt: skip
