@@ -16,7 +16,7 @@ def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
     """At most `n` of the candidates that were probably meant by `name`, the likeliest first.
 
     Understands typing errors (a character too many, too few, another or two swapped), case, `-` for `_`,
-    plurals, and a prefix that is missing or too much. Empty when nothing is near.
+    plurals, a prefix that is missing or too much, and an end that is missing. Empty when nothing is near.
 
     >>> closest("left_pad", ["gripper/left_pad", "gripper/right_pad"])
     ['gripper/left_pad']
@@ -87,7 +87,7 @@ def _score(name: str, candidate: str) -> float | None:
         distance = _distance(bare, known_bare, _tolerance(bare))
         if distance is not None:
             return 1.5 + distance
-    return None
+    return 6.0 if len(written) > 3 and known.startswith(written) else None
 
 
 def _is_tail(written: str, known: str) -> bool:

@@ -95,7 +95,9 @@ class _Matrix:
                 continue
             axes[key.name] = values.items
             for value in values.items:  # each alone: is there such a name, and may it have that value?
-                expand(self.document, {key.name: value}, self.sink)
+                concrete = expand(self.document, {key.name: value}, self.sink)
+                if key.name not in concrete.parameters and key.name not in concrete.variants:
+                    break  # that is told, and true of all its values
         return axes
 
     def combinations(self) -> Iterator[tuple[dict[str, Node], Span]]:

@@ -67,7 +67,7 @@ def item_instead(attribute: Attribute, item: object) -> str | None:
     """The same for one of several numbers."""
     if not isinstance(item, str):
         return None
-    parts = items(item)
+    parts = items(item.replace(";", " "))
     if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
         return f"write commas between them: `{', '.join(parts)}`"
     return _number(attribute, item)

@@ -135,7 +135,7 @@ def _written(
 ) -> tuple[Operation, str | None, dict[str, Any], Path]:
     """The operation, the kind of the distribution, and the mapping that has it with its path."""
     given = [key for key in (*KINDS, *OPERATIONS) if key in value]
-    if not given and meant.isdisjoint((*KINDS, *OPERATIONS)):
+    if not given and meant.isdisjoint((*KINDS, *OPERATIONS)) and all(key in KEYS for key in value):
         help = f"write for instance `uniform: {EXAMPLES['uniform']}`, or `scale: {{uniform: …}}` for a factor"
         message = f"field `{name}` of `randomize` has no distribution"
         faults.append(Fault("missing-key", message, (name,), key=True, help=help,

@@ -156,13 +156,12 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
     """That no element of a tag has such an attribute."""
     known = sorted({each for kind in kinds for each in kind.attributes})
     near = closest(name, known)
+    help = f"write `{near[0]}`" if near else None
+    if tag == "general" and name in ("kp", "kv"):
+        help = "it has `gainprm` and `biasprm`; `convert: {to: position}` makes one with `kp` and `kv` of it"
+    remarks = (Remark(exists_note("attribute", known, name).message),)
     return Fault(
-        "unknown-attribute",
-        f"`{name}` is no attribute of `{tag}`",
-        at,
-        key=True,
-        remarks=(Remark(exists_note("attribute", known, name).message),),
-        help=f"write `{near[0]}`" if near else None,
+        "unknown-attribute", f"`{name}` is no attribute of `{tag}`", at, key=True, remarks=remarks, help=help
     )
 
 
