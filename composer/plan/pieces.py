@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping as Map
 from collections.abc import Iterator, Set
+from collections.abc import Mapping as Map
 
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
