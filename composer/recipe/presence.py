@@ -98,4 +98,6 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
     first = next(iter(there))
     wanted = " and ".join(f"`{name}`" for name in missing)
     help = f"write {wanted} too, or leave `{first}` out"
-    return Fault("missing-key", f"{owner} has `{first}` without {wanted}", (*at, first), key=True, help=help)
+    message = f"{owner} has `{first}` without {wanted}"
+    lacks = next(iter(missing)) if len(missing) == 1 else None
+    return Fault("missing-key", message, (*at, first), key=True, help=help, lacks=lacks, beside=True)
