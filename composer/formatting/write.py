@@ -160,7 +160,7 @@ def _key(key: Leaf) -> str:
 
 def _start(entry: Entry) -> str:
     """What stands before the value of an entry in brackets."""
-    key = "" if entry.key is None else _key(entry.key) + (": " if entry.value is not None else "")
+    key = "" if entry.key is None else _key(entry.key) + ": "
     properties = f"{entry.value.properties} " if entry.value is not None and entry.value.properties else ""
     return key + properties
 
@@ -184,4 +184,6 @@ def _inline_entry(entry: Entry) -> str | None:
     elif value is not None:
         first, *others = lines_of(value, 0)
         text = None if others else first
-    return None if text is None else (_start(entry) + text).rstrip(" ")
+    if text is None or value is None:
+        return None if text is None else _start(entry)  # the space keeps the colon apart from what follows
+    return (_start(entry) + text).rstrip(" ")

@@ -143,7 +143,7 @@ CASES = {
         "name: 'it''s\n  \"me\"'\ndescription: one\n  two\n\n  three\n",
     ),
     "explicit keys and pairs": ("? a\n: 1\nb: [x: 1]\n", "a: 1\nb: [{x: 1}]\n"),
-    "a set in brackets": ("a: {b, c: , d: 1}\n", "a: {b, c, d: 1}\n"),
+    "no values in brackets": ("a: {b : , c: }\n", "a: {b: , c: }\n"),
     "directives": (
         "# x\n%YAML 1.2\n---   # y\nname: a\n...\n# z\n",
         "# x\n%YAML 1.2\n---\n# y\nname: a\n# z\n",
