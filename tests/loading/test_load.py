@@ -161,6 +161,34 @@ def test_a_manifest_is_needed(cell: Path) -> None:
         composer.load(cell)
 
 
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"manifest": 2}, "was written by a newer mjcompose: its format is 2, this one knows 1"),
+        ({"manifest": 2, "more": []}, "was written by a newer mjcompose"),
+        ({"more": []}, "`more` is no key of a manifest"),
+        ({"files": 3}, "`files`: input should be a valid array"),
+    ],
+)
+def test_a_manifest_that_is_another_says_why(cell: Path, change: dict[str, Any], told: str) -> None:
+    file = cell / "manifest.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | change))
+    with pytest.raises(composer.LoadError) as caught:
+        composer.load(cell)
+    said = str(caught.value)
+    assert told in said
+    assert "pydantic" not in said and "validation error" not in said
+
+
+@pytest.mark.parametrize(
+    ("text", "told"), [("{", "it is no JSON: EOF while parsing"), ("[]", "it is no mapping")]
+)
+def test_a_manifest_that_is_none(cell: Path, text: str, told: str) -> None:
+    (cell / "manifest.json").write_text(text)
+    with pytest.raises(composer.LoadError, match=told):
+        composer.load(cell)
+
+
 def test_the_version_stands_in_the_name_once() -> None:
     assert with_version("a.mujoco-4.0.0.mjb", "4.0.0") == "a.mujoco-4.0.0.mjb"
     assert with_version("a.mjb").endswith(f"{mujoco.__version__}.mjb")
