@@ -53,10 +53,10 @@ def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
     )
 
 
-def not_at_hand(reference: Reference) -> SourceError:
-    """The error for a source that would have to be fetched although nothing may be."""
+def not_at_hand(reference: Reference, where: str = "the store") -> SourceError:
+    """The error for a source that would have to be fetched although nothing may be; `where` it is not."""
     return SourceError(
         "source-offline",
-        f"`{reference.text}` is not in the store, and nothing is fetched offline",
+        f"`{reference.text}` is not in {where}, and nothing is fetched offline",
         help="run it once without `--offline` or `--frozen`",
     )
