@@ -91,12 +91,22 @@ class _Download:
                 ) from None
             except HTTPError as error:
                 last, pause = _in_short(error), 0.0
+                if "CERTIFICATE_VERIFY_FAILED" in last:
+                    raise self._untrusted(last) from None
         raise SourceError(
             "source-fetch",
             f"`{self.url}` cannot be fetched",
             notes=(f"after {_TRIES} tries: {last}",),
             help="try again later, which goes on from where it broke off; with `--offline` what is in the store"
             " is used",
+        )
+
+    def _untrusted(self, said: str) -> SourceError:
+        return SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched: its server has no certificate that this machine trusts",
+            notes=(said,),
+            help="name a file with the certificate of its authority in `SSL_CERT_FILE`",
         )
 
     def _pool(self, url: str) -> PoolManager:

@@ -1,8 +1,12 @@
 from __future__ import annotations
 
+import shutil
+import ssl
+import subprocess
 import threading
 import time
 from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -199,3 +203,28 @@ def test_no_way_leads_over_an_address_that_is_not_encrypted(
     web.pages[f"{web.url}/c"] = CONTENT
     with pytest.raises(SourceError, match=r"leads to `http://example.org/b`, which is not encrypted"):
         get(f"{web.url}/a", http_proxy=web.url)
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="nothing makes a certificate")
+def test_a_server_that_is_not_trusted_is_asked_once(
+    get: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key, certificate = tmp_path / "key.pem", tmp_path / "certificate.pem"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=127.0.0.1",
+         "-keyout", key, "-out", certificate],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(certificate, key)
+    server = ThreadingHTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler)
+    server.handle_error = lambda *_: None  # type: ignore[method-assign]
+    server.socket = context.wrap_socket(server.socket, server_side=True, do_handshake_on_connect=False)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    pauses: list[float] = []
+    monkeypatch.setattr(time, "sleep", pauses.append)
+    with pytest.raises(SourceError, match="no certificate that this machine trusts"):
+        get(f"https://127.0.0.1:{server.server_port}/a", MJCOMPOSE_TIMEOUT="30")
+    server.shutdown()
+    server.server_close()
+    assert pauses == []
