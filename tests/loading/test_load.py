@@ -148,6 +148,17 @@ def test_an_mjb_of_another_mujoco_is_an_error(written: Path, tmp_path: Path) -> 
         composer.load(copy)
 
 
+def test_an_mjb_may_be_renamed_with_its_manifest(written: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "other.mjb"
+    copy.write_bytes((written / "cell.mjb").read_bytes())
+    manifest = manifest_beside(written / "cell.mjb").read_bytes()
+    manifest_beside(copy).write_bytes(manifest)
+    assert composer.load(copy).index.qpos.names == composer.load(written / "cell.mjb").index.qpos.names
+    manifest_beside(copy).write_text(json.dumps({**json.loads(manifest), "model": "../other.mjb"}))
+    with pytest.raises(composer.LoadError, match="`other.mjb` is in .*, and its manifest does not list it"):
+        composer.load(copy)
+
+
 @pytest.mark.parametrize("name", ["nowhere", "nowhere.zip", "nowhere.mjb"])
 def test_what_is_not_there_is_told(tmp_path: Path, name: str) -> None:
     with pytest.raises(composer.LoadError, match="there is no file") as caught:
