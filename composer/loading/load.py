@@ -7,11 +7,10 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.holding import check_files, check_index, manifest_of
@@ -27,19 +26,15 @@ Model: TypeAlias = Any
 """A `mujoco.MjModel`, which has no types of its own."""
 
 
-@dataclass(frozen=True, slots=True)
-class Loaded:
-    """A model, what it was made of, and where everything is in it; can be unpacked in this order.
+class Loaded(NamedTuple):
+    """A model, what it was made of, and where everything is in it.
 
     `model` is a `mujoco.MjModel`.
     """
 
     model: Model
     manifest: Manifest
-    index: Index
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter((self.model, self.manifest, self.index))
+    index: Index  # type: ignore[assignment]  # the method of a tuple that it hides is of no use here
 
 
 def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
