@@ -141,7 +141,8 @@ class Linking:
     `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
     recipe's. Edits of what is linked note in `reshaped` whose numbers in a key may be more or
     fewer now, and in `emptied` whose old numbers have no meaning any more. `hiding_mocaps` are elements from which
-    MuJoCo makes mocap bodies.
+    MuJoCo makes mocap bodies. `coming` has where the recipe writes the places, by kind and name, that it adds when all
+    parts hang.
     """
 
     base: Unit
@@ -155,6 +156,7 @@ class Linking:
     asked: frozenset[str] | None = None
     measure: Measure | None = None
     watch: Watch = nobody
+    coming: Mapping[tuple[str, str], Span] = field(default_factory=dict)
     names: Names = field(default_factory=Names)
     base_class: str | None = None
     aligned: bool = False
