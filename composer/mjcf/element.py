@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
@@ -18,6 +19,7 @@ from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element_list import ElementList
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
+from composer.mjcf.live_array import LiveArray
 from composer.mjcf.members import always_there, class_name, members
 from composer.mjcf.misspelled import unknown_attribute, unknown_tag
 from composer.mjcf.model import Model, Target
@@ -371,10 +373,11 @@ class Element:
         if attribute.type == "file":
             return asset_of(self._model, self.tag, str(text))
         try:
-            return decode(attribute, str(text))
+            value = decode(attribute, str(text))
         except BadValue as fault:
             span = self._model.unit.origins.span(self._node, self._model.unit.file, attribute.name)
             raise failure("wrong-type", f"`{attribute.name}` of {self._described()} {fault}", span) from None
+        return LiveArray.of(value, self, attribute.name) if type(value) is np.ndarray else value
 
     def _write(self, attributes: Mapping[str, object]) -> None:
         self._alive()

@@ -169,16 +169,24 @@ class Physics:
 
     def copy(self) -> Physics:
         """Physics of its own in the same state: neither the state nor the model is shared."""
-        data = copy.deepcopy(self._data)
-        twin = Physics(data.model, data)
-        twin._of_tree, twin._snapshots = self._of_tree, list(self._snapshots)
+        twin = self._copied({})
+        twin._of_tree = self._of_tree
         return twin
 
     def __copy__(self) -> Physics:
         return self.copy()
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Physics:
-        memo[id(self)] = twin = self.copy()
+        """A copy; bindings and trees that are copied together with it are those of the copy."""
+        memo[id(self)] = twin = self._copied(memo)
+        return twin
+
+    def _copied(self, memo: dict[int, Any]) -> Physics:
+        """A copy that takes the elements of other trees by their names."""
+        data = copy.deepcopy(self._data, memo)
+        memo[id(self._model)] = data.model
+        twin = Physics(data.model, data)
+        twin._snapshots = list(self._snapshots)
         return twin
 
     def __reduce__(self) -> tuple[Any, ...]:
