@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -182,6 +183,7 @@ def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | Non
 
 def _child_at(parent: Node, position: int) -> Node | None:
     """The child before which a list would insert, or None where it would append; the others are not looked at."""
+    position = max(-sys.maxsize, min(position, sys.maxsize - 1))
     if position >= 0:
         return next(islice(parent.iterchildren("*"), position, None), None)
     from_the_end = islice(parent.iterchildren("*", reversed=True), -position - 1, None)

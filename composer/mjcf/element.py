@@ -361,7 +361,7 @@ class Element:
     def _read(self, attribute: Attribute) -> Any:
         if attribute.declares:
             return own_name(self._node, attribute.name)
-        text = self._node.get(attribute.name)
+        text = self._alive()._node.get(attribute.name)
         if text is None or (not text.strip() and attribute.type != "string"):
             return None
         if refers(attribute):

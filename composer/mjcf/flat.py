@@ -37,7 +37,7 @@ _HELP = {
     "plane-on-body": "remove the plane, or attach the model to something that does not move",
     "name-clash": _RENAME,
     "class-clash": _RENAME,
-    "keyframe-conflict": None,
+    "keyframe-conflict": "a key has the numbers of its own model; what is attached has its own keys",
     "not-supported": None,
 }
 

@@ -11,7 +11,7 @@ from composer.grammar.attribute import Attribute
 from composer.mjcf.model import Model, Target
 from composer.mjcf.value import BadValue
 from composer.tree.kinds import kind_of
-from composer.tree.names import WORLD
+from composer.tree.names import WORLD, word
 
 
 def refers(attribute: Attribute) -> bool:
@@ -41,7 +41,7 @@ def name_for(
     declared = target.model.declared(node)
     kind = kind_of(node)
     if namespace is not None and (declared[0] if declared else kind.family) != namespace:
-        raise BadValue(f"expects a {namespace}, got {described(target)}")
+        raise BadValue(f"expects {word(namespace, article=True)}, got {described(target)}")
     if declared is None and kind.family is None:
         raise BadValue(f"got {described(target)}, which nothing can refer to")
     if declared is None:
