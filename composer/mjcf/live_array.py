@@ -13,7 +13,7 @@ from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 
 if TYPE_CHECKING:
-    from composer.mjcf.element import Element
+    from composer.mjcf.attributed import Attributed
 
 
 class LiveArray(np.ndarray[Any, Any]):
@@ -24,10 +24,10 @@ class LiveArray(np.ndarray[Any, Any]):
     numbers as they were when it was read; parts of it (`pos[:2]`) cannot be written to.
     """
 
-    _owner: tuple[Element, str] | None
+    _owner: tuple[Attributed, str] | None
 
     @classmethod
-    def of(cls, array: NDArray[Any], element: Element, attribute: str) -> LiveArray:
+    def of(cls, array: NDArray[Any], element: Attributed, attribute: str) -> LiveArray:
         """The array of an element's attribute; `array` becomes its memory."""
         live = array.view(cls)
         live._owner = element, attribute

@@ -12,9 +12,10 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
 from composer.mjcf.attachment import AttachmentFrame
-from composer.mjcf.element import Element, view
+from composer.mjcf.element import Element
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.root import RootElement
+from composer.mjcf.views import view
 from composer.tree.origin import Origins
 from composer.tree.start_tag import SourceText
 from composer.tree.unit import Unit
