@@ -34,8 +34,9 @@ class Element(Attributed):
     """One element of a model.
 
     Its MJCF attributes are Python attributes: numbers and arrays come as numpy, references as Elements,
-    files as `Asset`, keywords and names as text; what is not set is None, and setting None removes. `class`
-    is spelled `dclass`; a last underscore is dropped (`global_`). Children are reached by tag: one that can
+    files as `Asset`, keywords and names as text; what is not set is None, and setting None removes. What is
+    changed in an array is set: `body.pos[2] += 1`. `class` is spelled `dclass`; a last underscore is dropped
+    (`global_`). Children are reached by tag: one that can
     occur once as an Element (`model.visual.headlight`), others as a list (`body.geom`) that also takes names.
     `dir(element)` has all of them, `help(element)` what they mean; `print(element)` shows it as MJCF.
 
@@ -122,7 +123,8 @@ class Element(Attributed):
     def add(self, tag: str, /, **attributes: object) -> Element:
         """Append a child and give it back.
 
-        Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. Raises
+        Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. An Element
+        without a name gets one, `unnamed_joint_0`, as MJCF refers by name. Raises
         `MjcfError`, with what is there instead, for a tag or attribute that MJCF does not have here, a
         value of a wrong type or length, and a name that is taken; then nothing has changed.
 
