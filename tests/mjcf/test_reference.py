@@ -65,3 +65,65 @@ def test_a_material_made_of_a_texture_without_a_name() -> None:
     model.asset.add("material", name="grid", texture=checker)
     assert checker.name == "unnamed_texture_0"
     assert model.compile_model().model.ntex == 1
+
+
+def test_references_read_as_elements_and_are_set_by_element_or_name(arm: mjcf.RootElement) -> None:
+    motor, shoulder = arm.find("actuator", "elbow"), arm.find("joint", "shoulder")
+    assert motor is not None and motor.joint is arm.find("joint", "elbow_joint")
+    motor.joint = shoulder
+    assert motor.joint is shoulder and 'name="elbow" joint="shoulder"' in repr(motor)
+    motor.joint = "elbow_joint"
+    assert motor.joint is arm.find("joint", "elbow_joint")
+    sensor = arm.find("sensor", "tip")
+    assert sensor is not None and sensor.objname is arm.find("site", "flange")
+    geom = arm.find("body", "upper").find("geom")  # type: ignore[union-attr]
+    assert geom is not None and geom.dclass is arm.find("default", "visual")
+    assert geom.mesh is arm.find("mesh", "shell")
+
+
+def test_lists_of_references_are_lists() -> None:
+    model = mjcf.RootElement()
+    bodies = [model.worldbody.add("body", name=name) for name in "ab"]
+    flex = model.deformable.add(
+        "flex", name="f", dim=1, body=bodies, vertex=[0, 0, 0, 1, 0, 0], element=[0, 1]
+    )
+    assert flex.body == bodies
+    bodies[0].name = "c"
+    assert 'body="c b"' in repr(flex)
+
+
+def test_a_reference_of_another_kind_is_refused(arm: mjcf.RootElement) -> None:
+    motor = arm.find("actuator", "elbow")
+    assert motor is not None
+    with pytest.raises(mjcf.MjcfError, match="expects a joint, got `<body>` `fore`"):
+        motor.joint = arm.find("body", "fore")
+    with pytest.raises(mjcf.MjcfError, match="expects no element"):
+        motor.gear = motor.joint
+    other = mjcf.RootElement("other").worldbody.add("body", name="x").add("joint", name="j")
+    with pytest.raises(mjcf.MjcfError, match="not attached to `arm`"):
+        motor.joint = other
+    assert motor.joint.name == "elbow_joint"
+
+
+def test_the_world_can_be_referred_to(arm: mjcf.RootElement) -> None:
+    sensor = arm.sensor.add("framepos", objtype="body", objname=arm.worldbody)
+    assert sensor.objname is arm.worldbody and 'objname="world"' in repr(sensor)
+    assert arm.find("body", "world") is arm.worldbody
+
+
+def test_what_is_in_a_list_of_names_gets_no_name_with_a_space() -> None:
+    model, child = mjcf.RootElement("model"), mjcf.RootElement("child")
+    body, other = model.worldbody.add("body", name="a"), child.worldbody.add("body", name="b")
+    model.attach(child)
+    flex = model.deformable.add("flex", name="cloth", body=[body, other])
+    for rename in (
+        lambda: setattr(body, "name", "a a"),
+        lambda: setattr(other, "name", "b b"),
+        lambda: setattr(child, "model", "the child"),
+    ):
+        with pytest.raises(mjcf.MjcfError, match="`<flex>` `cloth` has it in a list of names"):
+            rename()
+        assert flex.body == [body, other] and str(flex) == '<flex name="cloth" body="a child/b"/>'
+    flex.remove()
+    body.name, other.name, child.model = "a a", "b b", "the child"
+    assert other.full_identifier == "the child/b b"
