@@ -32,6 +32,11 @@ _OF_A_KIND = 6
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
 
 
+def numbers_for(array: np.ndarray) -> np.ndarray:
+    """Of its shape; not computed from what is there, which MuJoCo may not have set."""
+    return np.arange(1, array.size + 1, dtype=array.dtype).reshape(array.shape)
+
+
 def compare_one(physics: Physics, kind: str, element: Element) -> int:
     """Every field that MuJoCo's own views have is there, with the same numbers, and is written to the same place."""
     bound, compared = physics.bind(element), 0
@@ -47,11 +52,9 @@ def compare_one(physics: Physics, kind: str, element: Element) -> int:
             assert ours.shape == expected.shape or (ours.shape, expected.shape) == ((), (1,)), (element, name)
             np.testing.assert_array_equal(ours, np.reshape(expected, ours.shape), f"{element} {name}")
             if ours.dtype.kind == "f":
-                before = ours.copy()
-                setattr(bound, name, before + 1)
-                np.testing.assert_array_equal(
-                    np.ravel(getattr(theirs, name)), np.ravel(before + 1).astype(ours.dtype)
-                )
+                before, new = ours.copy(), numbers_for(ours)
+                setattr(bound, name, new)
+                np.testing.assert_array_equal(np.ravel(getattr(theirs, name)), np.ravel(new))
                 setattr(bound, name, before)
             compared += 1
     return compared
@@ -73,10 +76,10 @@ def compare_several(physics: Physics, kind: str, elements: list[Element]) -> int
         assert found.dtype == each[0].dtype, name
         np.testing.assert_array_equal(np.ravel(found), numbers, name)
         if found.dtype.kind == "f":
-            before = found.copy()
-            setattr(together, name, before + 1)
+            before, new = found.copy(), numbers_for(found)
+            setattr(together, name, new)
             after = np.concatenate([np.ravel(getattr(bound, name)) for bound in alone])
-            np.testing.assert_array_equal(after, np.ravel((before + 1).astype(found.dtype)), name)
+            np.testing.assert_array_equal(after, np.ravel(new), name)
             setattr(together, name, before)
         compared += 1
     return compared
@@ -114,7 +117,8 @@ def test_the_same_of_real_models() -> None:
         except MjcfError:
             continue
         physics.step(2)
-        compared += sum(compare(physics, root, kind) for kind in _VIEWED)
+        with np.errstate(all="ignore"):  # not all that is there is a number
+            compared += sum(compare(physics, root, kind) for kind in _VIEWED)
     assert compared > 10_000
 
 
