@@ -37,7 +37,7 @@ _HELP = {
     "plane-on-body": "remove the plane, or attach the model to something that does not move",
     "name-clash": _RENAME,
     "class-clash": _RENAME,
-    "keyframe-conflict": None,
+    "keyframe-conflict": "a key has the numbers of its own model; what is attached has its own keys",
     "not-supported": None,
 }
 
@@ -77,7 +77,7 @@ def flatten(
     _check(model, conflict)
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
-    measure = _measure(sink) if mounting.parts else None
+    measure = _measure(sink, tuple(part.prefix for part in mounting.parts)) if mounting.parts else None
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         prune(unit)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
@@ -165,13 +165,14 @@ class _NamesChecked(Sink):
             super().add(diagnostic)
 
 
-def _measure(sink: Sink) -> Measure:
-    """MuJoCo, in a process of its own, asked only for what the tree does not tell."""
+def _measure(sink: Sink, prefixes: tuple[str, ...]) -> Measure:
+    """MuJoCo, in a process of its own, asked only for what the tree does not tell; of each unit alone."""
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
+        from composer.mjcf.outward import without_outward
         from composer.steps.measure import measure_with
 
-        return measure_with(Context(sink))(unit, arrays, attempt=attempt)
+        return measure_with(Context(sink))(without_outward(unit, prefixes), arrays, attempt=attempt)
 
     return measure
 
