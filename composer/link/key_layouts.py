@@ -59,6 +59,8 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
         return _measured_layout(linking, unit)
     if layout.actuators and next(unit.root.iter("replicate"), None) is not None:
         return _measured_layout(linking, unit)  # which actuators are multiplied is for MuJoCo to say
+    if any(element.tag != "body" for element in layout.mocaps):
+        return _measured_layout(linking, unit)
     return layout
 
 
@@ -111,8 +113,8 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
     known: dict[Node, Slot] = {}
     for layout in found:
         if layout is not None:
-            known |= layout.joints
             known |= {element_of(holder): slot for holder, slot in layout.actuators.items()}
+            known |= layout.joints
     return known
 
 
@@ -136,4 +138,4 @@ def holders(layout: Layout, vector: str) -> list[tuple[Holder, int]]:
         return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
     if vector in ("ctrl", "act"):
         return [(actuator, slot.widths[vector == "act"]) for actuator, slot in layout.actuators.items()]
-    return [(body, 3 if vector == "mpos" else 4) for body in layout.mocaps]
+    return [(body, count * (3 if vector == "mpos" else 4)) for body, count in layout.mocaps.items()]

@@ -5,13 +5,12 @@ It runs when nothing more will be added to the model.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
-from composer.link.key_layouts import VECTORS, final_layout, keys_of, not_laid_out
-from composer.link.layout import Layout, Unknown
+from composer.link.key_layouts import VECTORS, final_layout, keys_of
+from composer.link.layout import Layout
 from composer.link.linking import Linking, Part
 from composer.link.part_keys import called, part_keys
 from composer.link.reference_rows import Reference
@@ -37,7 +36,7 @@ def keyframes(linking: Linking) -> None:
         and _same(final, linking.base_layout)
     ):
         return
-    _check_kept(linking, keys.values())
+    _check_kept(linking)
     for key in keys_of(linking.base):
         section = key.getparent()
         assert section is not None
@@ -133,11 +132,11 @@ def _same(final: Layout, before: Layout) -> bool:
     return (
         list(final.joints.items()) == list(before.joints.items())
         and list(final.actuators.items()) == list(before.actuators.items())
-        and final.mocaps == before.mocaps
+        and list(final.mocaps.items()) == list(before.mocaps.items())
     )
 
 
-def _check_kept(linking: Linking, keys: Iterable[Key]) -> None:
+def _check_kept(linking: Linking) -> None:
     """Tell what a key says that cannot be laid out anew."""
     keeping = [linking.base] if linking.base_keyframes != "none" else []
     keeping += [part.unit for part in linking.parts if part.keyframes != "none"]
@@ -150,6 +149,3 @@ def _check_kept(linking: Linking, keys: Iterable[Key]) -> None:
                     linking.span(unit, key, "plastic"),
                     help="leave the keys out: `keyframes: none`",
                 )
-    if any("mpos" in key.values or "mquat" in key.values for key in keys):
-        for block in linking.hiding_mocaps:
-            not_laid_out(linking, linking.base, Unknown(block))

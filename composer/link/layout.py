@@ -47,12 +47,15 @@ class Unknown(Exception):
 class Slot(NamedTuple):
     """What a joint, an actuator or a block of them holds: how many numbers in each vector of a key.
 
-    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin.
+    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin. `controls` and `mocaps` are what a
+    model that MuJoCo attaches brings besides: the widths of all its actuators together, and how many mocap bodies.
     """
 
     kind: str
     widths: tuple[int, int]
     free: tuple[tuple[int, int], ...] = ()
+    controls: tuple[int, int] = (0, 0)
+    mocaps: int = 0
 
 
 BLOCK = "block"
@@ -74,11 +77,14 @@ _STATELESS = actuator_slot(0)
 
 @dataclass(slots=True)
 class Layout:
-    """In the order of the numbers. Widths of `joints` are (nq, nv), of `actuators` (nctrl, nact)."""
+    """In the order of the numbers. Widths of `joints` are (nq, nv), of `actuators` (nctrl, nact).
+
+    `mocaps` has how many mocap bodies each element is: a body one, what MuJoCo expands any number.
+    """
 
     joints: dict[Node, Slot] = field(default_factory=dict)
     actuators: dict[Holder, Slot] = field(default_factory=dict)
-    mocaps: list[Node] = field(default_factory=list)
+    mocaps: dict[Node, int] = field(default_factory=dict)
 
     @property
     def in_world_coordinates(self) -> bool:
@@ -90,7 +96,7 @@ class Layout:
             return sum(slot.widths[vector == "qvel"] for slot in self.joints.values())
         if vector in ("ctrl", "act"):
             return sum(slot.widths[vector == "act"] for slot in self.actuators.values())
-        return len(self.mocaps) * (3 if vector == "mpos" else 4)
+        return sum(self.mocaps.values()) * (3 if vector == "mpos" else 4)
 
     def free(self) -> Iterator[tuple[int, int]]:
         """Where in `qpos` and in `qvel` the numbers of each free joint begin."""
@@ -114,13 +120,16 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
             reader.visit(worldbody, layout)
         else:
             layout.joints.update([(joint, known.get(joint) or reader.joint(joint)) for joint in joints])
-        layout.mocaps.extend(
-            body for body in through_frames(worldbody) if body.tag == "body" and body.get("mocap") == "true"
-        )
+        layout.mocaps |= {
+            child: count for child in through_frames(worldbody) if (count := reader.mocaps(child))
+        }
     layout.actuators = {
         holder: known.get(each := element_of(holder)) or reader.actuator(each)
         for holder in actuators_in_order(unit.root)
     }
+    # MuJoCo attaches models when everything is read.
+    attached = [(block, slot) for block, slot in layout.joints.items() if slot.controls != (0, 0)]
+    layout.actuators |= {block: Slot("actuator", slot.controls) for block, slot in attached}
     return layout
 
 
@@ -179,14 +188,24 @@ class _Reader:
         return _JOINTS["free" if joint.tag == "freejoint" else joint.get("type") or "hinge"]
 
     def block(self, block: Node) -> Slot:
-        if block.tag != "replicate" or block.xpath("boolean(.//body[@mocap='true'])"):
+        if block.tag != "replicate":
             raise Unknown(block)
         inside = Layout()
         self.visit(block, inside)
-        count = int(str(block.get("count") or 1))
+        if any(slot.controls != (0, 0) for slot in inside.joints.values()):
+            raise Unknown(block)
+        count = _count(block)
         nq, nv = inside.total("qpos"), inside.total("qvel")
         free = tuple((copy * nq + q, copy * nv + v) for copy in range(count) for q, v in inside.free())
         return Slot(BLOCK, (count * nq, count * nv), free)
+
+    def mocaps(self, element: Node) -> int:
+        """How many mocap bodies an element directly in the world is, or in a replicate there."""
+        if element.tag == "replicate":
+            return _count(element) * sum(map(self.mocaps, through_frames(element)))
+        if element.tag == "attach":
+            return self.known[element].mocaps
+        return int(element.tag == "body" and element.get("mocap") == "true")
 
     def actuator(self, actuator: Node) -> Slot:
         tag = actuator.tag
@@ -213,6 +232,10 @@ class _Reader:
 
     def _class(self, actuator: Node) -> DefaultClass:
         return self.unit.classes.get(str(actuator.get("class") or "") or None)
+
+
+def _count(replicate: Node) -> int:
+    return int(str(replicate.get("count") or 1))
 
 
 def joint_type(joint: Node, classes: Classes) -> str:

@@ -421,11 +421,14 @@ def test_nothing_is_measured_for_keys_that_are_left_out(workshop: Workshop) -> N
 
 
 @pytest.mark.mujoco4("keys of other lengths are refused, and replicated ones are copied")
-def test_replicated_mocap_bodies_are_told(workshop: Workshop) -> None:
+def test_replicated_mocap_bodies_stand_where_they_are(workshop: Workshop) -> None:
     base = '<mujoco><worldbody><replicate count="2" offset="1 0 0"><body mocap="true"/></replicate></worldbody></mujoco>'
     part = """<mujoco><worldbody><body name="m" mocap="true"/></worldbody>
       <keyframe><key name="k" mpos="1 2 3"/></keyframe></mujoco>"""
-    assert workshop.link(base, part).fault.code == "not-supported"
+    linked = workshop.link(base, part)
+    linked.check()
+    (key,) = linked.linking.base.root.iter("key")
+    assert key.get("mpos") == "0 0 0 1 0 0 1 2 3"
     plain = PLAIN.replace("</mujoco>", '<keyframe><key name="k" qpos="1"/></keyframe></mujoco>')
     workshop.link(base, plain).check()
 
