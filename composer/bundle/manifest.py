@@ -130,7 +130,7 @@ class Joint(_Part):
     )
     range: _Range | None = Field(
         default=None,
-        description="In its unit, the angle of a ball joint in rad; null when the joint is not limited, or an end of it.",
+        description="In its unit, the angle of a ball joint in rad; null when that, or one end, is not limited.",
     )
     origin: str | None = _ORIGIN
 
