@@ -5,8 +5,11 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 from lxml.etree import _Element as Node
 
+from composer.link import numbers
 from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking
 from composer.link.measured import is_measured, widths
@@ -48,7 +51,36 @@ def _write_padding(unit: Unit) -> None:
 
 
 def layout_of(linking: Linking, unit: Unit) -> Layout | None:
-    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is told."""
+    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is told.
+
+    Rows that end in the middle of a joint then end behind it.
+    """
+    layout = _layout_of(linking, unit)
+    if layout is not None:
+        _complete_rows(linking, unit, layout)
+    return layout
+
+
+def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
+    """MuJoCo fills up what is short, and is asked with what."""
+    keys = keys_of(unit)
+    for vector in ("qpos", "qvel", "act", "ctrl"):
+        ends = list(accumulate(width for _, width in holders(layout, vector)))
+        rows = [str(key.get(vector) or "").split() for key in keys]
+        short = [
+            at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends
+        ]
+        array = f"key_{vector}"
+        if not short or linking.measure is None or not (found := linking.measure(unit, (array,))):
+            continue
+        for at in short:
+            start = max((end for end in ends if end < len(rows[at])), default=0)
+            end = next(end for end in ends if end > len(rows[at]))
+            whole = found[array][at * ends[-1] + start : at * ends[-1] + end]
+            keys[at].set(vector, " ".join([*rows[at][:start], *numbers.text(whole).split()]))
+
+
+def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
     try:
         layout = lay_out(unit, {})
     except Unknown:

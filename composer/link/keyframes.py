@@ -15,9 +15,7 @@ from composer.link.linking import Linking, Part
 from composer.link.part_keys import called, part_keys
 from composer.link.reference_rows import Reference
 from composer.tree.key import Key
-from composer.tree.line import line_of
-
-_LAST_LINE = 65535  # that lxml lets be set
+from composer.tree.line import line_of, set_line
 
 
 def keyframes(linking: Linking) -> None:
@@ -59,9 +57,7 @@ def _write(linking: Linking, key: Key, final: Layout, reference: Reference) -> N
                 element.set(vector, " ".join(row))
     linking.base.section("keyframe").append(element)
     linking.base.origins.own(element, key.origins.owner(key.element, key.file))
-    line = line_of(key.element)
-    if line is not None and line <= _LAST_LINE:
-        element.sourceline = line  # type: ignore[assignment]  # the stubs know it as read alone
+    set_line(element, line_of(key.element))
 
 
 def _merged(linking: Linking) -> dict[str, Key]:

@@ -12,7 +12,6 @@ from composer.link import numbers
 from composer.link.key_layouts import VECTORS, holders, keys_of
 from composer.link.layout import BLOCK, Holder, Layout, Slot
 from composer.link.linking import Linking, Part
-from composer.link.multiplied import Copy
 from composer.pose import Pose, normalise, rotate
 from composer.tree.classes import ORIENTATIONS
 from composer.tree.key import Key, PartKeys
@@ -95,8 +94,6 @@ def cut_row(
                 one = 3 if vector == "mpos" else 4
                 if whole := (len(text) - at) // one * one:
                     taken[holder] = text[at : at + whole]
-            elif at < len(text) and (filled := _filled(linking, layout, holder, vector, text[at:])):
-                taken[holder] = filled
             elif at < len(text):
                 linking.sink.error(
                     "keyframe-conflict",
@@ -108,18 +105,6 @@ def cut_row(
         taken[holder] = text[at : at + width]
         at += width
     return taken
-
-
-def _filled(
-    linking: Linking, layout: Layout, holder: Holder, vector: str, said: list[str]
-) -> list[str] | None:
-    """What MuJoCo takes where a row ends within what it has expanded; None where it does not end there."""
-    if isinstance(holder, Copy) or (slot := layout.joints.get(holder)) is None or slot.kind != BLOCK:
-        return None
-    second = vector in ("qvel", "act")
-    width = slot.widths[second] if vector in ("qpos", "qvel") else slot.controls[second]
-    reference = linking.references.get(holder) if vector == "qpos" else ["0"] * width
-    return said + reference[len(said) :] if reference else None
 
 
 def _check_flexes(

@@ -30,8 +30,9 @@ _TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
 _CDATA = b"<![CDATA["
 _MAX_BYTES = 256 * 1024 * 1024
 _BINARY = getattr(os, "O_BINARY", 0)  # on Windows
+_INCLUDED = "refer to the model that includes it"
 _NO_MODEL = {
-    "mujocoinclude": "refer to the model that includes it",
+    "mujocoinclude": _INCLUDED,
     "robot": "it looks like URDF: a recipe reads it if its name ends in `.urdf`",
     "sdf": "it looks like SDFormat: convert it to MJCF first",
 }
@@ -109,7 +110,9 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
         f"`<{tag}>` cannot stand in `<mujoco>`",
         unit.origins.span(section, unit.file),
         notes=(exists_note("section", known, tag),),
-        help=did_you_mean(tag, known, "<{}>"),
+        help=f"put it into `<worldbody>`; of a file that is there to be included, {_INCLUDED}"
+        if tag in GRAMMAR.section("worldbody").children
+        else did_you_mean(tag, known, "<{}>"),
     )
 
 
