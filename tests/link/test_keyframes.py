@@ -189,8 +189,12 @@ def test_short_rows_are_filled_up_as_mujoco_does(workshop: Workshop, row: str) -
 
 
 @pytest.mark.parametrize("row", ['qpos="7 8 1 0"', 'qpos="7 8 1 0 0 0 1 2 3"', 'qvel="7 8 1"'])
-def test_a_row_that_ends_inside_a_joint_is_told(workshop: Workshop, row: str) -> None:
-    fault = workshop.link(BASE, MIXED.format(row=row)).fault
+@pytest.mark.mujoco4("keys of other lengths are refused")
+def test_a_row_that_ends_inside_a_joint_is_filled_up_as_mujoco_does(workshop: Workshop, row: str) -> None:
+    mixed = MIXED.format(row=row)
+    workshop.link(BASE, mixed).check()
+    workshop.link(mixed, Piece(HAND)).check()
+    fault = workshop.link(BASE, mixed, measure=None).fault
     assert fault.code == "keyframe-conflict"
 
 
