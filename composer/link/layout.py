@@ -217,18 +217,36 @@ class _Reader:
                 self.influence[1] and self._inherits_state(actuator)
             ):
                 return _STATELESS
-        elif tag == "general" and not (self.influence[1] and self._inherits_state(actuator)):
-            if actuator.get("dyntype") in (None, "none"):
-                return _STATELESS
-            return actuator_slot(int(str(actuator.get("actdim") or 1)))
+        elif tag == "general":
+            slot = self._general(actuator)
+            if slot is not None:
+                return slot
         raise Unknown(actuator)
 
-    def _inherits_state(self, actuator: Node) -> bool:
+    def _inherits_state(self, position: Node) -> bool:
         """Whether its class may give it activations or inputs: all actuator tags share one struct."""
-        found = self._class(actuator)
-        return any(found.lookup("general", name) for name in ("dyntype", "actdim", "input")) or any(
-            found.sets(other) for other in (*_STATEFUL, "position")
+        found = self._class(position)
+        return bool(
+            any(found.lookup("general", name) for name in _STATE["general"])
+            or found.lookup("position", "timeconst")
+            or any(map(found.sets, _STATEFUL))
         )
+
+    def _general(self, general: Node) -> Slot | None:
+        """What a `<general>` holds, by its own settings and those of its class; None where these do not tell."""
+        found = self._class(general) if self.influence[1] else None
+        if found is not None and any(map(found.sets, (*_STATEFUL, "position"))):
+            return None
+        said: dict[str, str | None] = {}
+        for name in _STATE["general"]:
+            given = found.lookup("general", name) if found is not None else None
+            said[name] = general.get(name) or (given[0] if given else None)
+        if said["dyntype"] in ("pid", "dcmotor") or said["input"]:
+            return None
+        size = int(said["actdim"] or -1)
+        if size < 0:  # the default of MuJoCo
+            return actuator_slot(int(said["dyntype"] not in (None, "none")))
+        return actuator_slot(size)
 
     def _class(self, actuator: Node) -> DefaultClass:
         return self.unit.classes.get(str(actuator.get("class") or "") or None)

@@ -446,5 +446,38 @@ def test_keys_are_told_from_where_they_were(workshop: Workshop) -> None:
     assert [span.line for span in found] == [9, 10, 6]
 
 
+@pytest.mark.parametrize(
+    ("classes", "actuator"),
+    [
+        ('<general dyntype="integrator"/>', '<general joint="j"/>'),
+        (
+            '<general dyntype="muscle"/><default class="c"><general dyntype="none"/></default>',
+            '<general class="c" joint="j"/>',
+        ),
+        ('<general dyntype="user" actdim="3"/>', '<general joint="j"/>'),
+        ('<general dyntype="filter"/>', '<general joint="j" actdim="-1"/>'),
+        ('<position timeconst="1"/>', '<general joint="j"/>'),
+        ('<general dyntype="filter"/>', '<position joint="j"/>'),
+        ('<position kp="3"/><muscle ctrlrange="0 1"/>', '<position joint="j"/>'),
+        ("", '<general joint="j" gaintype="pid" biastype="affine" dyntype="pid"/>'),
+    ],
+)
+@pytest.mark.mujoco4("an actuator takes the dynamics of a class of its own kind")
+def test_the_state_that_classes_give_to_actuators_is_as_wide_as_in_mujoco(
+    workshop: Workshop, classes: str, actuator: str
+) -> None:
+    text = f"""<mujoco><default>{classes}</default>
+      <worldbody><body name="b"><joint name="j"/><geom size="1"/></body></worldbody>
+      <actuator>{actuator}<motor joint="j"/></actuator>
+      <keyframe><key name="k" ctrl="1" act=""/></keyframe></mujoco>"""
+    linked = workshop.link(text, PLAIN)
+    linked.check()
+    layout = linked.linking.base_layout
+    assert layout is not None
+    (own, _) = layout.actuators.values()
+    model = mujoco.MjModel.from_xml_string(text)
+    assert own.widths == (model.actuator_ctrlnum[0], model.actuator_actnum[0])
+
+
 def test_the_judge_agrees_on_the_policies() -> None:
     assert {each.value for each in Keys} == {"merge", "prefix", "none"}
