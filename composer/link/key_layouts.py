@@ -23,12 +23,17 @@ def layouts(linking: Linking) -> None:
     """Note how each unit lays out its keys, while it is still by itself."""
     for unit in linking.units if linking.parts else ():
         _write_padding(unit)
-    keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
+    keeping = [part for part in linking.parts if part.keyframes != "none" and _has_keys(part.unit)]
     if linking.asked is None and not keeping and not keys_of(linking.base):
         return
     linking.base_layout = layout_of(linking, linking.base)
     for part in linking.parts:
         part.layout = layout_of(linking, part.unit)
+
+
+def _has_keys(unit: Unit) -> bool:
+    """Whether a unit has keys of its own, or may have some of a model that MuJoCo attaches."""
+    return bool(keys_of(unit)) or next(unit.root.iter("attach"), None) is not None
 
 
 def keys_of(unit: Unit) -> list[Node]:

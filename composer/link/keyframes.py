@@ -132,8 +132,25 @@ def _same(final: Layout, before: Layout) -> bool:
     )
 
 
+def _check_attached(linking: Linking, part: Part) -> None:
+    """MuJoCo itself brings the keys of a model that it attaches: what these say of the world stays as it is."""
+    moved = part.pose_in_world
+    if part.keyframes == "none" or part.layout is None or moved is None or moved.is_identity:
+        return
+    for attach, slot in part.layout.joints.items():
+        if slot.keys and (slot.free or slot.mocaps):
+            linking.sink.error(
+                "not-supported",
+                f"the model attached here has keys that say where its free bodies are, and `{part.called}` moves it",
+                linking.span(part.unit, attach),
+                help=f"write `keyframes: none` for `{part.called}`, or attach that model in the recipe",
+            )
+
+
 def _check_kept(linking: Linking) -> None:
     """Tell what a key says that cannot be laid out anew."""
+    for part in linking.parts:
+        _check_attached(linking, part)
     keeping = [linking.base] if linking.base_keyframes != "none" else []
     keeping += [part.unit for part in linking.parts if part.keyframes != "none"]
     for unit in keeping:

@@ -47,8 +47,9 @@ class Unknown(Exception):
 class Slot(NamedTuple):
     """What a joint, an actuator or a block of them holds: how many numbers in each vector of a key.
 
-    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin. `controls` and `mocaps` are what a
-    model that MuJoCo attaches brings besides: the widths of all its actuators together, and how many mocap bodies.
+    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin. `controls`, `mocaps` and `keys` are
+    what a model that MuJoCo attaches brings besides: the widths of all its actuators together, and how many mocap
+    bodies and keys.
     """
 
     kind: str
@@ -56,6 +57,7 @@ class Slot(NamedTuple):
     free: tuple[tuple[int, int], ...] = ()
     controls: tuple[int, int] = (0, 0)
     mocaps: int = 0
+    keys: int = 0
 
 
 BLOCK = "block"

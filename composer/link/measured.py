@@ -19,6 +19,7 @@ _ARRAYS = (
     "nq",
     "nv",
     "qpos0",
+    "key_time",
     "body_mocapid",
     "body_pos",
     "body_quat",
@@ -78,7 +79,8 @@ def _attached(linking: Linking, unit: Unit) -> tuple[dict[Node, Slot], int]:
             mocaps = sum(number >= 0 for number in arrays["body_mocapid"])
             size = int(arrays["nq"][0]), int(arrays["nv"][0])
             free = tuple(_free_joints(arrays))
-            found[attach] = Slot(BLOCK, size, free, (sum(controls), sum(acts)), mocaps)
+            keys = len(arrays["key_time"])
+            found[attach] = Slot(BLOCK, size, free, (sum(controls), sum(acts)), mocaps, keys)
             brought += len(acts)
     return found, brought
 
