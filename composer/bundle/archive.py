@@ -19,6 +19,7 @@ from composer.bundle.staging import staged_file
 _FIRST_SECOND = 315532800  # 1980-01-01, the first day a zip can tell
 _LAST_SECOND = 4354819198  # 2107-12-31 23:59:58, the last
 _UNIX = 3
+_UTF8 = 0x800
 _MODE = 0o100644
 
 
@@ -52,6 +53,9 @@ def write_packed(
     with staged_file(out) as stage, zipfile.ZipFile(stage, "w") as archive:
         for path in sorted(paths, key=lambda path: _rank(path, model)):
             info = zipfile.ZipInfo(path, moment)
+            info.flag_bits = (
+                0 if path.isascii() else _UTF8
+            )  # or Python 3.14 writes what it can in code page 437
             info.create_system = _UNIX
             info.external_attr = _MODE << 16
             info.compress_type = zipfile.ZIP_DEFLATED if level_of(path) else zipfile.ZIP_STORED

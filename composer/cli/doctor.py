@@ -80,7 +80,8 @@ def _mujoco() -> Iterator[Finding]:
             return
         yield Finding("mujoco", str(compiled.mujoco_version))
         answer = engine.call(session, pictures, ["model", "model"], made)
-    said = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
+        said = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
+        said = session.no_opengl or said
     yield Finding("OpenGL", f"none: {said}" if said else "renders", None if said else True)
 
 

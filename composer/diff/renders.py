@@ -28,7 +28,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
             said = answer.error or answer.crash
             context.sink.error("no-rendering", f"no pictures could be made: {said}")
             return ()
-        if (said := answer.value.get("no OpenGL")) is not None:
+        if (said := session.no_opengl or answer.value.get("no OpenGL")) is not None:
             context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {said}", help=_HELP)
             return ()
         views: list[View] = []

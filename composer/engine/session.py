@@ -35,6 +35,8 @@ class Session:
     def __init__(self, limits: Limits | None = None, *, rendering: bool = False) -> None:
         self.limits = limits or Limits()
         self.rendering = rendering
+        self.no_opengl: str | None = None
+        """What MuJoCo said where it could not be imported with OpenGL; it then works without."""
         self.mujoco_version: str | None = None
         self._process: subprocess.Popen[str] | None = None
         self._lines: queue.Queue[str | None] = queue.Queue()
@@ -100,6 +102,9 @@ class Session:
             return self._crashed()
         if "missing" in hello:
             self._stop()
+            if self.rendering and self.no_opengl is None:
+                self.no_opengl = hello["missing"]
+                return self._start()
             return _failure(f"MuJoCo cannot be imported in {sys.executable}: {hello['missing']}", "missing")
         self.mujoco_version = hello["mujoco"]
         return None
@@ -131,7 +136,7 @@ class Session:
 
     def _graphics(self) -> str:
         """What MuJoCo draws with: nothing, what the user says, or what does without a display."""
-        if not self.rendering:
+        if not self.rendering or self.no_opengl is not None:
             return "disable"
         return os.environ.get("MUJOCO_GL") or ("egl" if sys.platform == "linux" else "glfw")
 

@@ -7,7 +7,7 @@ import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from composer.expr.error import ExpressionError, UnknownName
-from composer.expr.functions import CONSTANTS, FUNCTIONS
+from composer.expr.functions import CONSTANTS, FUNCTIONS, ArgumentError
 from composer.expr.tree import (
     Binary,
     Call,
@@ -198,7 +198,7 @@ def _checked(tree: Binary | Call, work: Callable[[], int | float]) -> int | floa
         raise ExpressionError("the result is too large", tree.start, tree.end) from None
     except (ValueError, TypeError) as error:
         name = tree.function if isinstance(tree, Call) else tree.operator
-        reason = "it is not defined there" if "domain" in str(error) or not str(error) else str(error)
+        reason = str(error) if isinstance(error, ArgumentError) else "it is not defined there"
         raise ExpressionError(f"`{name}`: {reason}", tree.start, tree.end) from None
     if isinstance(value, complex):
         raise ExpressionError("the root of a negative number", tree.start, tree.end)

@@ -11,6 +11,10 @@ from composer.expr.value import Value
 Number = int | float
 
 
+class ArgumentError(ValueError):
+    """An argument that a function does not take, said in words."""
+
+
 class Function(NamedTuple):
     """`apply` takes `least` to `most` numbers (None: any number of them)."""
 
@@ -21,13 +25,13 @@ class Function(NamedTuple):
 
 def _round(value: Number, digits: Number = 0) -> Number:
     if isinstance(digits, float) or not -20 <= digits <= 20:
-        raise ValueError("the second argument is how many digits are kept, a whole number up to 20")
+        raise ArgumentError("the second argument is how many digits are kept, a whole number up to 20")
     return round(value, digits) if digits else round(value)
 
 
 def _clamp(value: Number, low: Number, high: Number) -> Number:
     if low > high:
-        raise ValueError(f"the lower bound {low} is above the upper bound {high}")
+        raise ArgumentError(f"the lower bound {low} is above the upper bound {high}")
     return min(max(value, low), high)
 
 

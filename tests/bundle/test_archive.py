@@ -48,6 +48,7 @@ def test_files_stand_in_order_with_fixed_attributes(tmp_path: Path) -> None:
     assert {entry.external_attr >> 16 for entry in entries} == {0o100644}
     assert {entry.create_system for entry in entries} == {3}
     assert {entry.extra for entry in entries} == {b""}
+    assert {entry.filename for entry in entries if entry.flag_bits} == {"assets/ü ß/t.obj"}
     stored = {entry.filename for entry in entries if entry.compress_type == zipfile.ZIP_STORED}
     assert stored == {"assets/t.png"}
 

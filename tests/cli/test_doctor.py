@@ -27,3 +27,12 @@ def test_what_not_everybody_needs_is_no_fault(monkeypatch: pytest.MonkeyPatch) -
     found = {each["what"]: each for each in json.loads(result.stdout)}
     assert result.exit_code == 0
     assert found["git"]["fine"] is None and "need it" in found["git"]["found"]
+
+
+def test_mujoco_works_where_pictures_cannot_be_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MUJOCO_GL", "nonsense")
+    result = run("doctor", "--json")
+    found = {each["what"]: each for each in json.loads(result.stdout)}
+    assert result.exit_code == 0
+    assert found["mujoco"]["fine"] and found["OpenGL"]["fine"] is None
+    assert "nonsense" in found["OpenGL"]["found"]

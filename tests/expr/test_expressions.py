@@ -58,6 +58,8 @@ def test_values(text: str, expected: Value) -> None:
         ("${10 ** 30}", "10 ** 30", "the result is too large for a whole number"),
         ("${1e300 * 1e300}", "1e300 * 1e300", "the result is no finite number"),
         ("${sqrt(-1)}", "sqrt(-1)", "`sqrt`: it is not defined there"),
+        ("${log(0)}", "log(0)", "`log`: it is not defined there"),
+        ("${acos(2)}", "acos(2)", "`acos`: it is not defined there"),
         ("${(-1) ** 0.5}", "-1) ** 0.5", "the root of a negative number"),
         ("${left + 1}", "left", "`+` needs a number, got a boolean"),
         ("${side * 2}", "side", "`*` needs a number, got text"),
