@@ -94,9 +94,8 @@ def cut_row(
                 one = 3 if vector == "mpos" else 4
                 if whole := (len(text) - at) // one * one:
                     taken[holder] = text[at : at + whole]
-            elif (
-                at < len(text) and linking.parts
-            ):  # MuJoCo was not there to fill it up; alone it stays as it is
+            elif at < len(text) and linking.parts:
+                # MuJoCo was not there to fill it up. A model alone keeps its keys as they are written.
                 linking.sink.error(
                     "keyframe-conflict",
                     f"`{vector}` of {called(element)} ends in the middle of a joint, "
