@@ -6,6 +6,7 @@ It holds no time and no path of the machine it was made on, so that the same inp
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -109,7 +110,8 @@ class File(_Part):
 _ORIGIN = Field(
     default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies."
 )
-_Range = tuple[float, float]
+_Range = tuple[float | None, float | None]
+"""From, to; None where it has no end there."""
 
 
 class Joint(_Part):
@@ -131,7 +133,7 @@ class Joint(_Part):
     )
     range: _Range | None = Field(
         default=None,
-        description="In its unit, the angle of a ball joint in rad; null when the joint is not limited.",
+        description="In its unit, the angle of a ball joint in rad; null when that, or one end, is not limited.",
     )
     origin: str | None = _ORIGIN
 
@@ -287,6 +289,14 @@ _UNITS = {
 }
 
 
+def _range(pair: tuple[float, float] | None) -> _Range | None:
+    """What JSON can say of a range: it has no infinity."""
+    if pair is None or not any(map(math.isfinite, pair)):
+        return None
+    low, high = (end if math.isfinite(end) else None for end in pair)
+    return low, high
+
+
 def index_of(index: engine.Index, written: Written | None = None) -> Index:
     """The manifest's index of a compiled model; `written` knows where its elements are written."""
     known = written or {}
@@ -306,7 +316,7 @@ def index_of(index: engine.Index, written: Written | None = None) -> Index:
                 dof_size=joint.dof_size,
                 unit=_UNITS[joint.type][0],
                 velocity_unit=_UNITS[joint.type][1],
-                range=joint.range if joint.limited else None,
+                range=_range(joint.range if joint.limited else None),
                 origin=origin("joint", number),
             )
             for number, joint in enumerate(index.joints)
@@ -320,9 +330,9 @@ def index_of(index: engine.Index, written: Written | None = None) -> Index:
                 act=actuator.act_address if actuator.act_size else None,
                 act_size=actuator.act_size,
                 unit=actuator.unit,
-                ranges=actuator.ctrl_ranges,
-                act_range=actuator.act_range,
-                force_range=actuator.force_range,
+                ranges=tuple(map(_range, actuator.ctrl_ranges)),
+                act_range=_range(actuator.act_range),
+                force_range=_range(actuator.force_range),
                 origin=origin("actuator", number),
             )
             for number, actuator in enumerate(index.actuators)
@@ -334,7 +344,7 @@ def index_of(index: engine.Index, written: Written | None = None) -> Index:
                 address=sensor.address,
                 size=sensor.size,
                 unit=sensor.unit,
-                cutoff=sensor.cutoff,
+                cutoff=None if sensor.cutoff == math.inf else sensor.cutoff,
                 origin=origin("sensor", number),
             )
             for number, sensor in enumerate(index.sensors)

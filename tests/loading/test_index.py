@@ -31,8 +31,8 @@ MODEL = """<mujoco>
 </mujoco>"""
 
 
-def index() -> Index:
-    model = mujoco.MjModel.from_xml_string(MODEL)
+def index(text: str = MODEL) -> Index:
+    model = mujoco.MjModel.from_xml_string(text)
     listed = index_of(engine.Index.from_data(facts.index(model, mujoco)))
     return Index(listed, lambda kind: facts.names(model, kind))
 
@@ -56,6 +56,18 @@ def test_limits_are_of_single_numbers() -> None:
     assert found.act.limits("creep").tolist() == [[0, 1]]
     assert found.ctrl.limits("push").tolist() == [[-3, 3]]
     assert found.sensordata.limits("gyro").tolist() == [[-7, 7]] * 3
+
+
+def test_a_limit_may_be_infinite() -> None:
+    """MuJoCo takes `inf`, which JSON has not."""
+    found = index(
+        MODEL.replace('range="0 2"', 'range="-inf inf"')
+        .replace('"-3 3"', '"0 inf"')
+        .replace('cutoff="7"', 'cutoff="inf"')
+    )
+    assert found.qpos.limits("slide").tolist() == [[-np.inf, np.inf]]
+    assert found.ctrl.limits("push").tolist() == [[0, np.inf]]
+    assert found.sensordata.limits("gyro").tolist() == [[-np.inf, np.inf]] * 3
 
 
 def test_vectors_are_addressed_as_in_the_model() -> None:
