@@ -309,8 +309,9 @@ class Builder:
             return
         before = next(reversed(frame.entries or {}), None)
         frame.key, frame.has_lone = _DROPPED, True
-        message = f"`{key.name}` stands in `{{ }}` without a colon"
-        help = advice(key.name, frame.is_quoted, before)
+        text = " ".join(key.name.split())  # it may have several lines
+        message = f"`{text}` stands in `{{ }}` without a colon"
+        help = advice(text, frame.is_quoted, before)
         self._lone.append(Diagnostic("yaml-syntax", message, key.span, help=help))
 
     def _alias(self, event: Any) -> bool:

@@ -21,7 +21,7 @@ def advice(text: str, is_quoted: bool, before: str | None) -> str:
     """
     if not is_quoted:
         parts = text.split()
-        if all(map(_NUMBER.fullmatch, parts)):
+        if parts and all(map(_NUMBER.fullmatch, parts)):
             numbers = "…" if len(parts) < 2 else ", ".join(parts)
             return f"put brackets around the numbers: `{before + ': ' if before and len(parts) < 2 else ''}[{numbers}]`"
         if found := _TIGHT.fullmatch(text):

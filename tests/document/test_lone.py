@@ -17,6 +17,7 @@ from composer.document.load import load
         ("a: {pos: (0, 0, 1)}", 14, "put brackets around the numbers: `pos: […]`"),
         ("a: {0, 0.1, 0}", 5, "put brackets around the numbers: `[…]`"),
         ("a: {0 0.1 0}", 5, "put brackets around the numbers: `[0, 0.1, 0]`"),
+        ('{"a\\nb"}', 2, 'write `"a b": …` with its value, or `["a b"]` for a list'),
         ("a: {b, c}", 5, "write `b: …` with its value, or `[b]` for a list"),
         ('a: {b: 1, "c d"}', 11, 'write `"c d": …` with its value, or `["c d"]` for a list'),
     ],
