@@ -16,6 +16,7 @@ from composer.link.flex_joints import taken_back
 from composer.link.layout import JOINTS, joint_type
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
+from composer.tree.attached import attached_notes
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, through_frames
 from composer.tree.comments import above
 from composer.tree.names import word
@@ -89,7 +90,10 @@ def _nowhere(linking: Linking, part: Part) -> None:
         if bodies and kind != "body":
             notes.append(exists_note("body", bodies, name))
             help = "hang it on a body, with a `pos` if need be: `body: NAME`"
-    if usable := [each for each in other if each in _PLACES]:
+    if (coming := linking.coming.get((kind, name))) is not None:
+        notes.insert(0, Note(f"the {kind} `{name}` is added here, after the parts are attached", coming))
+        help = f"make a recipe of what has `{name}`, and start from it (`base`) or attach it as a part"
+    elif usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
         notes.insert(
@@ -99,7 +103,7 @@ def _nowhere(linking: Linking, part: Part) -> None:
         "attach-place",
         f"there is no {kind} `{name}` to attach `{part.called}` to",
         part.place.span or part.span,
-        notes=notes,
+        notes=(*notes, *attached_notes(linking.base, name)),
         help=help,
     )
 

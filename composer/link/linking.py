@@ -140,8 +140,9 @@ class Linking:
     `alignfree`. `asked` are the parts, by path, of whose keys the recipe makes its own; None where it makes no key.
     `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
     recipe's. Edits of what is linked note in `reshaped` whose numbers in a key may be more or
-    fewer now, and in `emptied` whose old numbers have no meaning any more. `hiding_mocaps` are elements from which
-    MuJoCo makes mocap bodies.
+    fewer now, and in `emptied` whose old numbers have no meaning any more. `references` and `mocap_references` have
+    what only MuJoCo can tell of the reference configuration. `coming` has where the recipe writes the places, by kind
+    and name, that it adds when all parts hang.
     """
 
     base: Unit
@@ -155,6 +156,7 @@ class Linking:
     asked: frozenset[str] | None = None
     measure: Measure | None = None
     watch: Watch = nobody
+    coming: Mapping[tuple[str, str], Span] = field(default_factory=dict)
     names: Names = field(default_factory=Names)
     base_class: str | None = None
     aligned: bool = False
@@ -162,7 +164,7 @@ class Linking:
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
-    hiding_mocaps: list[Node] = field(default_factory=list)
+    mocap_references: dict[Node, list[Pose]] = field(default_factory=dict)
     floating: list[Floating] = field(default_factory=list)
     own_keys: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
     part_keys: dict[str, PartKeys] | None = None
