@@ -16,7 +16,7 @@ def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
     """At most `n` of the candidates that were probably meant by `name`, the likeliest first.
 
     Understands typing errors (a character too many, too few, another or two swapped), case, `-` for `_`,
-    plurals, and a prefix that is missing or too much. Empty when nothing is near.
+    plurals, a prefix that is missing or too much, and an end that is missing. Empty when nothing is near.
 
     >>> closest("left_pad", ["gripper/left_pad", "gripper/right_pad"])
     ['gripper/left_pad']
@@ -78,6 +78,8 @@ def _score(name: str, candidate: str) -> float | None:
         return 0.3
     if bare and prefixed and bare == known_bare:
         return 0.5
+    if len(written) == len(known) == 2:  # another letter makes another word of it
+        return 1.0 if written == known[::-1] else None
     distance = _distance(written, known, _tolerance(written))
     if distance is not None:
         return 1.0 + distance
@@ -85,7 +87,7 @@ def _score(name: str, candidate: str) -> float | None:
         distance = _distance(bare, known_bare, _tolerance(bare))
         if distance is not None:
             return 1.5 + distance
-    return None
+    return 6.0 if len(written) > 3 and known.startswith(written) else None
 
 
 def _is_tail(written: str, known: str) -> bool:
@@ -122,7 +124,7 @@ def _quoted(name: str) -> str:
 
 def _tolerance(word: str) -> int:
     """How many typing errors a word of this length may have."""
-    return 0 if len(word) < 2 else 1 if len(word) < 5 else 2 if len(word) < 9 else 3
+    return 0 if len(word) < 2 else 1 if len(word) < 6 else 2 if len(word) < 9 else 3
 
 
 def _distance(a: str, b: str, limit: int) -> int | None:

@@ -16,7 +16,9 @@ from yaml.events import (
     SequenceStartEvent,
 )
 
-from composer.diagnostics import Note, Sink, Span
+from composer.diagnostics import Diagnostic, Note, Sink, Span
+from composer.document.fault import MAX_KEY
+from composer.document.lone import advice
 from composer.document.marks import Marks
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.document.quote import quoted
@@ -54,6 +56,12 @@ class _Frame:
     tag: tuple[str, Span] | None = None
     is_key: bool = False
     key: Key | None = None
+    key_end: int | None = None
+    """Where that key ends in the text, if it is written there."""
+    is_quoted: bool = False
+    """Whether it has quotes."""
+    has_lone: bool = False
+    """Whether something stood in it without a colon, so that what follows may be no key."""
     height: int = 1
     """How many collections are within each other, itself included."""
 
@@ -82,6 +90,7 @@ class Builder:
         self._total = 0
         self._expanded = 0
         self._root: Node | None = None
+        self._lone: list[Diagnostic] = []
 
     @property
     def in_flow(self) -> bool:
@@ -109,6 +118,8 @@ class Builder:
                 if frame is not None and frame.entries is not None and frame.key is None:
                     self._key(event, text, span, frame)
                     continue
+                if not text and frame is not None and frame.flow and frame.entries is not None:
+                    self._check_colon(event, frame)
                 self._total += 1
                 if not simple:
                     self._add(self._scalar(event, text, span), 0)
@@ -137,6 +148,8 @@ class Builder:
                     "yaml-too-large", f"more than {MAX_NODES} values in one file", self._marks.span(event)
                 )
                 return None
+        for lone in self._lone:  # where the reading breaks off, that is why
+            self._sink.add(lone)
         root = self._root
         if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
             self._sink.error(
@@ -256,7 +269,12 @@ class Builder:
         """Take `name` as the key of the value that comes next, or refuse it."""
         if span.line == frame.line and span.end_column is not None:
             frame.first_end = span.end_column
-        frame.key = _DROPPED
+        frame.key, frame.key_end = _DROPPED, None
+        if frame.has_lone:
+            return
+        if type(event) is ScalarEvent and self._restore is None:
+            end: Any = event.end_mark
+            frame.key_end, frame.is_quoted = end.index, bool(event.style)
         if type(event) is ScalarEvent:
             if event.tag not in (None, "!", _STANDARD + "str"):
                 self._refuse_tag(event.tag, self._marks.tag(event))
@@ -281,6 +299,19 @@ class Builder:
             )
         else:
             frame.key = Key(name, span)
+
+    def _check_colon(self, event: Any, frame: _Frame) -> None:
+        """Refuse a key in `{ }` that has neither a value nor a colon."""
+        key, end = frame.key, frame.key_end
+        if key is None or key is _DROPPED or end is None or frame.is_key or frame.tag is not None:
+            return
+        if ":" in self._text[end : event.start_mark.index] or len(key.name) > MAX_KEY:
+            return
+        before = next(reversed(frame.entries or {}), None)
+        frame.key, frame.has_lone = _DROPPED, True
+        message = f"`{key.name}` stands in `{{ }}` without a colon"
+        help = advice(key.name, frame.is_quoted, before)
+        self._lone.append(Diagnostic("yaml-syntax", message, key.span, help=help))
 
     def _alias(self, event: Any) -> bool:
         name = event.anchor

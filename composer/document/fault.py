@@ -13,7 +13,7 @@ from composer.document.quote import in_flow, quoted, unquoted_end, unquoted_star
 _TIGHT_COLON = re.compile(r"([ \t]*(?:- +)*)([A-Za-z_][\w.-]*):([^\s:/\\][^\r\n]*)")
 _GLOB_CHOICE = re.compile(r"[\w,*?/.:\- ]*")
 _FLOW_TEXT = re.compile(r""" *("(?:[^"\\]|\\.)*"|'[^']*'|[^,\[\]{}"'\r\n]+)""")
-_MAX_KEY = 1024
+MAX_KEY = 1024
 _LINE = re.compile(r"[^\r\n]*")
 _KEY = re.compile(r"[A-Za-z_][\w-]*")
 
@@ -35,13 +35,13 @@ def _long_key(it: Complaint) -> Fault | None:
     """The readers look for the colon of a key in 1024 characters, as the specification has it."""
     if "simple key" in it.context:
         length = it.line_of(it.since).find(":") - (it.since - it.line_start(it.since))
-        starts = [it.since] if length > _MAX_KEY else []
+        starts = [it.since] if length > MAX_KEY else []
     elif it.text.startswith(":", it.at):
         texts = _FLOW_TEXT.finditer(it.text, it.line_start(it.at), it.at)
-        starts = [each.start(1) for each in texts if each.end() == it.at and len(each.group(1)) > _MAX_KEY]
+        starts = [each.start(1) for each in texts if each.end() == it.at and len(each.group(1)) > MAX_KEY]
     else:
         return None
-    return it.fault(f"a key has more than {_MAX_KEY} characters", it.span(starts[0])) if starts else None
+    return it.fault(f"a key has more than {MAX_KEY} characters", it.span(starts[0])) if starts else None
 
 
 def _template(it: Complaint) -> Fault | None:
@@ -298,6 +298,9 @@ def _block(it: Complaint) -> Fault | None:
             else (f"{it.shown} is no key, and stands among the keys of a mapping")
         )
         help = "give the list a key of its own, or write `key: value`"
+    elif it.text.startswith("-", it.at):
+        message = "the `-` of a list item needs a space behind it"
+        help = "write `- ` and then the item"
     else:
         message = "a line without `-` stands among the items of a list"
         help = "begin it with `- `, or indent it so that it belongs to the item above"

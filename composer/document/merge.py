@@ -171,25 +171,31 @@ def _given(node: Mapping, name: str) -> bool:
     return found is not None and not (isinstance(found[1], Scalar) and found[1].value is None)
 
 
-def without_ids(document: Mapping) -> Mapping:
-    """The recipe without the `id`s of items, which are for merging alone."""
-    return _bare(document, ())
+def without_ids(document: Mapping, sink: Sink) -> Mapping:
+    """The recipe without the `id`s of items, which are for merging alone; those that are no text are told."""
+    return _bare(document, (), sink)
 
 
-def _bare(node: Mapping, path: Path) -> Mapping:
+def _bare(node: Mapping, path: Path, sink: Sink) -> Mapping:
     entries = dict(node.entries)
     for name, (key, value) in node.entries.items():
         below = (*path, name)
         if is_appended(below) and isinstance(value, Sequence):
-            entries[name] = (key, Sequence(tuple(_no_id(item) for item in value.items), value.span))
+            entries[name] = (key, Sequence(tuple(_no_id(item, sink) for item in value.items), value.span))
         elif isinstance(value, Mapping) and (below in (("base",), ("attach",)) or path == ("attach",)):
-            entries[name] = (key, _bare(value, below))
+            entries[name] = (key, _bare(value, below, sink))
     return Mapping(entries, node.span)
 
 
-def _no_id(item: Node) -> Node:
+def _no_id(item: Node, sink: Sink) -> Node:
     if not isinstance(item, Mapping):
         return item
+    name = item.entries["id"][1] if "id" in item.entries else None
+    if name is not None and not (isinstance(name, Scalar) and name.value and isinstance(name.value, str)):
+        help = (
+            f"quote it: `id: '{name.text}'`" if isinstance(name, Scalar) and name.text else "write `id: NAME`"
+        )
+        sink.error("wrong-type", "`id` is a name for merging, which is text", name.span, help=help)
     return Mapping({name: entry for name, entry in item.entries.items() if name != "id"}, item.span)
 
 

@@ -22,7 +22,7 @@ _MAX_DIGITS = 1000
 def resolve(text: str) -> bool | int | float | str | None:
     """The value of a plain scalar.
 
-    Raises `OverflowError` for a number that is too large for a float, or has over 1000 digits.
+    Raises `OverflowError` for a number that is too large for a float.
 
     >>> [resolve(text) for text in ("1e-3", "010", "0x1F", "no", "12:30", "1_000", "~")]
     [0.001, 10, 31, 'no', '12:30', '1_000', None]
@@ -32,20 +32,22 @@ def resolve(text: str) -> bool | int | float | str | None:
     if text[0] not in _NUMERIC:
         return text
     if _DECIMAL.fullmatch(text):
-        return int(_bounded(text))
+        return _bounded(text, 10)
     if _FLOAT.fullmatch(text):
         number = float(text)
         if number in (float("inf"), float("-inf")):
             raise OverflowError(text)
         return number
     if _OCTAL.fullmatch(text):
-        return int(_bounded(text)[2:], 8)
+        return _bounded(text[2:], 8)
     if _HEXADECIMAL.fullmatch(text):
-        return int(_bounded(text), 16)
+        return _bounded(text, 16)
     return text
 
 
-def _bounded(digits: str) -> str:
+def _bounded(digits: str, base: int) -> int:
     if len(digits) > _MAX_DIGITS:
         raise OverflowError(digits)
-    return digits
+    number = int(digits, base)
+    float(number)  # raises where no float holds it
+    return number

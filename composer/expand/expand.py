@@ -25,7 +25,8 @@ SETTLED = ("extends", "params", "variants", "matrix")
 class Concrete:
     """A recipe without parameters and variants, and what it was made with.
 
-    `scope` has the values by name, those of variants as text; `lost` what was left out because it is wrong.
+    `scope` has the values by name, those of variants as text; `lost` what is left out or in doubt
+    because it is wrong.
     """
 
     document: Mapping
@@ -35,8 +36,11 @@ class Concrete:
     lost: frozenset[str] = frozenset()
 
 
-def expand(document: Mapping, given: Map[str, Node], sink: Sink) -> Concrete:
-    """The recipe with the values of `given`, defaults for the rest; what has a fault is told and left out."""
+def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
+    """The recipe with the values of `given`, defaults for the rest; what has a fault is told and left out.
+
+    With `any` it has the items of all builds, whatever their `when` says.
+    """
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
     document = merged(document, axes, chosen, sink)
@@ -49,27 +53,26 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink) -> Concrete:
     )
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
     substitution = Substitution(scope, parameters, broken, sink)
-    substituted = substitution.of(without_ids(Condition(scope, axes, broken, sink).kept(rest)))
+    condition = Condition(scope, axes, broken, sink, any)
+    substituted = substitution.of(without_ids(condition.kept(rest), sink))
     assert isinstance(substituted, Mapping)
-    return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost))
+    return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost | condition.in_doubt))
 
 
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
     """The values by name that `expand` would give, without expanding anything; what is wrong is told there."""
     sink = Sink()
-    axes = {name: _only_params(values) for name, values in read_axes(document, sink).items()}
+    axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
-    declared = merged(_section(document), axes, chosen, sink).entries.get("params")
+    taken = {axis: _only_params(axes[axis], value) for axis, value in chosen.items()}
+    declared = merged(_section(document), taken, chosen, sink).entries.get("params")
     return {**settle(read_params(declared[1] if declared else None, sink), given, sink), **chosen}
 
 
-def _only_params(values: Mapping) -> Mapping:
-    """The values of an axis with that part of their pieces which declares parameters."""
-    entries = {
-        name: (key, _section(piece) if isinstance(piece, Mapping) else piece)
-        for name, (key, piece) in values.entries.items()
-    }
-    return Mapping(entries, values.span)
+def _only_params(values: Mapping, chosen: str) -> Mapping:
+    """The chosen value of an axis with that part of its piece which declares parameters."""
+    key, piece = values.entries[chosen]
+    return Mapping({chosen: (key, _section(piece) if isinstance(piece, Mapping) else piece)}, values.span)
 
 
 def _section(document: Mapping) -> Mapping:

@@ -54,7 +54,8 @@ def cells(document: Mapping, name: str, sink: Sink) -> list[Cell]:
     if sink.error_count > before:
         return []
     made = [Cell(matrix.name_of(name, given), given, span) for given, span in combinations]
-    _check_unique(made, matrix, sink)
+    if sink.error_count == before:
+        _check_unique(made, matrix, sink)
     return made if sink.error_count == before else []
 
 
@@ -94,7 +95,9 @@ class _Matrix:
                 continue
             axes[key.name] = values.items
             for value in values.items:  # each alone: is there such a name, and may it have that value?
-                expand(self.document, {key.name: value}, self.sink)
+                concrete = expand(self.document, {key.name: value}, self.sink)
+                if key.name not in concrete.parameters and key.name not in concrete.variants:
+                    break  # that is told, and true of all its values
         return axes
 
     def combinations(self) -> Iterator[tuple[dict[str, Node], Span]]:

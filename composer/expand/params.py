@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping as Map
 from dataclasses import replace
 
@@ -73,10 +72,13 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
         help = did_you_mean(str(type), TYPES) or "`choices: […]` lists the values of a choice"
         sink.error("wrong-keyword", f"`type` of `{key.name}` is none of the types", at_type.span,
                    notes=(exists_note("type", TYPES),), help=help)  # fmt: skip
-    if type is None and guess is None:
+    if type is None and guess is None and at is None:
         sink.error("missing-key", f"parameter `{key.name}` has neither `default` nor `type`", key.span,
                    help="write `{default: …}`, or `{type: float}` for one that must be given")  # fmt: skip
     own_unit, own_doc = part("unit")[0], part("doc")[0]
+    for name, text in (("unit", own_unit), ("doc", own_doc)):
+        if name in written and not isinstance(text, str):
+            sink.error("wrong-type", f"`{name}` of `{key.name}` is text", written[name][1].span)
     unit = unit if own_unit is None else str(own_unit)
     low, high, length = (
         _number(part(name)[1], name, key.name, unit, sink) for name in ("min", "max", "length")
@@ -115,7 +117,7 @@ def _number(node: Node | None, what: str, name: str, unit: str | None, sink: Sin
     if node is None:
         return None
     value = _in_unit(node.value, unit) if isinstance(node, Scalar) and node.value is not None else None
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
         sink.error("wrong-type", f"`{what}` of `{name}` is a number", node.span)
         return None
     return value

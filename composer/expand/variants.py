@@ -46,6 +46,8 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
                     help=f"write `{value.name}: {{}}` for one that changes nothing",
                 )
                 continue
+            if piece.entries.keys().isdisjoint(NO_PIECE):
+                continue
             for name in NO_PIECE:
                 if name in piece.entries:
                     sink.error("unknown-key", f"`{name}` cannot stand in a variant", piece.entries[name][0].span,

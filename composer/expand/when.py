@@ -28,10 +28,16 @@ _MAX_DEPTH = 4  # those of the edits of a part
 
 
 class Condition:
-    """Decides what belongs to this build by the values of variants and parameters."""
+    """Decides what belongs to this build by the values of variants and parameters, or keeps what belongs to `any`.
 
-    def __init__(self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink) -> None:
-        self.scope, self.axes, self.broken, self.sink = scope, axes, broken, sink
+    `in_doubt` has the names and values in what is kept because its `when` is wrong.
+    """
+
+    def __init__(
+        self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink, any: bool = False
+    ) -> None:
+        self.scope, self.axes, self.broken, self.sink, self.any = scope, axes, broken, sink, any
+        self.in_doubt: set[str] = set()
 
     def kept(self, document: Mapping) -> Mapping:
         """The recipe of this build, without any `when`."""
@@ -41,7 +47,11 @@ class Condition:
 
     def _kept(self, node: Node, path: Path) -> Node | None:
         if _is_item(path) and isinstance(node, Mapping) and WHEN in node.entries:
-            if not self.holds(node.entries[WHEN][1]):
+            before = self.sink.error_count
+            holds = self.any or self.holds(node.entries[WHEN][1])
+            if self.sink.error_count > before:
+                self.in_doubt.update([str(path[-1]), *_values(node)])
+            if not holds:
                 return None
             node = Mapping({name: each for name, each in node.entries.items() if name != WHEN}, node.span)
         if len(path) >= _MAX_DEPTH:
@@ -111,6 +121,27 @@ class Condition:
                 value = plain(each)
                 holds |= value is not None and same(value, have)
         return holds
+
+
+def _values(node: Node) -> Iterator[str]:
+    if isinstance(node, Scalar):
+        yield node.text
+    else:
+        inner = node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
+        for each in inner:
+            yield from _values(each)
+
+
+def has_conditions(node: Node, path: Path = ()) -> bool:
+    """Whether some item of a recipe belongs to some builds only."""
+    if isinstance(node, Mapping):
+        if WHEN in node.entries and _is_item(path):
+            return True
+        inner = [((*path, name), value) for name, (_, value) in node.entries.items()]
+    else:
+        items = node.items if isinstance(node, Sequence) else ()
+        inner = [((*path, index), item) for index, item in enumerate(items)]
+    return len(path) < _MAX_DEPTH and any(has_conditions(value, below) for below, value in inner)
 
 
 def _is_item(path: Path) -> bool:

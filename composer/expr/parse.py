@@ -66,7 +66,8 @@ class _Parser:
             return ExpressionError(
                 f"the expression ends where {wanted} should come", max(token.start - 1, 0), token.start
             )
-        return ExpressionError(f"`{token.text}` stands where {wanted} should", token.start, token.end)
+        help = "compare with each: `a == 1 or a == 2`" if token.text in ("in", "not") else None
+        return ExpressionError(f"`{token.text}` stands where {wanted} should", token.start, token.end, help)
 
     def choice(self) -> Expression:
         self.depth += 1

@@ -90,7 +90,10 @@ def _nowhere(linking: Linking, part: Part) -> None:
         if bodies and kind != "body":
             notes.append(exists_note("body", bodies, name))
             help = "hang it on a body, with a `pos` if need be: `body: NAME`"
-    if usable := [each for each in other if each in _PLACES]:
+    if (coming := linking.coming.get((kind, name))) is not None:
+        notes.insert(0, Note(f"the {kind} `{name}` is added here, after the parts are attached", coming))
+        help = f"make a recipe of what has `{name}`, and start from it (`base`) or attach it as a part"
+    elif usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
         notes.insert(

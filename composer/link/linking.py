@@ -142,7 +142,8 @@ class Linking:
     recipe's. Edits of what is linked note in `reshaped` whose numbers in a key may be more or
     fewer now, and in `emptied` whose old numbers have no meaning any more. `references` and `mocap_references` have
     what only MuJoCo can tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts
-    whose keys say where something is in the world.
+    whose keys say where something is in the world. `coming` has where the recipe writes the places, by kind and name,
+    that it adds when all parts hang.
     """
 
     base: Unit
@@ -156,6 +157,7 @@ class Linking:
     asked: frozenset[str] | None = None
     measure: Measure | None = None
     watch: Watch = nobody
+    coming: Mapping[tuple[str, str], Span] = field(default_factory=dict)
     names: Names = field(default_factory=Names)
     base_class: str | None = None
     aligned: bool = False

@@ -54,7 +54,7 @@ class Index:
     def act(self) -> Vector:
         """Activations of those actuators that have some."""
         entries = list(_activations(self._listed.actuators))
-        return self._vector("act", "actuator with activation", entries)
+        return self._vector("act", "activation", entries)
 
     @cached_property
     def sensordata(self) -> Vector:

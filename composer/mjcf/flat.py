@@ -38,7 +38,7 @@ _HELP = {
     "plane-on-body": "remove the plane, or attach the model to something that does not move",
     "name-clash": _RENAME,
     "class-clash": _RENAME,
-    "keyframe-conflict": None,
+    "keyframe-conflict": "a key has the numbers of its own model; what is attached has its own keys",
     "not-supported": None,
 }
 
@@ -85,7 +85,8 @@ def _flatten(
     _check(model, conflict)
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
-    measure = _measure(sink, ending) if mounting.parts else None
+    prefixes = tuple(part.prefix for part in mounting.parts)
+    measure = _measure(sink, prefixes, ending) if mounting.parts else None
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         prune(unit)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
@@ -173,17 +174,22 @@ class _NamesChecked(Sink):
             super().add(diagnostic)
 
 
-def _measure(sink: Sink, ending: ExitStack) -> Measure:
-    """MuJoCo, in a process of its own, asked only for what the tree does not tell; that ends with `ending`."""
+def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measure:
+    """MuJoCo, in a process of its own that ends with `ending`, asked only for what the tree does not tell.
+
+    Of each unit alone.
+    """
     started: list[Measure] = []
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
+        from composer.mjcf.outward import without_outward
+
         if not started:
             from composer.engine import Session
             from composer.steps.measure import measure_with
 
             started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
-        return started[0](unit, arrays, attempt=attempt)
+        return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
 
     return measure
 

@@ -10,9 +10,7 @@ from pathlib import Path
 
 from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.document.node import Mapping, Node, find, locate
 from composer.expand.expand import Concrete, expand
 from composer.plan.copies import copies
@@ -21,30 +19,16 @@ from composer.plan.drawn_parameters import drawn_parameters
 from composer.plan.locked import use_lock
 from composer.plan.matrix import read_matrix
 from composer.plan.order import in_order
-from composer.plan.parts import called, parts_of
+from composer.plan.part_names import check_part_names
 from composer.plan.pieces import check_pieces
-from composer.plan.plan import (
-    AddElement,
-    AppendElement,
-    AttachPart,
-    DrawValues,
-    EditElements,
-    LoadBase,
-    Plan,
-    SetDefault,
-    SetSingleton,
-    Step,
-    WriteKeyframe,
-)
+from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.plan.read import folder_of, read_recipe
 from composer.plan.reading import Reading, Readings, check_bare_angles, readings_of
+from composer.plan.rings import without_rings
+from composer.plan.steps import settled, steps_of
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
-from composer.recipe.checks.unchanged import Unchanged
 from composer.recipe.draw_field import DrawField
-from composer.recipe.element import Element
-from composer.recipe.keyframe import FROM
-from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
 from composer.sources.error import SourceError
@@ -127,11 +111,11 @@ class _Planner:
                 randomize = recipe.randomize
         inside = (*outer, (key, span))
         base = self._base(recipe, document, inside)
-        parts = self._without_rings(tuple(self._parts(recipe, document, inside)), recipe.separator)
+        parts = without_rings(tuple(self._parts(recipe, document, inside)), recipe.separator, self.sink)
         if base is None:
             return None
         readings = self._readings(path, recipe, document, concrete)
-        steps = tuple(_steps(recipe, document, randomize, sample))
+        steps = tuple(steps_of(recipe, document, randomize, sample))
         plan = Plan(
             name=name or recipe.name or as_text(path.stem),
             description=recipe.description,
@@ -144,7 +128,7 @@ class _Planner:
             base=base,
             parts=parts,
             steps=steps,
-            settled=frozenset(_settled(steps)),
+            settled=frozenset(settled(steps)),
             scope=concrete.scope if concrete else {},
             variants=concrete.variants if concrete else {},
             checks=recipe.check,
@@ -154,8 +138,7 @@ class _Planner:
             source=source,
             extended=self.context.recipes[path].extended,
         )
-        self._checks(plan)
-        _check_sources(plan, self.sink)
+        check_part_names(plan, self.sink)
         return plan
 
     def _no_table(self, field: DrawField, document: Mapping) -> None:
@@ -165,21 +148,6 @@ class _Planner:
             locate(document, (*field.at, "param")),
             help="write `emit: models`, which builds every sample",
         )
-
-    def _checks(self, plan: Plan) -> None:
-        """What a check is about must be a part."""
-        parts = list(parts_of(plan))
-        for check in plan.checks:
-            if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
-                continue
-            near = closest(check.part, parts)
-            self.sink.error(
-                "unknown-name",
-                f"check `{check.name}` is about `{check.part}`, which is no part of this recipe",
-                locate(plan.document, (*check.at, "unchanged", "part")),
-                notes=[exists_note("part", parts, check.part)],
-                help=f"write `part: {near[0]}`" if near else None,
-            )
 
     def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
         node = read_recipe(path, self.context)
@@ -315,101 +283,3 @@ class _Planner:
                     f"{name}` stands for",
                 )
             yield name, folder
-
-    def _without_rings(self, parts: tuple[AttachPart, ...], separator: str) -> tuple[AttachPart, ...]:
-        """Tell parts that hang on one another in a ring, which hang on nothing; the others remain."""
-        hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
-        told: set[str] = set()
-        for part in parts:
-            ring = [part.prefix]
-            while (mount := hangs_on.get(ring[-1])) is not None and mount not in ring:
-                ring.append(mount)
-            if mount == part.prefix and part.prefix not in told:
-                told.update(ring)
-                names = ", which hangs on ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
-                alone = len(ring) == 1
-                self.sink.error(
-                    "attach-cycle",
-                    f"`{part.prefix}` hangs on itself" if alone else f"`{part.prefix}` hangs on {names}",
-                    part.span,
-                    help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
-                )
-        if told:
-            self.sink.forgive(called(part, separator) for part in parts if part.prefix in told)
-        return tuple(part for part in parts if part.prefix not in told)
-
-
-def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
-    """The prefix of the part that this one hangs on, the longest that fits; None for the base and the world."""
-    attachment = part.attachment
-    place = attachment.site or attachment.body or attachment.frame or ""
-    fitting = [other.prefix for other in parts if other.prefix and place.startswith(other.prefix)]
-    return max(fitting, key=len, default=None)
-
-
-_SINGLETONS = ("compiler", "option", "size", "visual", "statistic")
-_SECTIONS = (
-    "extension", "asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom",
-)  # fmt: skip
-
-
-def _steps(recipe: Recipe, document: Mapping, randomize: Randomize | None, sample: int) -> Iterator[Step]:
-    """`add` first, then the sections: settings, classes, and what may use them."""
-    for item in recipe.add:
-        path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
-        span = locate(document, item.element.at)
-        yield AddElement(item.to_kind, item.to, item.element, locate(document, path), span)
-    for section in _SINGLETONS:
-        element: Element | None = getattr(recipe, section)
-        if element is not None:
-            yield SetSingleton(section, element, locate(document, element.at, key=True))
-    for each in recipe.default:
-        yield SetDefault(each.name, each.parent, each.element, locate(document, each.element.at, key=True))
-    for section in _SECTIONS:
-        for element in getattr(recipe, section):
-            yield AppendElement(section, element, locate(document, element.at, key=True))
-    for edit in recipe.edit:
-        yield EditElements(edit, locate(document, edit.at))
-    for field in randomize.fields if randomize is not None else ():
-        if randomize is not None and field.select is not None:
-            span = locate(document, field.drawn_at)
-            yield DrawValues(
-                field, randomize.seed, sample, randomize.samples, span, randomize.emit == "table"
-            )
-    for key in recipe.keyframe:
-        yield WriteKeyframe(key, locate(document, key.at, key=True))
-
-
-def _check_sources(plan: Plan, sink: Sink) -> None:
-    """Tell parts that keys are to be made of and that are not there."""
-    parts = list(parts_of(plan))
-    for step in plan.keyframes:
-        for part in step.key.sources:
-            if parts.count(part) > 1:
-                sink.error(
-                    "name-clash",
-                    f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
-                    locate(plan.document, (*step.key.at, FROM, part), key=True),
-                    help="give the one without a prefix another key",
-                )
-            elif part not in parts:
-                sink.error(
-                    "unknown-name",
-                    f"there is no part `{part}` to take a key from",
-                    locate(plan.document, (*step.key.at, FROM, part), key=True),
-                    notes=(exists_note("part", parts, part),),
-                    help=did_you_mean(part, parts),
-                )
-
-
-def _settled(steps: tuple[Step, ...]) -> Iterator[str]:
-    """The paths of the values that the recipe sets itself (`option/cone`)."""
-
-    def walk(element: Element, path: str) -> Iterator[str]:
-        yield from (f"{path}/{name}" for name in element.attributes)
-        for child in element.children:
-            yield from walk(child, f"{path}/{child.tag}")
-
-    for step in steps:
-        if isinstance(step, SetSingleton):
-            yield from walk(step.element, step.section)

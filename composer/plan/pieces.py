@@ -1,14 +1,18 @@
-"""The pieces of recipe that a build does not take: what is wrong in them is told all the same."""
+"""What a recipe has for other builds: what is wrong in it is told all the same."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Set
 from collections.abc import Mapping as Map
 
 from composer.diagnostics.sink import Sink
-from composer.document.node import Mapping, Node, spans
+from composer.diagnostics.span import Span
+from composer.document.node import Mapping, Node, Scalar, Sequence, spans
 from composer.expand.expand import expand
 from composer.expand.plain import node_of
 from composer.expand.variants import choose, read_axes
+from composer.expand.when import has_conditions
+from composer.expr.opening import is_template
 from composer.recipe.validate import validate_what_remains
 
 # What may be right in a build that chooses another piece as well.
@@ -16,16 +20,39 @@ _MAY_BE_ELSEWHERE = ("missing-key", "expression", "unknown-name")
 
 
 def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
-    """Judge every piece of `variants` that is not chosen, each over the recipe, and tell the faults that lie in it."""
+    """Judge what a build leaves out: the items that `when` keeps to others, and every piece of `variants` that is not
+    chosen, each over the recipe. Tell the faults that lie in it.
+    """
+    if has_conditions(document):
+        _judge(document, given, None, sink)
     axes = read_axes(document, Sink())
     chosen = choose(axes, given, Sink())
     for axis, values in axes.items():
         for value, (key, piece) in values.entries.items():
-            if value == chosen[axis]:
-                continue
-            aside, places = Sink(), set(spans(piece))
-            concrete = expand(document, {**given, axis: node_of(value, key.span)}, aside)
-            validate_what_remains(concrete.document, aside)
-            for fault in aside.errors:
-                if fault.code not in _MAY_BE_ELSEWHERE and fault.span in places:
-                    sink.add(fault)
+            if value != chosen[axis]:
+                _judge(document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink)
+
+
+def _judge(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:
+    """Tell the faults, in these places, of a build with the items of all builds."""
+    aside, computed = Sink(), set(_computed(document))
+    validate_what_remains(expand(document, given, aside, any=True).document, aside)
+    for fault in aside.errors:
+        is_told = places is None or fault.span in places
+        if is_told and fault.code not in _MAY_BE_ELSEWHERE and fault.span not in computed:
+            sink.add(fault)
+
+
+def _computed(node: Node) -> Iterator[Span]:
+    """Where values are computed, which are others in the build that has them, and lists of such values."""
+    if isinstance(node, Scalar):
+        if isinstance(node.value, str) and is_template(node.value):
+            yield node.span
+        return
+    items = node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
+    if isinstance(node, Sequence) and any(
+        isinstance(item, Scalar) and is_template(item.text) for item in items
+    ):
+        yield node.span
+    for item in items:
+        yield from _computed(item)

@@ -9,6 +9,7 @@ from typing import Literal
 
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
+from composer.document.node import locate
 from composer.expr.value import Value
 from composer.plan.drawn import Drawn
 from composer.plan.reading import Readings
@@ -184,6 +185,19 @@ class Plan:
     def edits(self) -> tuple[EditElements, ...]:
         """The steps that edit the whole model."""
         return tuple(step for step in self.steps if isinstance(step, EditElements))
+
+    @property
+    def added_places(self) -> Mapping[tuple[str, str], Span]:
+        """Where bodies, frames and sites that are added have their names, by kind and name."""
+        found: dict[tuple[str, str], Span] = {}
+        waiting = [step.element for step in reversed(self.steps) if isinstance(step, AddElement)]
+        while waiting:
+            element = waiting.pop()
+            name = element.attributes.get("name")
+            if name is not None and element.tag in ("body", "frame", "site"):
+                found.setdefault((element.tag, str(name)), locate(self.document, (*element.at, "name")))
+            waiting.extend(reversed(element.children))
+        return found
 
     @property
     def draws(self) -> tuple[DrawValues, ...]:

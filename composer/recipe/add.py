@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
@@ -84,7 +84,7 @@ def _addition(reader: Reader, value: Any, at: Path) -> Addition | None:
     else:
         fault = lacks("an entry of `add`", TO, at)
         help = "write `to: world`, or the name of a body"
-        reader.faults.append(Fault(fault.code, fault.message, at, help=help))
+        reader.faults.append(replace(fault, key=False, help=help))
     kinds = addable(target[0] if target else "body")
     element = _element(reader, value, at, kinds, "the world" if target and target[0] == WORLD else "`add`")
     if target is None or element is None:

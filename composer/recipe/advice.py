@@ -20,6 +20,8 @@ _SWITCHES = {
 }
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _WITH_UNIT = re.compile(rf"({_NUMBER})\s*([a-zA-Zµ]+)")
+# How other tools write what is `${…}` here.
+_TEMPLATE = re.compile(r"\$?[{(]{1,2}\s*([A-Za-z_][^{}()]*)[})]{1,2}|\$(\w+)")
 _PI = re.compile(rf"([-+])?(?:({_NUMBER})\s*\*\s*)?(?:np\.|math\.)?pi(?:\s*/\s*({_NUMBER}))?", re.IGNORECASE)
 # By how much a number in that unit is divided, and the unit that is usual in MJCF.
 _UNITS = {
@@ -65,13 +67,15 @@ def item_instead(attribute: Attribute, item: object) -> str | None:
     """The same for one of several numbers."""
     if not isinstance(item, str):
         return None
-    parts = items(item)
+    parts = items(item.replace(";", " "))
     if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
         return f"write commas between them: `{', '.join(parts)}`"
     return _number(attribute, item)
 
 
 def _number(attribute: Attribute, text: str) -> str | None:
+    if found := _TEMPLATE.fullmatch(text.strip()):
+        return f'an expression is written `"${{{(found[1] or found[2]).strip()}}}"`'
     if parse_real(text) is not None:
         return f"write `{text}` without quotes"
     if attribute.type != "real":

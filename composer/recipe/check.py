@@ -76,7 +76,7 @@ def _read(name: str, value: Any, faults: list[Fault]) -> Iterator[Check]:
 
 
 def _unknown_kind(key: str, owner: str, at: Path) -> Fault:
-    near = closest(key, KINDS)
+    near = closest(key, (*KINDS, "when"))
     return Fault(
         "unknown-key",
         f"`{key}` in {owner} is no kind of check",

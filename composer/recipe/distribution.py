@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -167,16 +167,18 @@ class Reading:
             message = f"`{kind}` of {self.owner} is a mapping with {known}, got {kind_of(value)}"
             self._fault("wrong-type", message, at, help=example)
             return []
+        meant: set[str] = set()
         for key in value:
             if key not in keys:
-                near = closest(key, keys)
+                near = [_SYMBOLS[key]] if _SYMBOLS.get(key) in keys else closest(key, keys)
+                meant.update(near)
                 self._fault("unknown-key", f"`{kind}` of {self.owner} has no key `{key}`", (*at, key), key=True,
                             remarks=(Remark(exists_note("key", keys, key).message),),
                             help=f"write `{near[0]}`" if near else None)  # fmt: skip
         neutral = {"scale": 0.0 if kind == "lognormal" else 1.0, "offset": 0.0}.get(self.operation)
         given = {"mean": neutral, **value} if neutral is not None else value
         for key in keys:
-            if key not in given:
+            if key not in given and key not in meant:
                 self._fault("missing-key", f"`{kind}` of {self.owner} lacks `{key}`", at, help=example)
         return [(key, given[key], (*at, key)) for key in keys if key in given]
 
@@ -186,11 +188,11 @@ class Reading:
         found: list[float | Angle] = []
         for place, item in enumerate(items):
             read: Any = Angle.read(item) if isinstance(item, str) else item
-            whole = kind != "integers" or (
-                _is_number(read) and float(read).is_integer() and abs(read) < _LARGEST
-            )
-            if not whole or not (isinstance(read, Angle) or (_is_number(read) and math.isfinite(read))):
+            finite = _is_number(read) and abs(read) <= sys.float_info.max
+            whole = kind != "integers" or (finite and abs(read) < _LARGEST and float(read).is_integer())
+            if not whole or not (finite or isinstance(read, Angle)):
                 noun = "a whole number" if kind == "integers" else "a number"
+                noun = noun if finite or not _is_number(read) else "a finite number"
                 message = f"`{kind}` of {self.owner} expects {noun}, got {kind_of(item)}"
                 self._fault("wrong-type", message, (*at, place) if isinstance(value, list) else at)
             else:
@@ -252,6 +254,10 @@ def _fault_of(distribution: Distribution) -> str | None:
         if distribution.is_empty:
             return "between `min` and `max` there is next to nothing of it"
     return None
+
+
+# What statisticians and other tools call them.
+_SYMBOLS = {"mu": "mean", "sigma": "std", "stddev": "std", "sd": "std", "low": "min", "high": "max"}
 
 
 def _is_number(value: object) -> bool:

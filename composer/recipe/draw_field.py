@@ -12,7 +12,7 @@ from composer.recipe.distribution import CHOICE, EXAMPLES, KINDS, Drawing, Opera
 from composer.recipe.edit_values import MASS, Checker
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
 from composer.recipe.raw import path_of
-from composer.recipe.select import kinds_of, read_selector
+from composer.recipe.select import inside, kinds_of, read_selector
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.subscript import attribute_and_index
 from composer.tree.selector import Selector
@@ -108,11 +108,13 @@ def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
             near = closest(key, KEYS)
             remark = Remark(exists_note("key", KEYS, key).message)
             yield Fault("unknown-key", f"field `{name}` of `randomize` has no key `{key}`", (name, key), key=True,
-                        remarks=(remark,), help=f"write `{near[0]}`" if near else None)  # fmt: skip
+                        remarks=(remark,), help=inside(key) or (f"write `{near[0]}`" if near else None))  # fmt: skip
 
 
 def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Fault]:
     """What is drawn: an attribute of what is selected, or a parameter. `meant` are keys that are misspelt."""
+    if "param" in meant:
+        return
     if "param" in value:
         for key in _SELECTING:
             if key in value:
@@ -133,7 +135,7 @@ def _written(
 ) -> tuple[Operation, str | None, dict[str, Any], Path]:
     """The operation, the kind of the distribution, and the mapping that has it with its path."""
     given = [key for key in (*KINDS, *OPERATIONS) if key in value]
-    if not given and meant.isdisjoint((*KINDS, *OPERATIONS)):
+    if not given and meant.isdisjoint((*KINDS, *OPERATIONS)) and all(key in KEYS for key in value):
         help = f"write for instance `uniform: {EXAMPLES['uniform']}`, or `scale: {{uniform: …}}` for a factor"
         message = f"field `{name}` of `randomize` has no distribution"
         faults.append(Fault("missing-key", message, (name,), key=True, help=help,

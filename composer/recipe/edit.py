@@ -14,7 +14,7 @@ from composer.recipe.count import read_count
 from composer.recipe.edit_values import VERBS, Checker
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
 from composer.recipe.raw import path_of
-from composer.recipe.select import read_selector
+from composer.recipe.select import inside, read_selector
 from composer.recipe.settings import settings
 from composer.recipe.shown import kind_of
 from composer.tree.selector import Selector
@@ -95,7 +95,9 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
     faults += _unknown(value, at)
     if "select" not in value:
         help = "write `select: {TAG: NAME}`: which elements are meant"
-        faults.append(Fault("missing-key", "an entry of `edit` lacks `select`", at, help=help))
+        faults.append(
+            Fault("missing-key", "an entry of `edit` lacks `select`", at, help=help, lacks="select")
+        )
         return None
     selector = read_selector(value["select"], (*at, "select"), "`select`", faults)
     verbs = [name for name in (*VERBS, REMOVE) if name in value]
@@ -130,6 +132,7 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
         if name in _KEYS:
             continue
         near = closest(name, _KEYS)
+        help = inside(name) or (f"write `{near[0]}`" if near else None)
         remark = Remark(exists_note("key", _KEYS, name).message)
         yield Fault(
             "unknown-key",
@@ -137,7 +140,7 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
             (*at, name),
             key=True,
             remarks=(remark,),
-            help=f"write `{near[0]}`" if near else None,
+            help=help,
         )
 
 

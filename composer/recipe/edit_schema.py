@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from composer.grammar import GRAMMAR
-from composer.recipe.edit_values import CONVERTIBLE, VERBS
+from composer.recipe.edit_values import VERBS
 from composer.recipe.pattern import GLOB
 from composer.recipe.placing import ORIENTATIONS
 from composer.recipe.reference import Schema, reference
+from composer.recipe.settable_schema import CHANGES, KIND, by_tag, conversions
 from composer.tree.selector import known_tags
 
 _TEXT: Schema = {"type": "string", "minLength": 1}
@@ -36,22 +37,22 @@ def edit() -> Schema:
         name: {"type": ["array", "string"], "description": f"`{name}` in what it then stands in"}
         for name in ("pos", *ORIENTATIONS)
     }
-    kinds: Schema = {"enum": [*CONVERTIBLE], "description": "the kind of actuator that it becomes"}
     place: Schema = {"anyOf": [_TEXT, frame], "description": "a body, `world`, or `{frame: NAME}`"}
     properties: Schema = {
         "select": {**reference("selector"), "description": "which elements are meant"},
         **_COUNT,
         "unset": {
             "anyOf": [attributes, {"type": "object", "additionalProperties": attributes}],
-            "description": "attributes that are no longer written",
+            "description": CHANGES["unset"],
         },
-        "set": {**values, "description": "attributes and their new values, `friction[0]` for one number"},
-        "scale": {**values, "description": "attributes and what they are multiplied with"},
-        "offset": {**values, "description": "attributes and what is added to them"},
+        "set": {**values, "description": CHANGES["set"]},
+        "scale": {**values, "description": CHANGES["scale"]},
+        "offset": {**values, "description": CHANGES["offset"]},
         "convert": {
             "type": "object",
-            "properties": {"to": kinds},
+            "properties": {"to": KIND},
             "required": ["to"],
+            "allOf": conversions(),
             "description": "another kind of actuator, and attributes of it",
         },
         "move": {
@@ -84,6 +85,7 @@ def edit() -> Schema:
             "properties": dict.fromkeys(others, False),
             "errorMessage": "`remove` stands alone",
         },
+        "allOf": by_tag(),
     }
 
 

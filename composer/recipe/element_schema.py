@@ -20,6 +20,7 @@ from composer.recipe.reader import CONFIG, FRAGMENT
 from composer.recipe.recipe import SETTABLE
 from composer.recipe.reference import Schema, reference
 from composer.recipe.replicate import ATTRIBUTES, COUNT
+from composer.recipe.settable_schema import AMOUNT, scalable, settable
 from composer.recipe.tendon import MARKS, PATH
 from composer.recipe.typed import TYPE
 
@@ -194,7 +195,11 @@ def _definition_of_class(_: str) -> Schema:
         for tag, row in GRAMMAR.section("default").children.items()
         if tag != "default"
     }
-    parent = {"type": "string", "description": "the class that it descends from; without it, the top class"}
+    parent = {
+        "type": "string",
+        "minLength": 1,
+        "description": "the class that it descends from; without it, the top class",
+    }
     return _object({"parent": parent, **rows})
 
 
@@ -223,6 +228,9 @@ _DEFINITIONS: dict[str, Callable[[str], Schema]] = {
     "class": _definition_of_class,
     "addition": _definition_of_addition,
     "edit": lambda _: edit(),
+    "settable": settable,
+    "scalable": scalable,
+    "amount": lambda _: dict(AMOUNT),
     "selector": lambda _: selector(),
     "dropped": lambda _: dropped(),
     "draw": lambda _: draw_field(),

@@ -80,8 +80,7 @@ def _below(data: Any, step: str | int) -> Any:
 def _meant(loc: Path, missing: list[Any]) -> Any | None:
     """The error of the missing key that an unknown one beside it was meant to be."""
     beside = {each["loc"][-1]: each for each in missing if each["loc"][:-1] == loc[:-1]}
-    head = str(loc[-1]).partition(":")[0]
-    near = [head] if head in beside else closest(str(loc[-1]), [str(name) for name in beside])
+    near = closest(str(loc[-1]), [str(name) for name in beside])
     return beside[near[0]] if near else None
 
 
@@ -103,8 +102,6 @@ def _extra(loc: Path, meant: Any | None) -> Fault:
     help = f"write `{near[0]}`" if near else None
     if model is Recipe and name in _ELSEWHERE:
         help = _ELSEWHERE[name]
-    if spaced := without_space(name, known):
-        help = f"put a space behind the colon: `{spaced}`"
     remark = Remark(exists_note("key", known, name).message)
     return Fault("unknown-key", f"{owner} has no key `{name}`", loc, key=True, remarks=(remark,), help=help)
 

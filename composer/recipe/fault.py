@@ -28,7 +28,8 @@ class Fault:
     """What becomes a diagnostic once its place in the file is looked up.
 
     `at` starts from the value that was validated; with `key` the fault lies in the key at the end of `at`. `within` is
-    the line, the column and the width of what is wrong in a text of several lines.
+    the line, the column and the width of what is wrong in a text of several lines. `lacks` is the key that is missing
+    in the mapping at `at`, or with `beside` in that which has the key at the end of `at`.
     """
 
     code: str
@@ -38,6 +39,8 @@ class Fault:
     remarks: tuple[Remark, ...] = ()
     help: str | None = None
     within: tuple[int, int, int] | None = None
+    lacks: str | None = None
+    beside: bool = False
 
 
 def refusal(faults: Sequence[Fault], value: object) -> ValidationError:

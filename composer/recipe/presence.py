@@ -24,9 +24,8 @@ def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, fa
 def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
     """That a key is required and not there; `doc` explains the key."""
     remarks = (Remark(f"`{name}` is: {doc}"),) if doc else ()
-    return Fault(
-        "missing-key", f"{owner} lacks `{name}`", at, key=True, remarks=remarks, help=f"write `{name}: …`"
-    )
+    message = f"{owner} lacks `{name}`"
+    return Fault("missing-key", message, at, key=True, remarks=remarks, help=f"write `{name}: …`", lacks=name)
 
 
 def clashing(
@@ -99,4 +98,6 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
     first = next(iter(there))
     wanted = " and ".join(f"`{name}`" for name in missing)
     help = f"write {wanted} too, or leave `{first}` out"
-    return Fault("missing-key", f"{owner} has `{first}` without {wanted}", (*at, first), key=True, help=help)
+    message = f"{owner} has `{first}` without {wanted}"
+    lacks = next(iter(missing)) if len(missing) == 1 else None
+    return Fault("missing-key", message, (*at, first), key=True, help=help, lacks=lacks, beside=True)

@@ -10,7 +10,7 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.grammar.format import number_text
-from composer.recipe.advice import element_instead, without_space
+from composer.recipe.advice import element_instead
 from composer.recipe.angles import bare_angle
 from composer.recipe.element import Element, Value
 from composer.recipe.fault import Fault, Path, Remark
@@ -205,8 +205,6 @@ class Reader:
             help = f"write it in `{groups[0]}: {{…}}`"
         if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
             help = f"write `objtype: {name}, objname: {value}`"
-        elif spaced := without_space(name, kind.attributes):
-            help = f"put a space behind the colon: `{spaced}`"
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
             remarks = (Remark(exists_note("element", kind.children, name).message),)
             return Fault(

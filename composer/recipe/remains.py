@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from composer.diagnostics.suggest import closest
-from composer.document.node import Key, Mapping, Node, texts
+from composer.document.node import Key, Mapping, Node, Scalar, texts
 from composer.document.node import Sequence as List
+from composer.recipe.attach import Attachment
 from composer.recipe.fault import Fault, Path
 from composer.recipe.recipe import Recipe
 
 # Without these nothing else in the recipe can be judged.
 _INDISPENSABLE = ("recipe", "separator", "base")
+# Without these a part is another one, or hangs in another way.
+_MAKING = ("subtree", "joint", "drop", "edit", "prefix", "replicate", "with", "keyframes")
+# What may disagree as `conflict` says.
+_AGREED = ("option", "size", "statistic", "visual")
 _ROUNDS = 8
 
 Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
@@ -32,21 +37,32 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
     lost: set[str] = set()
     for _ in range(_ROUNDS):
         for path in _outermost(_way(node, fault.at) for fault in faults):
-            if not path or (len(path) == 1 and _is_indispensable(path[0])):
+            if not path or (len(path) == 1 and _means(path[0], _INDISPENSABLE)):
                 return None
+            path = _whole(path)
             lost.update(_texts(node, path))
-            node = _without(node, path)
+            if _means(path[0], ("conflict",)):
+                lost.update(_AGREED)
+            unit = _means(path[0], ("angle",)) and len(path) == 1
+            node = _in_some_unit(_without(node, path)) if unit else _without(node, path)
         recipe, faults = judge(node)
         if recipe is not None:
             return Remains(recipe, node, frozenset(lost))
     return None
 
 
-def _is_indispensable(key: str | int) -> bool:
-    """Whether a key at the top, or what was meant by it, is one without which nothing else can be judged."""
-    if key in Recipe.model_fields:
-        return key in _INDISPENSABLE
-    return any(meant in _INDISPENSABLE for meant in closest(str(key), Recipe.model_fields))
+def _whole(path: Path) -> Path:
+    """The path of what goes: a part with a fault in a key that makes it what it is goes whole."""
+    is_made = len(path) == 3 and path[0] == "attach" and _means(path[2], _MAKING, Attachment.model_fields)
+    return path[:2] if is_made else path
+
+
+def _means(
+    key: str | int, keys: Collection[str], known: Collection[str] = tuple(Recipe.model_fields)
+) -> bool:
+    """Whether a key, or what was meant by it, is one of `keys`."""
+    near = [str(key)] if key in known else closest(str(key), known)
+    return any(meant in keys for meant in near)
 
 
 def _way(node: Node, path: Path) -> Path:
@@ -61,6 +77,12 @@ def _way(node: Node, path: Path) -> Path:
             continue
         way.append(step)
     return tuple(way)
+
+
+def _in_some_unit(node: Mapping) -> Mapping:
+    """The recipe with a unit of angles, so that none is told to lack it."""
+    key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", True)
+    return Mapping({**node.entries, key.name: (key, unit)}, node.span)
 
 
 def _outermost(paths: Iterator[Path]) -> list[Path]:

@@ -32,7 +32,7 @@ _ORDER = (
 )
 _RANK = {key: rank for rank, key in enumerate(_ORDER.split())} | {"$defs": 1000}
 # Keys of JSON Schema below which the keys are names.
-_NAMES = frozenset({"properties", "$defs"})
+_NAMES = frozenset({"properties", "patternProperties", "$defs"})
 
 
 def recipe_schema() -> Schema:
@@ -134,7 +134,7 @@ def _layout(value: Any, indent: str, in_order: bool) -> str:
         lines = [f"{inner}{_layout(each, inner, in_order=True)}" for each in value]
         return "[\n" + ",\n".join(lines) + f"\n{indent}]"
     lines = [
-        f'{inner}"{key}": {_layout(each, inner, not in_order or key not in _NAMES)}'
+        f"{inner}{json.dumps(key, ensure_ascii=False)}: {_layout(each, inner, not in_order or key not in _NAMES)}"
         for key, each in value.items()
     ]
     return "{\n" + ",\n".join(lines) + f"\n{indent}}}"

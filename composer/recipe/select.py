@@ -18,6 +18,11 @@ from composer.recipe.subscript import attribute_and_index
 from composer.tree.selector import XPATH, Selector, known_tags, paths_of
 
 NARROWING = ("parent", "in", "part", "class", "where")
+_BESIDE = (
+    "expect", "optional", "when", "id", "unset", "set", "scale", "offset", "convert", "move", "rename", "remove",
+    "attr", "per",
+)  # fmt: skip
+"""Keys that stand beside a `select`."""
 _EXAMPLE = 'write for instance `{geom: "**/pad*"}`'
 
 
@@ -39,6 +44,9 @@ def read_selector(
     if others:
         known = bool(paths_of(others[0])) or others[0] == XPATH
         near = closest(others[0], keys)
+        help = f"write `{near[0]}`" if near else None
+        if others[0] in _BESIDE and owner.startswith("`select`"):
+            help = f"write it beside `select`, behind the `}}` of the selector: `{others[0]}: …`"
         faults.append(
             Fault(
                 EXCLUSIVE if known else "unknown-key",
@@ -47,14 +55,10 @@ def read_selector(
                 else f"`{others[0]}` is no key of a selector",
                 (*at, others[0]),
                 key=True,
-                remarks=()
-                if known
-                else (Remark(exists_note("key", keys, others[0]).message),),
-                help="write an entry of its own for each"
-                if known
-                else f"write `{near[0]}`" if near else None,
+                remarks=() if known else (Remark(exists_note("key", keys, others[0]).message),),
+                help="write an entry of its own for each" if known else help,
             )
-        )  # fmt: skip
+        )
     if tag != XPATH and not paths_of(tag):
         faults.append(_unknown_tag(tag, (*at, tag)))
         return None
@@ -78,6 +82,11 @@ def read_selector(
         tag, pattern, outer.get("parent"), outer.get("in"), texts.get("part"), texts.get("class"), where,
         path_of(value),
     )  # fmt: skip
+
+
+def inside(name: str) -> str | None:
+    """What to write where a key of a selector stands beside it; None for other keys."""
+    return f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" if name in NARROWING else None
 
 
 def kinds_of(tag: str) -> tuple[ElementType, ...]:
@@ -147,13 +156,12 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
     """That no element of a tag has such an attribute."""
     known = sorted({each for kind in kinds for each in kind.attributes})
     near = closest(name, known)
+    help = f"write `{near[0]}`" if near else None
+    if tag == "general" and name in ("kp", "kv"):
+        help = "it has `gainprm` and `biasprm`; `convert: {to: position}` makes one with `kp` and `kv` of it"
+    remarks = (Remark(exists_note("attribute", known, name).message),)
     return Fault(
-        "unknown-attribute",
-        f"`{name}` is no attribute of `{tag}`",
-        at,
-        key=True,
-        remarks=(Remark(exists_note("attribute", known, name).message),),
-        help=f"write `{near[0]}`" if near else None,
+        "unknown-attribute", f"`{name}` is no attribute of `{tag}`", at, key=True, remarks=remarks, help=help
     )
 
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from composer.diagnostics.suggest import closest
+
 DEFAULT_SEPARATOR = "/"
 
 
@@ -21,13 +23,12 @@ class Settings:
 
     @classmethod
     def of(cls, data: object) -> Settings:
-        """The settings that the top-level keys of a recipe make; a wrong one counts as given."""
+        """The settings that the top-level keys of a recipe make; one that is wrong or misspelt counts as given."""
         if not isinstance(data, Mapping):
             return cls()
         separator = data.get("separator", DEFAULT_SEPARATOR)
-        return cls(
-            "angle" in data, separator if isinstance(separator, str) and separator else DEFAULT_SEPARATOR
-        )
+        bare_angles = any(key == "angle" or closest(str(key), ["angle"]) for key in data)
+        return cls(bare_angles, separator if isinstance(separator, str) and separator else DEFAULT_SEPARATOR)
 
 
 def settings(context: Any) -> Settings:

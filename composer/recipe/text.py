@@ -89,7 +89,7 @@ class Choice:
             return Fault(
                 "wrong-type", f"`{self.key}` expects a keyword, got {kind_of(value)}", help=_one_of(words)
             )
-        near = closest(value, words)
+        near = closest(value, words) or [word for word in words if len(value) > 1 and word.startswith(value)]
         return Fault(
             "wrong-keyword",
             f"`{self.key}` cannot be `{value}`",

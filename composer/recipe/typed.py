@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
 from composer.recipe.fault import Fault, Remark
@@ -77,6 +77,10 @@ class Typed(Section):
         return reader.element(kind, value, (name,), owner, keyed={"name": name}, own=own, children=steps)
 
     def _without_type(self, name: str, value: dict[str, Any]) -> Fault:
+        meant = next((key for key in value if closest(key, [TYPE])), None)
+        if meant is not None:
+            message = f"{self.tag} `{name}` has no key `{meant}`"
+            return Fault("unknown-key", message, (name, meant), key=True, help=f"write `{TYPE}`")
         inner = next(
             (tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None
         )

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from pydantic import ValidationError
 
 from composer.diagnostics import Note, Sink, Span
+from composer.diagnostics.suggest import closest
 from composer.document.node import Mapping, Node, Scalar, find, locate, to_python
 from composer.recipe import errors
-from composer.recipe.fault import Fault, Path
+from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.raw import raw
 from composer.recipe.recipe import Recipe
 from composer.recipe.remains import Remains, remains
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
+
+_UNKNOWN = ("unknown-key", "unknown-attribute", "unknown-element")
+_SEVERAL = 4
 
 
 def validate(node: Node, sink: Sink) -> Recipe | None:
@@ -55,7 +60,8 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
     if not early and not found:
         return recipe, []
     version = [fault for fault in found if fault.code == "recipe-version"]
-    return None, version or list(_one_each(early, found))
+    told = list(_without_misspelt(list(_one_each(early, found))))
+    return None, version or list(_without_strangers(told))
 
 
 def _no_mapping(node: Node, sink: Sink) -> None:
@@ -74,6 +80,43 @@ def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
     settled = {fault.at for fault in kept}
     yield from kept
     yield from (fault for fault in found if fault.key or fault.at not in settled)
+
+
+def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
+    """A key with a typing error is a key too many and a key too few: here it is one fault."""
+    lacking = {(_mapping_of(fault), fault.lacks): fault for fault in faults if fault.lacks is not None}
+    found: list[Fault] = []
+    for fault in faults:
+        if lacking and fault.code in _UNKNOWN and fault.key:
+            keys = [key for at, key in lacking if at == fault.at[:-1]]
+            if near := closest(str(fault.at[-1]), keys):
+                del lacking[fault.at[:-1], near[0]]
+                fault = replace(fault, help=f"write `{near[0]}`")
+        found.append(fault)
+    return (each for each in found if each.lacks is None or (_mapping_of(each), each.lacks) in lacking)
+
+
+def _mapping_of(fault: Fault) -> Path:
+    """The mapping that lacks a key."""
+    return fault.at[:-1] if fault.beside else fault.at
+
+
+def _without_strangers(faults: list[Fault]) -> Iterator[Fault]:
+    """Several keys that a mapping cannot have say one thing: it is of another kind, or stands in a wrong place."""
+    strangers: dict[Path, list[Fault]] = {}
+    for fault in faults:
+        if fault.code in _UNKNOWN and fault.key and len(fault.at) > 1:
+            strangers.setdefault(fault.at[:-1], []).append(fault)
+    several = {at: found for at, found in strangers.items() if len(found) >= _SEVERAL}
+    for fault in faults:
+        first, *others = several.get(fault.at[:-1], [fault]) if fault.code in _UNKNOWN else [fault]
+        if fault is first and others:
+            keys = ", ".join(f"`{each.at[-1]}`" for each in others)
+            remark = Remark(f"the same is true of {keys}")
+            help = "is it in the right section? its indentation says to what it belongs"
+            yield replace(fault, remarks=(remark, *fault.remarks), help=help)
+        elif fault is first and not (fault.code == "missing-key" and fault.at in several):
+            yield fault
 
 
 def _tell(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:

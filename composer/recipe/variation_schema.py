@@ -68,6 +68,7 @@ _WHEN: Schema = {
 }
 _ID: Schema = {
     "type": "string",
+    "minLength": 1,
     "description": "A name for merging: an item with the same one replaces this one.",
 }
 _WITH_WHEN = ("Attachment", "addition", "class", "element.contact.pair", "element.contact.exclude")

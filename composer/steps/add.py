@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.link.linking import Linking
 from composer.plan.plan import AddElement
@@ -24,6 +25,9 @@ def add(step: AddElement, linking: Linking, making: Making) -> None:
     kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)
     node = make(step.element, kind.children.get(step.element.tag, kind), making)
     making.register(node, "worldbody")
+    for place in node.iter("body", "frame"):  # a later entry may add to it
+        if name := place.get("name"):
+            linking.names.declared.setdefault(str(place.tag), {}).setdefault(str(name), place)
     if holder is None:
         return  # its names count as declared: that they are referred to is no second fault
     if step.to_kind == "world" and linking.base_class is not None:
@@ -37,6 +41,15 @@ def add(step: AddElement, linking: Linking, making: Making) -> None:
 
 def _nowhere(step: AddElement, linking: Linking, making: Making) -> None:
     written = "to: {frame: NAME}" if step.to_kind == "frame" else "to: NAME"
+    if (coming := linking.coming.get((step.to_kind, step.to))) is not None:
+        making.sink.error(
+            "unknown-name",
+            f"there is no {step.to_kind} `{step.to}` to add to yet: a later entry adds it",
+            step.to_span,
+            notes=(Note("it is added here", coming),),
+            help="put that entry above this one",
+        )
+        return
     help = None
     kinds = linking.names.kinds_of(step.to)
     if step.to_kind == "body" and "frame" in kinds:

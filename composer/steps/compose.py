@@ -161,7 +161,7 @@ class Composer:
             base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
             isolate_base=frozenset(_top_tags(plan)),
             base_keyframes=plan.base.keyframes, asked=plan.asked if plan.keyframes else None,
-            measure=self.measure, watch=self.watch,
+            measure=self.measure, watch=self.watch, coming=plan.added_places,
         )  # fmt: skip
         self.watch(linking.units, linking)
         if self.selects_parts:

@@ -9,6 +9,7 @@ from functools import cached_property
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
 from composer.link import numbers
 from composer.link.inertia import MEASURED, has_mass, own, write_inertias
 from composer.link.linking import Linking
@@ -21,6 +22,7 @@ from composer.tree.classes import childclass_of
 from composer.tree.settings import Settings
 
 _DENSITY = 1000.0
+_NOT_TO_BE_HAD = "compiler-setting"
 _DEFAULT = Settings()
 
 
@@ -39,17 +41,17 @@ class Masses:
         if own_masses and all(mass is not None for mass in own_masses):
             return sum(numbers.read(str(mass))[0] for mass in own_masses)
         before = self.editing.sink.error_count
-        found = self._survey
+        found, hidden = self._survey
         if self.editing.sink.error_count > before:
             raise Unusable
         mass = None if found is None else found.values(body, "body_mass", 1)
         if mass is None:
             self.editing.sink.error(
                 "selector",
-                f"the mass of {self.editing.called(body)} is not known",
+                f"the mass of {self.editing.called(body)} is not known{hidden}",
                 self.editing.span(at),
                 notes=(Note("it is written here", self.editing.span_of(body)),),
-                help="`scale` needs not know it",
+                help="`scale` needs not know it; or write a `mass` on each of its geoms",
             )
             raise Unusable
         return mass[0]
@@ -74,16 +76,20 @@ class Masses:
         self._scale(body, factor, at)
 
     @cached_property
-    def _survey(self) -> Survey | None:
+    def _survey(self) -> tuple[Survey | None, str]:
+        """What MuJoCo makes of the model, and why masses are not to be had of it, if so."""
         editing = self.editing
         unit = editing.linking.flat()
+        aside = Sink()
         with without_keys(unit.root):
-            return survey(
-                Linking(unit, [], editing.sink, measure=editing.linking.measure),
-                unit,
-                "`mass`",
-                ("body_mass",),
+            found = survey(
+                Linking(unit, [], aside, measure=editing.linking.measure), unit, "`mass`", ("body_mass",)
             )
+        if any(each.code == _NOT_TO_BE_HAD for each in aside.diagnostics):
+            return None, f": {aside.diagnostics[0].message.rpartition(': ')[2]}"
+        for each in aside.diagnostics:
+            editing.sink.add(each)
+        return found, ""
 
     def _settle(self) -> None:
         """Rules that change a model after its bodies are written out as what they give, before a body is changed."""

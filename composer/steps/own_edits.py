@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, replace
+
+from lxml.etree import _Element as Node
 
 from composer.context import Context
 from composer.document.node import locate
 from composer.link.key_layouts import layouts, remove_keys
 from composer.link.keyframes import keyframes
 from composer.link.linking import Linking, Measure
+from composer.link.multiplied import element_of
 from composer.link.subtree import Left
 from composer.plan.plan import DropElements, EditElements, Plan
 from composer.steps.drop import drop
@@ -16,6 +20,7 @@ from composer.steps.edit import edit, is_of_keys
 from composer.steps.editing import Editing
 from composer.steps.elements import Making
 from composer.steps.subtree import Wanted
+from composer.tree.key import Key, PartKeys
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch
 
@@ -43,7 +48,9 @@ class OwnEdits:
         steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
         self._edited([step for step in steps if not is_of_keys(step)], editing)
         if self.context.sink.error_count == before:
+            inner = _still_meant(self.unit.part_keys, linking.emptied)
             keyframes(linking)
+            self.unit.part_keys = inner
             self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
         self.unit.forget_classes()
         return tuple(gone) if self.context.sink.error_count == before else None
@@ -67,3 +74,16 @@ class OwnEdits:
         for step in steps:
             edit(step, editing)
             self.watch([self.unit], step)
+
+
+def _still_meant(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
+    """The keys of the parts of a nested recipe, by the same paths, without the numbers that mean nothing any more."""
+
+    def kept(key: Key) -> Key:
+        values = {
+            vector: {holder: row for holder, row in columns.items() if element_of(holder) not in emptied}
+            for vector, columns in key.values.items()
+        }
+        return replace(key, values=values)
+
+    return {path: PartKeys(depth, tuple(map(kept, found))) for path, (depth, found) in keys.items()}

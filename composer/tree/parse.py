@@ -239,7 +239,7 @@ def _parser() -> etree.XMLParser:
 def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
     """The root of XML that may be lax where MuJoCo's reader is; what is wrong with it goes to `sink`."""
     if isinstance(data, str):
-        data = data.encode()
+        data = data.encode(errors="surrogatepass")  # what is no text is told by the parser
     root = _parsed(data, file, sink)
     if root is not None and _CDATA in data:
         take_cdata_in(root, data)

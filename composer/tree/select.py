@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.grammar import GRAMMAR
 from composer.tree.classes import MAIN, Classes
 from composer.tree.effective import chain
-from composer.tree.glob import matcher
+from composer.tree.files import NAMED_AFTER_FILE
+from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of, naming_attribute, section_of
 from composer.tree.name_index import own_name
 from composer.tree.names import WORLD
@@ -19,11 +23,22 @@ from composer.tree.selector import EVERYTHING, XPATH, Selector, paths_of
 
 # They do not count as parents: MuJoCo resolves them.
 _TRANSPARENT = ("frame", "replicate")
+_WITH_NAME: Any = etree.XPath("descendant::*[@name=$name]")
 BASE = "base"
 
 
 class BadXPath(Exception):
     """An XPath that is none, or that gives no elements."""
+
+
+@cache
+def _is_written_as_name(paths: frozenset[str]) -> bool:
+    """Whether what these elements are called is their attribute `name` and nothing else."""
+    kinds = [GRAMMAR.element(path) for path in paths]
+    namings = [naming_attribute(kind) for kind in kinds]
+    return all(each is not None and each.name == "name" for each in namings) and not any(
+        kind.tag in NAMED_AFTER_FILE for kind in kinds
+    )
 
 
 def name_of(node: Node) -> str | None:
@@ -64,7 +79,9 @@ class Selection:
         """Every element that is meant, in the order of the tree. Raises `SlowPattern` and `BadXPath`."""
         if selector.tag == XPATH:
             return [node for node in self._by_path(selector) if self._narrowed(node, selector)]
-        found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
+        found = self._called(selector)
+        if found is None:
+            found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
         return [node for node in found if self._narrowed(node, selector)]
 
     def of_kind(self, selector: Selector) -> Iterator[Node]:
@@ -80,6 +97,19 @@ class Selection:
             for node in section.iter(*tags):
                 if kind_of(node).path in paths:
                     yield node
+
+    def _called(self, selector: Selector) -> list[Node] | None:
+        """The same with just that name, without a look at all others; None where it takes one."""
+        name, paths = selector.pattern, paths_of(selector.tag)
+        if name == WORLD or is_glob(name) or is_regular(name) or not _is_written_as_name(paths):
+            return None
+        return [
+            node
+            for section in self.root.iterchildren("*")
+            if section.tag != "default"
+            for node in _WITH_NAME(section, name=name)
+            if kind_of(node).path in paths
+        ]
 
     def names(self, selector: Selector) -> list[str]:
         """The names that elements of that tag have."""

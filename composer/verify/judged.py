@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,8 @@ from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, crash_help, verify
 from composer.verify.told import Told, told, unknown_attribute
 from composer.verify.unread import unread
+
+_PLUGIN = re.compile(r"failed for plugin id (\d+)")
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -64,10 +67,14 @@ def tell(said: Told, element: Node | None, model: Unit, context: Context) -> Non
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
-    """The element that stands on that line of `model.xml`, or the only one that has that name."""
+    """The element that stands on that line of `model.xml`, the plugin's instance, or the only one of that name."""
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
+    if (failed := _PLUGIN.search(fault.message)) is not None:
+        instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
+        number = int(failed[1])
+        return instances[number] if number < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
     return named[0] if len(named) == 1 else None
 
@@ -90,4 +97,4 @@ def _with_sources(message: str, model: Unit, context: Context) -> str:
     for path, where in model.contents.items():
         if path in message:
             message = message.replace(path, context.shown(where) if isinstance(where, Path) else path)
-    return " ".join(message.split())
+    return " ".join(" ".join(dict.fromkeys(message.splitlines())).split())

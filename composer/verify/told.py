@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 
 if TYPE_CHECKING:
@@ -36,6 +37,10 @@ _ADVICE: tuple[tuple[str, str], ...] = (
     (r"^missing transmission target", "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`"),
     (r"^no decoder found for mesh file", "a mesh is a file that ends in .stl, .obj or .msh"),
     (r"has joints but no flex vertices/nodes are pinned", "hang the flex on what does not move, or give it a `<pin>`"),
+    (
+        r"actuator not found for plugin instance",
+        "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
+    ),
     (r"^more than 6 dofs", "spread the joints over several bodies, one inside the other"),
     (r"^bad format in attribute", "write numbers, parted by spaces"),
 )  # fmt: skip
@@ -79,6 +84,9 @@ def unknown_attribute(element: Node, name: str) -> Told:
     """An attribute that MJCF does not have in that place."""
     kind = kind_of(element)
     known = list(kind.attributes) if kind is not None else []
+    if kind is not None and name in known:
+        message = f"this MuJoCo has no attribute `{name}` of `<{element.tag}>`"
+        return Told("unknown-attribute", message, name, _versions(kind.attributes[name]), key=True)
     return Told(
         "unknown-attribute",
         f"`{name}` is no attribute of `<{element.tag}>`",
@@ -93,6 +101,9 @@ def _unknown_element(element: Node) -> Told:
     parent = element.getparent()
     kind = kind_of(parent) if parent is not None else None
     known = list(kind.children) if kind is not None else []
+    if kind is not None and element.tag in known:
+        notes = _versions(kind.children[str(element.tag)])
+        return Told("unknown-element", f"this MuJoCo has no `<{element.tag}>`", None, notes)
     return Told(
         "unknown-element",
         f"`<{element.tag}>` cannot stand in " + (f"`<{parent.tag}>`" if parent is not None else "a model"),
@@ -100,6 +111,13 @@ def _unknown_element(element: Node) -> Told:
         (exists_note("element", known, str(element.tag)),) if known else (),
         did_you_mean(str(element.tag), known, "<{}>"),
     )
+
+
+def _versions(known: ElementType | Attribute) -> tuple[Note, ...]:
+    """Which versions of MuJoCo have what this one has not."""
+    if known.until is not None:
+        return (Note(f"it was there up to MuJoCo {known.until}"),)
+    return (Note(f"it is there since MuJoCo {known.since}"),) if known.since is not None else ()
 
 
 def kind_of(element: Node) -> ElementType | None:

@@ -48,7 +48,8 @@ def test_likeliest_first_and_at_most_n() -> None:
 
 
 def test_short_words_need_to_be_nearer() -> None:
-    assert closest("ki", ["kp"]) == ["kp"]
+    assert closest("pk", ["kp"]) == ["kp"]
+    assert closest("ki", ["kp"]) == []
     assert closest("ab", ["cd"]) == []
 
 

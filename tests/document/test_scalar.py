@@ -123,7 +123,7 @@ def test_values_where_yaml_1_1_and_1_2_differ(text: str, value: object) -> None:
 
 
 def test_numbers_too_large_to_hold() -> None:
-    assert resolve("9" * 1000) == int("9" * 1000)
-    for text in ("9" * 1001, "0x" + "f" * 1001, "1e400", "-1e999"):
+    assert resolve("9" * 308) == int("9" * 308)
+    for text in ("9" * 309, "9" * 5000, "0x" + "f" * 1001, "1e400", "-1e999"):
         with pytest.raises(OverflowError):
             resolve(text)

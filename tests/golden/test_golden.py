@@ -18,7 +18,7 @@ from composer.pipeline import build
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/recipe.yaml"))
 # Something is told of these, and the model is built all the same.
-TOLD = {"conflict_merge", "conflict_warning", "fusestatic_on_body", "subtree"}
+TOLD = {"conflict_merge", "conflict_warning", "fusestatic_on_body", "keyframe_of_edited", "subtree"}
 # MuJoCo writes what is read of these, or computes numbers in them, and an older one does so in another way.
 WRITTEN_BY_MUJOCO = {"urdf", "compiler_of_base", "compiler_of_parts"}
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+import pytest
 
 from composer import engine
 from composer.bundle.manifest import index_of
@@ -76,3 +77,8 @@ def test_vectors_are_addressed_as_in_the_model() -> None:
     assert list(found.act) == ["creep"] and found.act["creep"] == 0
     assert (found.qpos.size, found.qvel.size, found.ctrl.size) == (13, 11, 5)
     assert repr(found) == "<Index: qpos 13, qvel 11, ctrl 5, act 1, sensordata 5>"
+
+
+def test_a_number_is_no_name() -> None:
+    with pytest.raises(TypeError, match="names are asked for"):
+        index().qpos[3]  # type: ignore[index]

@@ -71,6 +71,12 @@ def test_wrong_recipe_is_marked(yaml_server: YamlServer, case: str, line: int, m
         ("recipe: 1\nattach:\n  arm:\n    model: a.xml\n    edit:\n      - |\n", {"select", "convert", "id"}),
         ("recipe: 1\nedit:\n  - select:\n      |\n", {"joint", "actuator", "default", "in", "where"}),
         ("recipe: 1\nedit:\n  - select: {joint: a}\n    convert:\n      to: |\n", {"motor", "pid"}),
+        ("recipe: 1\nedit:\n  - select: {camera: a}\n    set:\n      |\n", {"fovy", "pos", "mode"}),
+        ("recipe: 1\nedit:\n  - select: {joint: a}\n    scale:\n      |\n", {"damping", "range"}),
+        (
+            "recipe: 1\nedit:\n  - select: {actuator: a}\n    convert:\n      to: motor\n      |\n",
+            {"gear", "ctrlrange"},
+        ),
         ("recipe: 1\nparams:\n  reach:\n    |\n", {"default", "min", "unit", "choices"}),
         ("recipe: 1\nvariants:\n  light:\n    dim:\n      |\n", {"visual", "attach", "params", "edit"}),
         ("recipe: 1\nmatrix:\n  |\n", {"axes", "exclude", "include", "name"}),
@@ -155,6 +161,8 @@ HOVERED = [
         "attributes and their values in effect",
     ),
     ("edit: [{select: {actuator: a}, con|vert: {to: motor}}]", "another kind of actuator"),
+    ("edit: [{select: {joint: a}, s|et: {damping: 1}}]", "attributes and their new values"),
+    ("edit: [{select: {camera: a}, set: {fo|vy: 1}}]", GRAMMAR.element("camera").attributes["fovy"].doc),
     ("params: {reach: {defa|ult: 1}}", "where none is given"),
     ("var|iants: {light: {dim: {}}}", "of which one of each axis is merged"),
     ("matrix: {ax|es: {light: [dim]}}", "all combinations"),
@@ -193,6 +201,9 @@ MARKED = [
     ("add: [{to: world, geom: {typ: box}}]", 25, "typ is not allowed"),
     ("asset: {mesh: {m: {scale: [1, 1]}}}", 26, "too few items"),
     ("attach: {arm: {site: s}}", 9, 'Missing property "model"'),
+    ("edit: [{select: {joint: a}, set: {dampin: 1}}]", 34, "dampin is not allowed"),
+    ("edit: [{select: {geom: a}, set: {rgba: [1, 0, 0]}}]", 39, "too few items"),
+    ("edit: [{select: {actuator: a}, convert: {to: motor, kp: 1}}]", 52, "kp is not allowed"),
 ]
 
 

@@ -94,6 +94,10 @@ class Binding:
         except (TypeError, ValueError):
             raise self._cannot_take(name, value) from None
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled, and copied, with the state: together with its `Physics` it is a view on that one's copy."""
+        return _bound, (self._kind, self._ids, self._labels, self._one, self._data)
+
     def __dir__(self) -> list[str]:
         return sorted({"element_id", "id", *fields(self._kind)})
 
@@ -203,6 +207,11 @@ def binding_of(kind: str, regular: bool) -> type[Binding]:
     field_of = _FieldView if regular else _scattered_field
     members: dict[str, Any] = {name: field_of(name, field) for name, field in fields(kind).items()}
     return type(f"{kind.capitalize()}Binding", (Binding,), {"__slots__": (), **members})
+
+
+def _bound(kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, data: Data) -> Binding:
+    regular = as_slice(list(ids)) is not None
+    return binding_of(kind, regular)(kind, ids, labels, one, data.model, data)
 
 
 class _FieldView:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -55,7 +55,10 @@ class Keys:
         if key in self.value:
             return True
         message = f"`{self.word}` of {self.owner} lacks `{key}`"
-        self.add("missing-key", message, key=True, help=f"write `{key}: {example}`")
+        at = (self.name, self.word)
+        self.faults.append(
+            Fault("missing-key", message, at, key=True, help=f"write `{key}: {example}`", lacks=key)
+        )
         return False
 
     def one_of(self, *keys: str) -> str | None:
@@ -108,7 +111,8 @@ class Keys:
         """A value that must be a finite number within bounds, at its path."""
         number = _number(value)
         if number is None:
-            self.add("wrong-type", f"`{at[0]}` of {self.owner} expects a number, got {kind_of(value)}", *at)
+            noun = "a finite number" if isinstance(value, float) else "a number"
+            self.add("wrong-type", f"`{at[0]}` of {self.owner} expects {noun}, got {kind_of(value)}", *at)
             return None
         if (least is not None and number < least) or (above is not None and number <= above):
             wanted = f"at least {least:g}" if least is not None else f"more than {above:g}"
@@ -133,10 +137,5 @@ class Keys:
 
 
 def _number(value: Any) -> float | None:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    try:
-        number = float(value)
-    except OverflowError:
-        return None
-    return number if math.isfinite(number) else None
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if is_number and abs(value) <= sys.float_info.max else None

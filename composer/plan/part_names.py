@@ -1,0 +1,54 @@
+"""Parts that checks and keyframes name: they must be there."""
+
+from __future__ import annotations
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note
+from composer.document.node import locate
+from composer.plan.parts import parts_of
+from composer.plan.plan import Plan
+from composer.recipe.checks.unchanged import Unchanged
+from composer.recipe.keyframe import FROM
+
+
+def check_part_names(plan: Plan, sink: Sink) -> None:
+    """Tell those that are no parts of the recipe, or may be two."""
+    parts = list(parts_of(plan))
+    _of_checks(plan, parts, sink)
+    _of_keys(plan, parts, sink)
+
+
+def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
+    """What a check is about must be a part."""
+    for check in plan.checks:
+        if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
+            continue
+        near = closest(check.part, parts)
+        sink.error(
+            "unknown-name",
+            f"check `{check.name}` is about `{check.part}`, which is no part of this recipe",
+            locate(plan.document, (*check.at, "unchanged", "part")),
+            notes=[exists_note("part", parts, check.part)],
+            help=f"write `part: {near[0]}`" if near else None,
+        )
+
+
+def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
+    """Tell parts that keys are to be made of and that are not there."""
+    for step in plan.keyframes:
+        for part in step.key.sources:
+            if parts.count(part) > 1:
+                sink.error(
+                    "name-clash",
+                    f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    help="give the one without a prefix another key",
+                )
+            elif part not in parts:
+                sink.error(
+                    "unknown-name",
+                    f"there is no part `{part}` to take a key from",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    notes=(exists_note("part", parts, part),),
+                    help=did_you_mean(part, parts),
+                )

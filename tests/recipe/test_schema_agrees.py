@@ -1,0 +1,137 @@
+"""What the schema and the reader of recipes say of the same recipe, over many that somebody might have mistyped."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from composer.diagnostics import Diagnostic, Sink
+from composer.document import load, to_python
+from composer.document.node import Mapping, Node, Sequence
+from composer.expand.expand import expand
+from composer.recipe import validate
+from composer.recipe.settable_schema import TAGS
+from composer.tree.selector import known_tags
+
+ROOT = Path(__file__).parents[2]
+FILES = [
+    path
+    for pattern in ("recipes/**/*.yaml", "tests/golden/*/*.yaml", "tests/errors/*/*.yaml")
+    for path in sorted(ROOT.glob(pattern))
+    if path.is_file()
+]
+# What is judged elsewhere, or by the files that are named.
+_NOT_HERE = ("extends", "variants", "matrix", "recipe")
+_VALUES: list[Any] = [
+    "a", 1, 0, -1, 1.5, [0, 0, 1], [1, 0, 0, 0], "90deg", True, False, "true", [], {}, "", [1, 2], ["a", "b"],
+    "0 0 1", "**", "world", [[1, 2, 3]], {"a": 1}, "1", [True], "main", 3.0, "./x.xml", [0.5, "90deg"],
+]  # fmt: skip
+# Kinds of fault that a schema can see wherever they are.
+_SEEN = ("unknown-key", "unknown-attribute", "unknown-element")
+
+
+def recipes() -> list[dict[str, Any]]:
+    found = []
+    for path in FILES:
+        node = load(path.read_bytes(), path.name, Sink())
+        value = None if node is None else to_python(node)
+        if isinstance(value, dict):
+            found.append({name: each for name, each in value.items() if name not in _NOT_HERE})
+    return [each for each in found if each]
+
+
+def parts(value: Any) -> Iterator[tuple[str | None, Any]]:
+    """Every key with its value, and every item."""
+    for name, each in value.items() if isinstance(value, dict) else ((None, item) for item in value):
+        yield name, each
+        if isinstance(each, dict | list):
+            yield from parts(each)
+
+
+class Mistakes:
+    """Makes mistakes, with keys and values that stand elsewhere in recipes."""
+
+    def __init__(self, pool: list[dict[str, Any]], seed: int) -> None:
+        self.chance = random.Random(seed)
+        self.keys = sorted({name for each in pool for name, _ in parts(each) if name is not None})
+        self.values = [value for each in pool for _, value in parts(each)]
+
+    def of(self, value: Any, rate: float) -> Any:
+        dice = self.chance.random()
+        if isinstance(value, list):
+            items = [self.of(item, rate) for item in value if self.chance.random() > rate / 3]
+            return items if dice > rate / 10 else self.chance.choice(_VALUES)
+        if not isinstance(value, dict):
+            return self.chance.choice(_VALUES) if dice < rate else value
+        found: dict[str, Any] = {}
+        for name, each in value.items():
+            dice = self.chance.random() / rate
+            if dice < 0.4:
+                continue
+            key = self.chance.choice(self.keys) if dice < 0.6 else name
+            found[key] = (
+                copy.deepcopy(self.chance.choice(self.values)) if 0.6 < dice < 0.8 else self.of(each, rate)
+            )
+        return found
+
+
+def keys(node: Node) -> Iterator[Any]:
+    """The place of every key, but for those of fragments, of which a schema knows nothing."""
+    if isinstance(node, Mapping):
+        for key, value in node.entries.values():
+            yield key.span
+            yield from keys(value)
+    for item in node.items if isinstance(node, Sequence) else ():
+        yield from keys(item)
+
+
+def is_rare(fault: Diagnostic) -> bool:
+    """Whether it is about an edit of what is seldom edited, whose attributes the schema leaves out."""
+    found = re.fullmatch(r"`\S+` is no attribute of `(\w+)`", fault.message)
+    return found is not None and found[1] in known_tags() and found[1] not in TAGS
+
+
+def judged(node: Mapping) -> list[Diagnostic]:
+    sink = Sink()
+    document = expand(node, {}, sink, any=True).document
+    validate(document, sink)
+    return sink.errors
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_both_say_the_same(seed: int) -> None:
+    jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed")
+    schema = json.loads((ROOT / "schemas" / "recipe.schema.json").read_text(encoding="utf-8"))
+    validator = jsonschema.Draft202012Validator(schema)
+    pool = recipes()
+    mistakes = Mistakes(pool, seed)
+    right = wrong = 0
+    for _ in range(600):
+        recipe = mistakes.chance.choice(pool)
+        sections = mistakes.chance.sample(sorted(recipe), min(len(recipe), 2))
+        value = {"recipe": 1, **mistakes.of({name: recipe[name] for name in sections}, 0.04)}
+        sink = Sink()
+        node = load(json.dumps(value), "r.yaml", sink)
+        if "${" in json.dumps(value) or not isinstance(node, Mapping) or sink.errors:
+            continue
+        errors = judged(node)
+        if not errors:
+            right += 1
+            assert validator.is_valid(value), value
+            continue
+        places = set(keys(node))
+        unknown = [
+            each for each in errors if each.code in _SEEN and each.span in places and not is_rare(each)
+        ]
+        if unknown:
+            wrong += 1
+            assert not validator.is_valid(value), (unknown[0].message, value)
+    assert right > 100
+    assert wrong > 20
