@@ -179,7 +179,8 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         part.content = parent
     if len(outer) > count:
         tops[part] = outer[-1]
-    if part.layout is not None and part.layout.in_world_coordinates:
+    placed = any(keyed is part for keyed, _ in linking.placed_keys)
+    if placed or (part.layout is not None and part.layout.in_world_coordinates):
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)

@@ -12,7 +12,7 @@ from lxml.etree import _Element as Node
 from composer.link import numbers
 from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking
-from composer.link.measured import is_measured, widths
+from composer.link.measured import attached, is_measured, widths
 from composer.link.multiplied import element_of
 from composer.tree.unit import Unit
 
@@ -23,17 +23,18 @@ def layouts(linking: Linking) -> None:
     """Note how each unit lays out its keys, while it is still by itself."""
     for unit in linking.units if linking.parts else ():
         _write_padding(unit)
-    keeping = [part for part in linking.parts if part.keyframes != "none" and _has_keys(part.unit)]
+    for part in linking.parts:
+        if part.keyframes != "none":
+            found, _ = attached(linking, part.unit)
+            linking.placed_keys += [
+                (part, each) for each, slot in found.items() if slot.keys and (slot.free or slot.mocaps)
+            ]
+    keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
     if linking.asked is None and not keeping and not keys_of(linking.base):
         return
     linking.base_layout = layout_of(linking, linking.base)
     for part in linking.parts:
         part.layout = layout_of(linking, part.unit)
-
-
-def _has_keys(unit: Unit) -> bool:
-    """Whether a unit has keys of its own, or may have some of a model that MuJoCo attaches."""
-    return bool(keys_of(unit)) or next(unit.root.iter("attach"), None) is not None
 
 
 def keys_of(unit: Unit) -> list[Node]:

@@ -20,6 +20,7 @@ from composer.tree.line import line_of, set_line
 
 def keyframes(linking: Linking) -> None:
     """Write every key once, complete for the finished model; one that the recipe writes is as the recipe says."""
+    _check_attached(linking)
     if linking.base_layout is None:
         return
     linking.base.part_keys = part_keys(linking)
@@ -132,25 +133,22 @@ def _same(final: Layout, before: Layout) -> bool:
     )
 
 
-def _check_attached(linking: Linking, part: Part) -> None:
+def _check_attached(linking: Linking) -> None:
     """MuJoCo itself brings the keys of a model that it attaches: what these say of the world stays as it is."""
-    moved = part.pose_in_world
-    if part.keyframes == "none" or part.layout is None or moved is None or moved.is_identity:
-        return
-    for attach, slot in part.layout.joints.items():
-        if slot.keys and (slot.free or slot.mocaps):
-            linking.sink.error(
-                "not-supported",
-                f"the model attached here has keys that say where its free bodies are, and `{part.called}` moves it",
-                linking.span(part.unit, attach),
-                help=f"write `keyframes: none` for `{part.called}`, or attach that model in the recipe",
-            )
+    for part, attach in linking.placed_keys:
+        moved = part.pose_in_world
+        if moved is None or moved.is_identity:
+            continue
+        linking.sink.error(
+            "not-supported",
+            f"the model attached here has keys that say where its free bodies are, and `{part.called}` moves it",
+            linking.span(part.unit, attach),
+            help=f"write `keyframes: none` for `{part.called}`, or attach that model in the recipe",
+        )
 
 
 def _check_kept(linking: Linking) -> None:
     """Tell what a key says that cannot be laid out anew."""
-    for part in linking.parts:
-        _check_attached(linking, part)
     keeping = [linking.base] if linking.base_keyframes != "none" else []
     keeping += [part.unit for part in linking.parts if part.keyframes != "none"]
     for unit in keeping:

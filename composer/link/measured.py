@@ -40,7 +40,7 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     arrays = linking.measure(unit, _ARRAYS) if linking.measure else None
     if not arrays:
         return None
-    found, brought = _attached(linking, unit)
+    found, brought = attached(linking, unit)
     actuators = list(map(element_of, actuators_in_order(unit.root)))
     slots = list(map(actuator_slot, _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")))
     if len(slots) - brought == len(actuators):
@@ -68,7 +68,7 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     return found
 
 
-def _attached(linking: Linking, unit: Unit) -> tuple[dict[Node, Slot], int]:
+def attached(linking: Linking, unit: Unit) -> tuple[dict[Node, Slot], int]:
     """What each `<attach>` brings, measured by itself in an empty world, and how many actuators all together."""
     found: dict[Node, Slot] = {}
     brought = 0
