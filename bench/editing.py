@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from bench import peers
@@ -22,7 +22,13 @@ _ROUNDS = 5
 _OF_MJSPEC = 50
 
 Times = dict[str, float]
-_EDITS = ("adding", "finding by name", "renaming one that is referred to", "removing half")
+_EDITS = (
+    "adding",
+    "finding by name",
+    "renaming one that is referred to",
+    "removing half",
+    "setting and reading a position",
+)
 
 
 def rows() -> list[Row]:
@@ -88,6 +94,15 @@ def _ours(count: int) -> Iterator[tuple[str, float]]:
             geom.remove()
 
     yield _EDITS[3], _timed(remove)
+    other = mjcf.RootElement("other").worldbody
+    others = [other.add("geom", size=[1]) for _ in range(count)]
+    yield _EDITS[4], _timed(lambda: _move(others))
+
+
+def _move(geoms: Iterable[Any]) -> None:
+    for number, geom in enumerate(geoms):
+        geom.pos = [0.25 * number, 0.5, 1]
+        assert geom.pos[1] == 0.5
 
 
 def _of_dm_control() -> Times | None:
@@ -110,6 +125,7 @@ def _of_dm_control() -> Times | None:
             root.sensor.add("touch", site=site)
         yield _EDITS[2], _timed(lambda: setattr(site, "name", "renamed"))  # written with the new name later
         geoms = root.find_all("geom")
+        yield _EDITS[4], _timed(lambda: _move(geoms))
         yield _EDITS[3], _timed(lambda: [geom.remove() for geom in geoms[::2]])
 
     return _best(run)
@@ -130,6 +146,7 @@ def _of_mjspec() -> Times | None:
 
         yield _EDITS[0], _timed(add)
         yield _EDITS[1], _timed(lambda: [spec.geom(f"g{number}") for number in range(_MANY)])
+        yield _EDITS[4], _timed(lambda: _move(spec.geoms))
         some = list(spec.geoms)[: 2 * _OF_MJSPEC : 2]  # all of them take a minute
         yield _EDITS[3], _timed(lambda: [spec.delete(geom) for geom in some]) * _MANY / 2 / _OF_MJSPEC
 

@@ -11,10 +11,9 @@ from pathlib import Path
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest
 from composer.link.linking import FileUse
+from composer.tree import lfs
 from composer.tree.files import NAMED_AFTER_FILE, in_archive, stem
 from composer.tree.unit import Unit
-
-_LFS_POINTER = b"version https://git-lfs"
 
 
 def collect(
@@ -54,10 +53,10 @@ def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = s
         except OSError as error:
             _missing(model, use, error, sink, shown)
             return None
-    if content.startswith(_LFS_POINTER):
+    if lfs.is_pointer(content):
         told = f"`{shown(Path(use.source))}` is not the file itself but where Git LFS has it"
         span = model.origins.span(use.element, model.file, use.attribute)
-        sink.error("asset-missing", told, span, help="fetch the files of its repository: `git lfs pull`")
+        sink.error("asset-missing", told, span, help=lfs.HELP)
         return None
     return content
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from composer.bundle.bundle import MANIFEST, Bundle
-from composer.bundle.manifest import Index, Manifest, from_json
+from composer.bundle.manifest import FORMAT, Index, Manifest, faults_of, from_json, newer_format
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 
@@ -23,11 +23,21 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
     try:
         return from_json(text)
     except ValueError as error:
-        said = str(error).splitlines()
+        newer = newer_format(error)
+        if newer is not None:
+            sink.error(
+                "bundle-manifest",
+                f"the manifest of `{shown}` was written by a newer mjcompose: its format is {newer},"
+                f" this one knows {FORMAT}",
+                help="update mjcompose",
+            )
+            return None
+        faults = faults_of(error)
+        more = [Note(f"and {len(faults) - _SHOWN} more")] if len(faults) > _SHOWN else []
         sink.error(
             "bundle-manifest",
             f"the manifest of `{shown}` cannot be read",
-            notes=[Note(" ".join(line.split())) for line in said[:_SHOWN]],
+            notes=[*map(Note, faults[:_SHOWN]), *more],
             help="a bundle of another version of mjcompose needs that version",
         )
         return None

@@ -6,18 +6,22 @@ It holds no time and no path of the machine it was made on, so that the same inp
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.version import __version__
 
 if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
     from composer import engine
 
+FORMAT = 1
 SCHEMA_ID = "https://json-schema.org/draft/2020-12/schema"
 SCHEMA_FILE = Path(__file__).resolve().parents[2] / "schemas" / "manifest.schema.json"
 
@@ -106,7 +110,8 @@ class File(_Part):
 _ORIGIN = Field(
     default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies."
 )
-_Range = tuple[float, float]
+_Range = tuple[float | None, float | None]
+"""From, to; None where it has no end there."""
 
 
 class Joint(_Part):
@@ -128,7 +133,7 @@ class Joint(_Part):
     )
     range: _Range | None = Field(
         default=None,
-        description="In its unit, the angle of a ball joint in rad; null when the joint is not limited.",
+        description="In its unit, the angle of a ball joint in rad; null when that, or one end, is not limited.",
     )
     origin: str | None = _ORIGIN
 
@@ -284,6 +289,14 @@ _UNITS = {
 }
 
 
+def _range(pair: tuple[float, float] | None) -> _Range | None:
+    """What JSON can say of a range: it has no infinity."""
+    if pair is None or not any(map(math.isfinite, pair)):
+        return None
+    low, high = (end if math.isfinite(end) else None for end in pair)
+    return low, high
+
+
 def index_of(index: engine.Index, written: Written | None = None) -> Index:
     """The manifest's index of a compiled model; `written` knows where its elements are written."""
     known = written or {}
@@ -303,7 +316,7 @@ def index_of(index: engine.Index, written: Written | None = None) -> Index:
                 dof_size=joint.dof_size,
                 unit=_UNITS[joint.type][0],
                 velocity_unit=_UNITS[joint.type][1],
-                range=joint.range if joint.limited else None,
+                range=_range(joint.range if joint.limited else None),
                 origin=origin("joint", number),
             )
             for number, joint in enumerate(index.joints)
@@ -317,9 +330,9 @@ def index_of(index: engine.Index, written: Written | None = None) -> Index:
                 act=actuator.act_address if actuator.act_size else None,
                 act_size=actuator.act_size,
                 unit=actuator.unit,
-                ranges=actuator.ctrl_ranges,
-                act_range=actuator.act_range,
-                force_range=actuator.force_range,
+                ranges=tuple(map(_range, actuator.ctrl_ranges)),
+                act_range=_range(actuator.act_range),
+                force_range=_range(actuator.force_range),
                 origin=origin("actuator", number),
             )
             for number, actuator in enumerate(index.actuators)
@@ -331,7 +344,7 @@ def index_of(index: engine.Index, written: Written | None = None) -> Index:
                 address=sensor.address,
                 size=sensor.size,
                 unit=sensor.unit,
-                cutoff=sensor.cutoff,
+                cutoff=None if sensor.cutoff == math.inf else sensor.cutoff,
                 origin=origin("sensor", number),
             )
             for number, sensor in enumerate(index.sensors)
@@ -363,6 +376,36 @@ def to_json(manifest: Manifest) -> bytes:
 def from_json(text: bytes | str) -> Manifest:
     """The manifest that a bundle carries. Raises pydantic's ValidationError, a ValueError."""
     return Manifest.model_validate_json(text)
+
+
+def faults_of(error: ValueError) -> tuple[str, ...]:
+    """What is wrong with the text of a manifest that `from_json` refused, in words."""
+    if not isinstance(error, ValidationError):
+        return (str(error),)
+    return tuple(_in_words(each) for each in error.errors(include_url=False, include_context=False))
+
+
+def newer_format(error: ValueError) -> int | None:
+    """The format of a manifest that a later mjcompose wrote and `from_json` refused; None where that is not why."""
+    if isinstance(error, ValidationError):
+        for each in error.errors():
+            if each["loc"] == ("manifest",) and isinstance(each["input"], int) and each["input"] > FORMAT:
+                return each["input"]
+    return None
+
+
+def _in_words(fault: ErrorDetails) -> str:
+    place = "`" + "/".join(map(str, fault["loc"])) + "`"
+    if fault["type"] == "json_invalid":
+        return "it is no JSON: " + fault["msg"].removeprefix("Invalid JSON: ")
+    if not fault["loc"]:
+        return "it is no mapping"
+    if fault["type"] == "extra_forbidden":
+        return f"{place} is no key of a manifest"
+    if fault["type"] == "missing":
+        return f"{place} is not there"
+    message = fault["msg"]
+    return f"{place}: {message[:1].lower()}{message[1:]}"
 
 
 def with_manifest(bundle: Bundle, manifest: Manifest) -> Bundle:

@@ -9,7 +9,7 @@ import re
 import stat
 import zipfile
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -122,19 +122,23 @@ def _check_sizes(sizes: dict[str, int], whole: Path, limits: ReadLimits) -> None
 
 
 def _model(files: dict[str, bytes], path: Path) -> str:
-    try:
-        named = json.loads(files[MANIFEST])["model"]
-    except (KeyError, TypeError, ValueError, RecursionError):
-        named = None
-    candidates: Iterable[object] = (named, MODEL, f"{path.stem}.xml")
-    for candidate in candidates:
-        if isinstance(candidate, str) and candidate in files:
+    for candidate in (named_model(files.get(MANIFEST, b"")), MODEL, f"{path.stem}.xml"):
+        if candidate in files:
             return candidate
     models = _models(files)
     if len(models) == 1:
         return models[0]
     several = f", and several other models: {', '.join(f'`{each}`' for each in models)}" if models else ""
     raise ReadError("file-unreadable", f"`{path}` has neither `{MODEL}` nor `{path.stem}.xml`{several}")
+
+
+def named_model(manifest: bytes) -> str:
+    """What the text of a manifest calls the model; empty where it does not say. No I/O."""
+    try:
+        named = json.loads(manifest)["model"]
+    except (KeyError, TypeError, ValueError, RecursionError):
+        return ""
+    return named if isinstance(named, str) else ""
 
 
 def _models(files: Mapping[str, bytes]) -> list[str]:

@@ -94,15 +94,22 @@ def _git() -> Finding:
 
 
 def _store() -> Finding:
+    from composer.sources.blob import blobs_in
     from composer.sources.error import SourceError
     from composer.sources.store import Store
 
     try:
         store = Store.of(os.environ)
-        size = sum(entry.size for entry in store.entries())
     except SourceError as error:
         return Finding("store", str(error), False)
-    return Finding("store", f"{store.folder}, {size / 1e6:.1f} MB")
+    try:
+        store.folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=store.folder).close()
+    except OSError as error:
+        said = f"cannot be written: {(error.strerror or str(error)).lower()}; `MJCOMPOSE_CACHE` names another folder"
+        return Finding("store", f"{store.folder} {said}", None)
+    fetched, built = (sum(each.size for each in found) for found in (store.entries(), blobs_in(store.folder)))
+    return Finding("store", f"{store.folder}, {(fetched + built) / 1e6:.1f} MB")
 
 
 def _extras() -> Iterator[Finding]:

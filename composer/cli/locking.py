@@ -16,7 +16,8 @@ from composer.cli.reporting import FINDINGS, USAGE, report
 if TYPE_CHECKING:
     from composer.context import Context
     from composer.plan.plan import Plan
-    from composer.sources.lock import Lock
+    from composer.sources.fetching import Fetching
+    from composer.sources.lock import Disputed, Lock
 
 _OUT_OF_REACH = ("source-", "archive-", "store-", "lock-", "file-")
 
@@ -51,12 +52,15 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
     if not (context.folder / recipe).is_file():
         make_plan(recipe, context)  # which says what is there instead
         return None
-    how = use_lock(recipe, context)
+    disputes: Disputed = {}
+    how = use_lock(recipe, context, disputes)
     if how is None or how.lock_file is None:
         return None
     before = how.lock
     if names is not None:
         how.fresh = _wanted(names, before, context)
+    if how.fresh is not None:
+        _tell_disputes({id: pins for id, pins in disputes.items() if id not in how.fresh}, how, context)
     if context.sink.error_count:
         return None
     plan = make_plan(recipe, context)
@@ -69,14 +73,17 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
     if context.sink.has_errors:
         return None
     changes = list(changed(before, after))
-    if before != after:
+    text = to_text(after).encode()
+    if not how.lock_file.is_file() or how.lock_file.read_bytes() != text:
         try:
             with staged_file(how.lock_file) as stage:
-                stage.write_text(to_text(after), encoding="utf-8", newline="\n")
+                stage.write_bytes(text)
         except OutputError as error:
             context.sink.error(error.code, error.message, help=error.help)
             return None
-        changes = changes or ["no sources to pin" if before is None else "made with other versions"]
+        if before is None:
+            changes = changes or ["no sources to pin"]
+        changes = changes or ["made with other versions" if before != after else "the same, written anew"]
     return context.shown(how.lock_file), changes
 
 
@@ -151,6 +158,21 @@ def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> froz
             )
         found |= known.get(name, set())
     return frozenset(found)
+
+
+def _tell_disputes(disputes: Disputed, how: Fetching, context: Context) -> None:
+    """What the two sides of a merge pin otherwise is for a person to settle."""
+    from composer.diagnostics.diagnostic import Note
+
+    assert how.lock_file is not None
+    shown = context.shown(how.lock_file)
+    for id, pins in disputes.items():
+        context.sink.error(
+            "lock-invalid",
+            f"the two sides of the merge in `{shown}` pin `{id}` otherwise",
+            notes=[Note(f"{side}: {pin}") for side, pin in zip(("ours", "theirs"), pins, strict=True)],
+            help=f"run `mjcompose update {how.recipe} {id}` to lock it as it is now, or take one side of the merge",
+        )
 
 
 def _tell_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path, context: Context) -> None:

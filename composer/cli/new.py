@@ -75,7 +75,7 @@ def _project(folder: Path | None, context: Context) -> str:
     if folder is None:
         raise click.UsageError("name the folder of the project: mjcompose new --project robots")
     title = as_text(folder.resolve().name)
-    model = re.sub(r"[^A-Za-z0-9_-]+", "_", title).strip("_-") or "model"
+    model = re.sub(r"[^\w-]+", "_", title).strip("_-") or "model"
     files = project(title, model, metadata.version("mujoco"), schema())
     write_project(files, folder, lambda stage: made_lock(stage / "recipes" / f"{model}.yaml", None, context))
     return f"wrote {len(files) + 1} files to {folder}; start with {folder / 'README.md'}"

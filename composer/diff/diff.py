@@ -77,7 +77,7 @@ def _told(
     found = _narrowed(found, tolerance, only)
     follows = [each for each in found.changes if each.follows]
     wanted = [each for each in found.changes if not each.follows]
-    if everything or not wanted:
+    if everything or not (wanted or found.moves or found.counts):
         wanted, follows = list(found.changes), []
     groups = grouped(wanted, causes, a, b)
     paths = sorted({*a.digests, *b.digests})

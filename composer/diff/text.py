@@ -21,10 +21,14 @@ def verdict(diff: Diff) -> str:
     if diff.same:
         return "the same in what was asked for; the compiled models are not equal bit for bit"
     changes = sum(len(group.changes) for group in diff.groups)
+    if not changes:
+        told = diff.contrast
+        kinds = {"counts": told.counts, "addresses": told.moves, "arrays of mjModel": told.arrays}
+        return f"different: only {' and '.join(kind for kind, found in kinds.items() if found)}"
     causes = sum(group.cause is not None for group in diff.groups)
-    told = "1 change" if changes == 1 else f"{changes} changes"
+    many = "1 change" if changes == 1 else f"{changes} changes"
     where = f" at {causes} place{'s' if causes != 1 else ''}" if causes else ""
-    return f"different: {told}{where}"
+    return f"different: {many}{where}"
 
 
 def place(cause: Cause) -> str:
@@ -47,7 +51,8 @@ def following(diff: Diff) -> str | None:
     """What is not told one by one."""
     if not diff.follows:
         return None
-    return f"{diff.follows} numbers that MuJoCo computes from these differ too: --all tells them"
+    many = "1 number" if diff.follows == 1 else f"{diff.follows} numbers"
+    return f"{many} that MuJoCo computes from these differ{'s' * (diff.follows == 1)} too: --all tells them"
 
 
 def at_defaults(diff: Diff) -> str | None:

@@ -37,7 +37,7 @@ class Request:
             raise ValueError(f"unknown wants {sorted(unknown)}; there are {sorted(WANTS)}")
 
     def to_json(self, arrays_file: Path) -> str:
-        """One line of JSON, ASCII only. All paths in it are absolute: the child works in another folder."""
+        """One line of JSON. All paths in it are absolute: the child works in another folder."""
         return json.dumps(
             {
                 "folder": str(self.folder.absolute()),
@@ -48,5 +48,6 @@ class Request:
                 "mjb": None if self.mjb is None else str(self.mjb.absolute()),
                 "text": self.text,
                 "keep": self.keep,
-            }
+            },
+            ensure_ascii=False,
         )

@@ -73,7 +73,9 @@ class Session:
         needs the compiled model itself, such as simulating it. The kept models are lost with a crash.
         """
         name = f"{function.__module__}:{function.__qualname__}"
-        line = json.dumps({"function": name, "models": list(models), "argument": argument})
+        line = json.dumps(
+            {"function": name, "models": list(models), "argument": argument}, ensure_ascii=False
+        )
         answer = self._start() or self._exchange(line, self.limits.seconds)
         return self._crashed() if answer is None else answer
 
@@ -128,7 +130,7 @@ class Session:
                 cwd=work,
                 env=environment,
                 encoding="utf-8",
-                errors="replace",
+                errors="surrogateescape",  # names of files are bytes: the child's are UTF-8 whatever ours are
             )
         self._lines = queue.Queue()
         assert self._process.stdout is not None

@@ -184,7 +184,6 @@ class Causes:
 
     def _lengthranges(self, change: Change, life: Life) -> Reason | None:
         unit = change.cause.unit
-        words = f"measured by MuJoCo on {_file(unit)} alone, by its own `<lengthrange>`"
         rule = next(
             (
                 each
@@ -193,7 +192,10 @@ class Causes:
             ),
             None,
         )
-        return Reason(words, rule.span(unit.origins) if rule else None)
+        words = f"measured by MuJoCo on {_file(unit)} alone"
+        if rule is None:
+            return Reason(f"{words}, where nothing hangs on what the muscle moves", None)
+        return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
     def _agreement(self, change: Change, life: Life) -> Reason | None:
         linking = change.cause.linking

@@ -27,6 +27,7 @@ from composer.explain.explanation import (
 from composer.explain.missing import no_attribute, not_found
 from composer.explain.rows import VECTORS, rows
 from composer.explain.trace import TAG, Change, Life, Move, Trace
+from composer.tree.attached import attached_notes
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import chain as class_chain
 from composer.tree.effective import class_in_force, given, levels, value
@@ -65,7 +66,8 @@ class Traced:
             self._on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
         )
         if not found:
-            not_found(asked, self.model.root, context.sink, self._left_out(asked))
+            elsewhere = attached_notes(self.model, asked.name) if asked.name else []
+            not_found(asked, self.model.root, context.sink, [*self._left_out(asked), *elsewhere])
             return None
         if asked.attribute is not None:
             fitting = [node for node in found if asked.attribute in kind_of(node).attributes]

@@ -22,7 +22,7 @@ SINGLETONS = ("option", "visual", "statistic")
 # Sizes only make room: the larger of two serves both.
 _LARGEST = ("njmax", "nconmax", "nstack", "nuserdata")
 # Older ways to say how much memory there is, which MuJoCo refuses beside `memory`.
-_INSTEAD_OF_MEMORY = ("njmax", "nstack")
+INSTEAD_OF_MEMORY = ("njmax", "nstack")
 _SMALLER_IS_SAFER = (
     "timestep",
     "tolerance",
@@ -209,7 +209,7 @@ def _one_memory(linking: Linking) -> None:
     sizes = list(linking.base.root.iterchildren("size"))
     memory = any(size.get("memory") for size in sizes)
     for size in sizes if memory else ():
-        for name in _INSTEAD_OF_MEMORY:
+        for name in INSTEAD_OF_MEMORY:
             span = linking.span(linking.base, size, name)
             value = size.get(name)
             if value is None:

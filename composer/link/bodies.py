@@ -16,6 +16,7 @@ from composer.link.flex_joints import taken_back
 from composer.link.layout import JOINTS, joint_type
 from composer.link.linking import Linking, Part
 from composer.link.placing import pose_in_world, read_pose
+from composer.tree.attached import attached_notes
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, through_frames
 from composer.tree.comments import above
 from composer.tree.names import word
@@ -102,7 +103,7 @@ def _nowhere(linking: Linking, part: Part) -> None:
         "attach-place",
         f"there is no {kind} `{name}` to attach `{part.called}` to",
         part.place.span or part.span,
-        notes=notes,
+        notes=(*notes, *attached_notes(linking.base, name)),
         help=help,
     )
 
@@ -178,7 +179,8 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         part.content = parent
     if len(outer) > count:
         tops[part] = outer[-1]
-    if part.layout is not None and part.layout.in_world_coordinates:
+    placed = any(keyed is part for keyed, _ in linking.placed_keys)
+    if placed or (part.layout is not None and part.layout.in_world_coordinates):
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from lxml.etree import _Element as Node
+
 from composer.link.angles import model_angle
 from composer.link.inertia import MEASURED
 from composer.link.limits import model_autolimits
 from composer.link.linking import Linking
+from composer.tree.line import line_of, set_line
 
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 _MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
@@ -17,12 +20,17 @@ def compiler(linking: Linking) -> None:
     """Write the base's settings once, as they now hold for every part."""
     root = linking.base.root
     written: dict[str, str] = {}
+    settings: list[Node] = []
     children = []
     first = next(root.iterchildren("*"), None)
     at = root.index(first) if first is not None and first.tag == "compiler" else None
     for element in list(root.iterchildren("compiler")):
         written.update({str(name): str(value) for name, value in element.items()})
         children.extend(list(element))
+        settings.append(element)
+    line = next(map(line_of, settings), None)
+    owner = linking.base.origins.owner(settings[0], linking.base.file) if settings else None
+    for element in settings:
         root.remove(element)
     for name in FOLDERS:
         written.pop(name, None)
@@ -38,6 +46,9 @@ def compiler(linking: Linking) -> None:
         return
     element = root.makeelement("compiler", written)
     element.extend(children)
+    if owner is not None:
+        linking.base.origins.own(element, owner)
+        set_line(element, line)
     if at is None:
         linking.base.insert(element)
     else:

@@ -39,7 +39,7 @@ def _give_paths(
     for element, attribute, name in named:
         tag = element.tag
         if simple and tag != "skin" and is_plain(name):  # most files: no path to be shortened
-            path = target + name
+            path = name if is_settled(unit, tag, name) else target + name
             key = path.lower()
             if key not in taken:
                 source = f"{folders.get(tag, mesh_folder)}/{name}"
@@ -53,7 +53,7 @@ def _give_paths(
         content = known if isinstance(known, bytes) else None
         if prefix and tag == "skin":
             content = _skin(linking, unit, element, prefix, source, content)
-        path = _free(unit, written, source, content, taken)
+        path = _free(unit, tag, written, source, content, taken)
         element.set(attribute, path)
         use(FileUse(element, attribute, path, source, content))
 
@@ -72,11 +72,19 @@ def _skin(
         return content
 
 
-def _free(unit: Unit, written: str, source: str, content: bytes | None, taken: Taken) -> str:
+def is_settled(unit: Unit, tag: object, name: str) -> bool:
+    """Whether the path is one of a composition, `assets/LABEL/…` with no folder of the compiler's before it."""
+    if not name.startswith(f"{ASSETS}/") or name.count("/") < 2:
+        return False
+    settings = unit.settings
+    return not (settings.texture_folder if tag == "texture" else settings.mesh_folder)
+
+
+def _free(unit: Unit, tag: object, written: str, source: str, content: bytes | None, taken: Taken) -> str:
     below = inside(unit.settings, written)
     path = f"{ASSETS}/{unit.label}/{below}"
-    if written.startswith(f"{ASSETS}/") and written.count("/") > 1 and written in unit.contents:
-        path = written  # a composed unit: its paths are settled
+    if is_settled(unit, tag, written):
+        path = written
     key = path.lower()
     if key not in taken:
         taken[key] = (source, content)

@@ -138,11 +138,12 @@ def write_measured(
         if mass is None or pos is None or quat is None or moments is None:
             cannot_be_kept(linking, unit, settings, "the copies of a body differ", body)
             return False
-        for inertial in own(body, "inertial"):
+        written = own(body, "inertial")
+        for inertial in written:
             holder = inertial.getparent()
             assert holder is not None
             holder.remove(inertial)
-        if any(mass) or any(moments) or own(body, "geom"):
+        if any(mass) or any(moments) or written or own(body, "geom"):
             values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
             body.insert(
                 0, body.makeelement("inertial", {name: numbers.text(given) for name, given in values.items()})

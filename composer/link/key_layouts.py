@@ -5,11 +5,14 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 from lxml.etree import _Element as Node
 
+from composer.link import numbers
 from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking
-from composer.link.measured import is_measured, widths
+from composer.link.measured import attached, is_measured, widths
 from composer.link.multiplied import element_of
 from composer.tree.unit import Unit
 
@@ -20,6 +23,12 @@ def layouts(linking: Linking) -> None:
     """Note how each unit lays out its keys, while it is still by itself."""
     for unit in linking.units if linking.parts else ():
         _write_padding(unit)
+    for part in linking.parts:
+        if part.keyframes != "none":
+            found, _ = attached(linking, part.unit)
+            linking.placed_keys += [
+                (part, each) for each, slot in found.items() if slot.keys and (slot.free or slot.mocaps)
+            ]
     keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
     if linking.asked is None and not keeping and not keys_of(linking.base):
         return
@@ -48,7 +57,36 @@ def _write_padding(unit: Unit) -> None:
 
 
 def layout_of(linking: Linking, unit: Unit) -> Layout | None:
-    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is told."""
+    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is told.
+
+    Rows that end in the middle of a joint then end behind it.
+    """
+    layout = _layout_of(linking, unit)
+    if layout is not None:
+        _complete_rows(linking, unit, layout)
+    return layout
+
+
+def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
+    """MuJoCo fills up what is short, and is asked with what."""
+    keys = keys_of(unit)
+    for vector in ("qpos", "qvel", "act", "ctrl"):
+        ends = list(accumulate(width for _, width in holders(layout, vector)))
+        rows = [str(key.get(vector) or "").split() for key in keys]
+        short = [
+            at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends
+        ]
+        array = f"key_{vector}"
+        if not short or linking.measure is None or not (found := linking.measure(unit, (array,))):
+            continue
+        for at in short:
+            start = max((end for end in ends if end < len(rows[at])), default=0)
+            end = next(end for end in ends if end > len(rows[at]))
+            whole = found[array][at * ends[-1] + start : at * ends[-1] + end]
+            keys[at].set(vector, " ".join([*rows[at][:start], *numbers.text(whole).split()]))
+
+
+def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
     try:
         layout = lay_out(unit, {})
     except Unknown:
@@ -59,6 +97,8 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
         return _measured_layout(linking, unit)
     if layout.actuators and next(unit.root.iter("replicate"), None) is not None:
         return _measured_layout(linking, unit)  # which actuators are multiplied is for MuJoCo to say
+    if any(element.tag != "body" for element in layout.mocaps):
+        return _measured_layout(linking, unit)
     return layout
 
 
@@ -111,8 +151,8 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
     known: dict[Node, Slot] = {}
     for layout in found:
         if layout is not None:
-            known |= layout.joints
             known |= {element_of(holder): slot for holder, slot in layout.actuators.items()}
+            known |= layout.joints
     return known
 
 
@@ -136,4 +176,4 @@ def holders(layout: Layout, vector: str) -> list[tuple[Holder, int]]:
         return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
     if vector in ("ctrl", "act"):
         return [(actuator, slot.widths[vector == "act"]) for actuator, slot in layout.actuators.items()]
-    return [(body, 3 if vector == "mpos" else 4) for body in layout.mocaps]
+    return [(body, count * (3 if vector == "mpos" else 4)) for body, count in layout.mocaps.items()]

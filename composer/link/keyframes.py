@@ -5,24 +5,22 @@ It runs when nothing more will be added to the model.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
-from composer.link.key_layouts import VECTORS, final_layout, keys_of, not_laid_out
-from composer.link.layout import Layout, Unknown
+from composer.link.key_layouts import VECTORS, final_layout, keys_of
+from composer.link.layout import Layout
 from composer.link.linking import Linking, Part
 from composer.link.part_keys import called, part_keys
 from composer.link.reference_rows import Reference
 from composer.tree.key import Key
-from composer.tree.line import line_of
-
-_LAST_LINE = 65535  # that lxml lets be set
+from composer.tree.line import line_of, set_line
 
 
 def keyframes(linking: Linking) -> None:
     """Write every key once, complete for the finished model; one that the recipe writes is as the recipe says."""
+    _check_attached(linking)
     if linking.base_layout is None:
         return
     linking.base.part_keys = part_keys(linking)
@@ -37,7 +35,7 @@ def keyframes(linking: Linking) -> None:
         and _same(final, linking.base_layout)
     ):
         return
-    _check_kept(linking, keys.values())
+    _check_kept(linking)
     for key in keys_of(linking.base):
         section = key.getparent()
         assert section is not None
@@ -60,9 +58,7 @@ def _write(linking: Linking, key: Key, final: Layout, reference: Reference) -> N
                 element.set(vector, " ".join(row))
     linking.base.section("keyframe").append(element)
     linking.base.origins.own(element, key.origins.owner(key.element, key.file))
-    line = line_of(key.element)
-    if line is not None and line <= _LAST_LINE:
-        element.sourceline = line  # type: ignore[assignment]  # the stubs know it as read alone
+    set_line(element, line_of(key.element))
 
 
 def _merged(linking: Linking) -> dict[str, Key]:
@@ -133,11 +129,25 @@ def _same(final: Layout, before: Layout) -> bool:
     return (
         list(final.joints.items()) == list(before.joints.items())
         and list(final.actuators.items()) == list(before.actuators.items())
-        and final.mocaps == before.mocaps
+        and list(final.mocaps.items()) == list(before.mocaps.items())
     )
 
 
-def _check_kept(linking: Linking, keys: Iterable[Key]) -> None:
+def _check_attached(linking: Linking) -> None:
+    """MuJoCo itself brings the keys of a model that it attaches: what these say of the world stays as it is."""
+    for part, attach in linking.placed_keys:
+        moved = part.pose_in_world
+        if moved is None or moved.is_identity:
+            continue
+        linking.sink.error(
+            "not-supported",
+            f"the model attached here has keys that say where its free bodies are, and `{part.called}` moves it",
+            linking.span(part.unit, attach),
+            help=f"write `keyframes: none` for `{part.called}`, or attach that model in the recipe",
+        )
+
+
+def _check_kept(linking: Linking) -> None:
     """Tell what a key says that cannot be laid out anew."""
     keeping = [linking.base] if linking.base_keyframes != "none" else []
     keeping += [part.unit for part in linking.parts if part.keyframes != "none"]
@@ -150,6 +160,3 @@ def _check_kept(linking: Linking, keys: Iterable[Key]) -> None:
                     linking.span(unit, key, "plastic"),
                     help="leave the keys out: `keyframes: none`",
                 )
-    if any("mpos" in key.values or "mquat" in key.values for key in keys):
-        for block in linking.hiding_mocaps:
-            not_laid_out(linking, linking.base, Unknown(block))

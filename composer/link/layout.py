@@ -47,12 +47,17 @@ class Unknown(Exception):
 class Slot(NamedTuple):
     """What a joint, an actuator or a block of them holds: how many numbers in each vector of a key.
 
-    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin.
+    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin. `controls`, `mocaps` and `keys` are
+    what a model that MuJoCo attaches brings besides: the widths of all its actuators together, and how many mocap
+    bodies and keys.
     """
 
     kind: str
     widths: tuple[int, int]
     free: tuple[tuple[int, int], ...] = ()
+    controls: tuple[int, int] = (0, 0)
+    mocaps: int = 0
+    keys: int = 0
 
 
 BLOCK = "block"
@@ -74,11 +79,14 @@ _STATELESS = actuator_slot(0)
 
 @dataclass(slots=True)
 class Layout:
-    """In the order of the numbers. Widths of `joints` are (nq, nv), of `actuators` (nctrl, nact)."""
+    """In the order of the numbers. Widths of `joints` are (nq, nv), of `actuators` (nctrl, nact).
+
+    `mocaps` has how many mocap bodies each element is: a body one, what MuJoCo expands any number.
+    """
 
     joints: dict[Node, Slot] = field(default_factory=dict)
     actuators: dict[Holder, Slot] = field(default_factory=dict)
-    mocaps: list[Node] = field(default_factory=list)
+    mocaps: dict[Node, int] = field(default_factory=dict)
 
     @property
     def in_world_coordinates(self) -> bool:
@@ -90,7 +98,7 @@ class Layout:
             return sum(slot.widths[vector == "qvel"] for slot in self.joints.values())
         if vector in ("ctrl", "act"):
             return sum(slot.widths[vector == "act"] for slot in self.actuators.values())
-        return len(self.mocaps) * (3 if vector == "mpos" else 4)
+        return sum(self.mocaps.values()) * (3 if vector == "mpos" else 4)
 
     def free(self) -> Iterator[tuple[int, int]]:
         """Where in `qpos` and in `qvel` the numbers of each free joint begin."""
@@ -114,13 +122,16 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
             reader.visit(worldbody, layout)
         else:
             layout.joints.update([(joint, known.get(joint) or reader.joint(joint)) for joint in joints])
-        layout.mocaps.extend(
-            body for body in through_frames(worldbody) if body.tag == "body" and body.get("mocap") == "true"
-        )
+        layout.mocaps |= {
+            child: count for child in through_frames(worldbody) if (count := reader.mocaps(child))
+        }
     layout.actuators = {
         holder: known.get(each := element_of(holder)) or reader.actuator(each)
         for holder in actuators_in_order(unit.root)
     }
+    # MuJoCo attaches models when everything is read.
+    attached = [(block, slot) for block, slot in layout.joints.items() if slot.controls != (0, 0)]
+    layout.actuators |= {block: Slot("actuator", slot.controls) for block, slot in attached}
     return layout
 
 
@@ -179,14 +190,24 @@ class _Reader:
         return _JOINTS["free" if joint.tag == "freejoint" else joint.get("type") or "hinge"]
 
     def block(self, block: Node) -> Slot:
-        if block.tag != "replicate" or block.xpath("boolean(.//body[@mocap='true'])"):
+        if block.tag != "replicate":
             raise Unknown(block)
         inside = Layout()
         self.visit(block, inside)
-        count = int(str(block.get("count") or 1))
+        if any(slot.controls != (0, 0) for slot in inside.joints.values()):
+            raise Unknown(block)
+        count = _count(block)
         nq, nv = inside.total("qpos"), inside.total("qvel")
         free = tuple((copy * nq + q, copy * nv + v) for copy in range(count) for q, v in inside.free())
         return Slot(BLOCK, (count * nq, count * nv), free)
+
+    def mocaps(self, element: Node) -> int:
+        """How many mocap bodies an element directly in the world is, or in a replicate there."""
+        if element.tag == "replicate":
+            return _count(element) * sum(map(self.mocaps, through_frames(element)))
+        if element.tag == "attach":
+            return self.known[element].mocaps
+        return int(element.tag == "body" and element.get("mocap") == "true")
 
     def actuator(self, actuator: Node) -> Slot:
         tag = actuator.tag
@@ -198,21 +219,43 @@ class _Reader:
                 self.influence[1] and self._inherits_state(actuator)
             ):
                 return _STATELESS
-        elif tag == "general" and not (self.influence[1] and self._inherits_state(actuator)):
-            if actuator.get("dyntype") in (None, "none"):
-                return _STATELESS
-            return actuator_slot(int(str(actuator.get("actdim") or 1)))
+        elif tag == "general":
+            slot = self._general(actuator)
+            if slot is not None:
+                return slot
         raise Unknown(actuator)
 
-    def _inherits_state(self, actuator: Node) -> bool:
+    def _inherits_state(self, position: Node) -> bool:
         """Whether its class may give it activations or inputs: all actuator tags share one struct."""
-        found = self._class(actuator)
-        return any(found.lookup("general", name) for name in ("dyntype", "actdim", "input")) or any(
-            found.sets(other) for other in (*_STATEFUL, "position")
+        found = self._class(position)
+        return bool(
+            any(found.lookup("general", name) for name in _STATE["general"])
+            or found.lookup("position", "timeconst")
+            or any(map(found.sets, _STATEFUL))
         )
+
+    def _general(self, general: Node) -> Slot | None:
+        """What a `<general>` holds, by its own settings and those of its class; None where these do not tell."""
+        found = self._class(general) if self.influence[1] else None
+        if found is not None and any(map(found.sets, (*_STATEFUL, "position"))):
+            return None
+        said: dict[str, str | None] = {}
+        for name in _STATE["general"]:
+            given = found.lookup("general", name) if found is not None else None
+            said[name] = general.get(name) or (given[0] if given else None)
+        if said["dyntype"] in ("pid", "dcmotor") or said["input"]:
+            return None
+        size = int(said["actdim"] or -1)
+        if size < 0:  # the default of MuJoCo
+            return actuator_slot(int(said["dyntype"] not in (None, "none")))
+        return actuator_slot(size)
 
     def _class(self, actuator: Node) -> DefaultClass:
         return self.unit.classes.get(str(actuator.get("class") or "") or None)
+
+
+def _count(replicate: Node) -> int:
+    return int(str(replicate.get("count") or 1))
 
 
 def joint_type(joint: Node, classes: Classes) -> str:

@@ -1,4 +1,7 @@
-"""Pass: `<lengthrange>` says how MuJoCo computes the length range of actuators: what it gives becomes explicit."""
+"""Pass: MuJoCo finds the length range of muscles by moving the model: what it finds in a unit alone becomes explicit.
+
+That is so where `<lengthrange>` says how, or where something hangs on what moves, which it would move as well.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +18,12 @@ _ARRAYS = ("actuator_lengthrange",)
 
 def lengthranges(linking: Linking) -> None:
     """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules."""
+    hanging = any(part.joints or part.place.kind != "world" for part in linking.parts)
     for unit in linking.units if linking.parts else ():
         rules = list(unit.root.iter("lengthrange"))
         if not rules:
+            if hanging and linking.measure is not None and _has_muscles(unit):
+                _write_found(unit, linking.measure(unit, _ARRAYS).get(_ARRAYS[0], []))
             continue
         actuators = [
             each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")
@@ -41,6 +47,22 @@ def lengthranges(linking: Linking) -> None:
             compiler = rule.getparent()
             assert compiler is not None
             compiler.remove(rule)
+
+
+def _has_muscles(unit: Unit) -> bool:
+    sections = unit.root.iterchildren("actuator", "default")
+    return any(_is_muscle(each) for section in sections for each in section.iter("muscle", "general"))
+
+
+def _write_found(unit: Unit, measured: list[float]) -> None:
+    """Write the ranges that MuJoCo has found, unless it has made copies of actuators."""
+    actuators = [each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")]
+    if len(measured) != 2 * len(actuators):
+        return
+    for at, actuator in enumerate(actuators):
+        found = measured[2 * at : 2 * at + 2]
+        if any(found):
+            actuator.set("lengthrange", numbers.text(found))
 
 
 def _is_muscle(actuator: Node) -> bool:

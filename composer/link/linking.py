@@ -140,9 +140,10 @@ class Linking:
     `alignfree`. `asked` are the parts, by path, of whose keys the recipe makes its own; None where it makes no key.
     `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
     recipe's. Edits of what is linked note in `reshaped` whose numbers in a key may be more or
-    fewer now, and in `emptied` whose old numbers have no meaning any more. `hiding_mocaps` are elements from which
-    MuJoCo makes mocap bodies. `coming` has where the recipe writes the places, by kind and name, that it adds when all
-    parts hang.
+    fewer now, and in `emptied` whose old numbers have no meaning any more. `references` and `mocap_references` have
+    what only MuJoCo can tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts
+    whose keys say where something is in the world. `coming` has where the recipe writes the places, by kind and name,
+    that it adds when all parts hang.
     """
 
     base: Unit
@@ -164,7 +165,8 @@ class Linking:
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
-    hiding_mocaps: list[Node] = field(default_factory=list)
+    mocap_references: dict[Node, list[Pose]] = field(default_factory=dict)
+    placed_keys: list[tuple[Part, Node]] = field(default_factory=list)
     floating: list[Floating] = field(default_factory=list)
     own_keys: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
     part_keys: dict[str, PartKeys] | None = None

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import copy
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from lxml.etree import _Element as Node
 
@@ -10,13 +12,17 @@ from composer.link import numbers
 from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, lay_out
 from composer.link.linking import Linking
 from composer.link.multiplied import actuators_in_order, element_of
+from composer.pose import Pose
 from composer.tree.unit import Unit
 
 _ARRAYS = (
     "nq",
     "nv",
     "qpos0",
+    "key_time",
     "body_mocapid",
+    "body_pos",
+    "body_quat",
     "jnt_type",
     "jnt_qposadr",
     "jnt_dofadr",
@@ -27,16 +33,18 @@ _FREE = 0  # of `mjtJoint`
 
 
 def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
-    """(nq, nv) of the one block whose size is unknown, (nctrl, nact) of every actuator; None where that fails."""
+    """What the tree does not tell of a unit's keys, by element; None where MuJoCo does not tell either.
+
+    That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of one more block of unknown size.
+    """
     arrays = linking.measure(unit, _ARRAYS) if linking.measure else None
     if not arrays:
         return None
-    found: dict[Node, Slot] = {}
+    found, brought = attached(linking, unit)
     actuators = list(map(element_of, actuators_in_order(unit.root)))
-    acts = [int(n) for n in arrays["actuator_actnum"]]
-    controls = [int(n) for n in arrays.get("actuator_ctrlnum") or [1.0] * len(acts)]
-    if len(acts) == len(actuators):
-        found.update(zip(actuators, map(actuator_slot, acts, controls), strict=True))
+    slots = list(map(actuator_slot, _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")))
+    if len(slots) - brought == len(actuators):
+        found.update(zip(actuators, slots, strict=False))
     elif (replicate := next(unit.root.iter("replicate"), None)) is not None:
         raise Unknown(replicate)  # it multiplies actuators that refer to nothing in it: see `spurious.py`
     unknown: list[Node] = []
@@ -54,11 +62,50 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
         nv = int(arrays["nv"][0]) - layout.total("qvel")
         found[unknown[0]] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown[0], (nq, nv), arrays))
         layout = lay_out(unit, found)
-        if sum(number >= 0 for number in arrays["body_mocapid"]) > len(layout.mocaps):
-            linking.hiding_mocaps.append(unknown[0])
     if layout.total("qpos") == int(arrays["nq"][0]):
         _note_references(linking, unit, layout, arrays["qpos0"])
+    _note_mocaps(linking, layout, arrays)
     return found
+
+
+def attached(linking: Linking, unit: Unit) -> tuple[dict[Node, Slot], int]:
+    """What each `<attach>` brings, measured by itself in an empty world, and how many actuators all together."""
+    found: dict[Node, Slot] = {}
+    brought = 0
+    for attach in unit.root.iter("attach"):
+        arrays = linking.measure(_by_itself(unit, attach), _ARRAYS, attempt=True) if linking.measure else None
+        if arrays:
+            acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
+            mocaps = sum(number >= 0 for number in arrays["body_mocapid"])
+            size = int(arrays["nq"][0]), int(arrays["nv"][0])
+            free = tuple(_free_joints(arrays))
+            keys = len(arrays["key_time"])
+            found[attach] = Slot(BLOCK, size, free, (sum(controls), sum(acts)), mocaps, keys)
+            brought += len(acts)
+    return found, brought
+
+
+def _by_itself(unit: Unit, attach: Node) -> Unit:
+    """A model that does nothing but attach what `attach` does."""
+    root = unit.root.makeelement("mujoco")
+    for compiler in unit.root.iterchildren("compiler"):
+        root.append(copy.copy(compiler))
+    for tag, children in (("asset", unit.root.iterfind("asset/model")), ("worldbody", [attach])):
+        section = root.makeelement(tag)
+        section.extend(copy.copy(child) for child in children)
+        root.append(section)
+    return replace(unit, root=root)
+
+
+def _counts(arrays: Mapping[str, list[float]], name: str) -> list[int]:
+    """How many activations or controls each actuator has. Before MuJoCo 4 all have one control."""
+    return [int(n) for n in arrays.get(f"actuator_{name}") or [1.0] * len(arrays["actuator_actnum"])]
+
+
+def _free_joints(arrays: Mapping[str, list[float]]) -> Iterator[tuple[int, int]]:
+    """Where the numbers of every free joint begin."""
+    joints = zip(arrays["jnt_type"], arrays["jnt_qposadr"], arrays["jnt_dofadr"], strict=True)
+    return ((int(q), int(v)) for kind, q, v in joints if kind == _FREE)
 
 
 def _free_inside(
@@ -70,10 +117,7 @@ def _free_inside(
         if joint is block:
             break
         nq, nv = nq + slot.widths[0], nv + slot.widths[1]
-    joints = zip(arrays["jnt_type"], arrays["jnt_qposadr"], arrays["jnt_dofadr"], strict=True)
-    return tuple(
-        (int(q) - nq, int(v) - nv) for kind, q, v in joints if kind == _FREE and nq <= q < nq + widths[0]
-    )
+    return tuple((q - nq, v - nv) for q, v in _free_joints(arrays) if nq <= q < nq + widths[0])
 
 
 def is_measured(unit: Unit, joint: Node, slot: Slot) -> bool:
@@ -90,3 +134,20 @@ def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[f
         if is_measured(unit, joint, slot):
             linking.references[joint] = numbers.text(qpos0[at : at + width]).split()
         at += width
+
+
+def _note_mocaps(linking: Linking, layout: Layout, arrays: Mapping[str, list[float]]) -> None:
+    """Note where mocap bodies stand that are not in the tree."""
+    bodies = [body for body, number in enumerate(arrays["body_mocapid"]) if number >= 0]
+    if len(bodies) != sum(layout.mocaps.values()):
+        return
+    for element, count in layout.mocaps.items():
+        own, bodies = bodies[:count], bodies[count:]
+        if element.tag != "body":
+            linking.mocap_references[element] = [_pose(arrays, body) for body in own]
+
+
+def _pose(arrays: Mapping[str, list[float]], body: int) -> Pose:
+    x, y, z = arrays["body_pos"][3 * body : 3 * body + 3]
+    w, a, b, c = arrays["body_quat"][4 * body : 4 * body + 4]
+    return Pose((x, y, z), (w, a, b, c))

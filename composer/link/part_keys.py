@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from lxml.etree import _Element as Node
@@ -90,7 +90,12 @@ def cut_row(
     at = 0
     for holder, width in owners:
         if at + width > len(text):
-            if at < len(text) and vector not in ("mpos", "mquat"):  # MuJoCo ignores half a pose there
+            if vector in ("mpos", "mquat"):  # MuJoCo ignores half a pose there
+                one = 3 if vector == "mpos" else 4
+                if whole := (len(text) - at) // one * one:
+                    taken[holder] = text[at : at + whole]
+            elif at < len(text) and linking.parts:
+                # MuJoCo was not there to fill it up. A model alone keeps its keys as they are written.
                 linking.sink.error(
                     "keyframe-conflict",
                     f"`{vector}` of {called(element)} ends in the middle of a joint, "
@@ -145,14 +150,19 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[str
                 taken[joint] = _carried(moved, slot, vector, taken[joint])
     elif vector in ("mpos", "mquat"):
         for body in layout.mocaps:
-            values = taken.get(body)
-            if values:
-                x = numbers.read(" ".join(values))
-                if vector == "mpos":
-                    new: tuple[float, ...] = (moved @ Pose((x[0], x[1], x[2]))).pos
-                else:
-                    new = (moved @ Pose(quat=normalise(x))).quat
-                taken[body] = numbers.text(new).split()
+            if body in taken:
+                taken[body] = numbers.text(
+                    _placed(moved, vector, numbers.read(" ".join(taken[body])))
+                ).split()
+
+
+def _placed(moved: Pose, vector: str, values: Sequence[float]) -> list[float]:
+    """Positions or orientations of mocap bodies, moved."""
+    if vector == "mpos":
+        rows = zip(*[iter(values)] * 3, strict=True)
+        return [each for x, y, z in rows for each in (moved @ Pose((x, y, z))).pos]
+    quats = zip(*[iter(values)] * 4, strict=True)
+    return [each for quat in quats for each in (moved @ Pose(quat=normalise(quat))).quat]
 
 
 def _carried(moved: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
@@ -172,6 +182,11 @@ def _carried(moved: Pose, slot: Slot, vector: str, values: list[str]) -> list[st
 def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
     """What was measured of a part by itself moves with it."""
     moved = part.pose_in_world
+    if moved is None:
+        return
     for joint, slot in layout.joints.items():
-        if slot.free and moved is not None and joint in linking.references:
+        if slot.free and joint in linking.references:
             linking.references[joint] = _carried(moved, slot, "qpos", linking.references[joint])
+    for body in layout.mocaps:
+        if body in linking.mocap_references:
+            linking.mocap_references[body] = [moved @ pose for pose in linking.mocap_references[body]]

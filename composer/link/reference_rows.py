@@ -39,11 +39,10 @@ class Reference:
         row: list[str] = []
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
-                given = values.get(body)
-                if given is None:
-                    pose = self._pose(body)
-                    given = numbers.text(pose.pos if vector == "mpos" else pose.quat).split()
-                row += given
+                poses = self.linking.mocap_references.get(body) or [self._pose(body)]
+                text = [number for pose in poses for number in (pose.pos if vector == "mpos" else pose.quat)]
+                said = values.get(body, [])
+                row += [*said, *numbers.text(text).split()[len(said) :]]
             return row
         # Numbers still mean something if neither their holder's meaning nor its width has been edited.
         emptied, second = self.linking.emptied, vector in ("qvel", "act")

@@ -126,9 +126,14 @@ def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -
 
 
 def _planes(linking: Linking, part: Part) -> None:
-    for geom in _at_the_root(part.unit.root, "geom"):
-        if part.unit.classes.effective(geom, childclass_of(geom), "type") == "plane":
-            linking.planes.append((part, geom))
+    """Note every plane of the part that stands still in the part alone."""
+    classes = part.unit.classes
+    by_class = classes.give("geom", "type")
+    for worldbody in part.unit.root.iterchildren("worldbody"):
+        for geom in worldbody.iter("geom"):
+            kind = classes.effective(geom, childclass_of(geom), "type") if by_class else geom.get("type")
+            if kind == "plane" and not _moves(geom):
+                linking.planes.append((part, geom))
 
 
 def _moves(geom: Node) -> bool:

@@ -22,6 +22,7 @@ from composer.link.linking import KeyPolicy, Linking, Measure
 from composer.link.multiplied import element_of
 from composer.link.needs import drop_unneeded
 from composer.link.part_keys import cut_row
+from composer.tree.attached import attached_notes
 from composer.tree.classes import childclass_of
 from composer.tree.names import declaration, word
 from composer.tree.unit import Unit
@@ -107,7 +108,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
             "unknown-name",
             f"`{unit.label}` has no body `{name}` to take",
             span,
-            notes=(exists_note("body", names, name),),
+            notes=(exists_note("body", names, name), *attached_notes(unit, name)),
             help=did_you_mean(name, names, "subtree: {}"),
         )
         return None

@@ -8,7 +8,7 @@ from functools import cached_property
 from composer.bundle.manifest import Actuator, Joint
 from composer.bundle.manifest import Index as Listed
 from composer.loading.numbers import Lookup, Numbers
-from composer.loading.vector import UNLIMITED, Entry, Vector
+from composer.loading.vector import UNLIMITED, Entry, Range, Vector
 
 _FREE = {"qpos": ("m", "m", "m", *["quaternion"] * 4), "qvel": (*["m/s"] * 3, *["rad/s"] * 3)}
 
@@ -43,7 +43,7 @@ class Index:
                 each.name,
                 each.ctrl,
                 (each.unit,) * each.ctrl_size,
-                tuple(pair or UNLIMITED for pair in each.ranges),
+                tuple(map(_limits, each.ranges)),
                 origin=each.origin,
             )
             for each in self._listed.actuators
@@ -54,7 +54,7 @@ class Index:
     def act(self) -> Vector:
         """Activations of those actuators that have some."""
         entries = list(_activations(self._listed.actuators))
-        return self._vector("act", "actuator with activation", entries)
+        return self._vector("act", "activation", entries)
 
     @cached_property
     def sensordata(self) -> Vector:
@@ -127,10 +127,15 @@ class Index:
         return f"<Index: {', '.join(f'{each.name} {each.size}' for each in vectors)}>"
 
 
+def _limits(pair: tuple[float | None, float | None] | None) -> Range:
+    low, high = pair or (None, None)
+    return (UNLIMITED[0] if low is None else low, UNLIMITED[1] if high is None else high)
+
+
 def _position(joint: Joint) -> Entry:
     units = _FREE["qpos"] if joint.type == "free" else (joint.unit,) * joint.qpos_size
     scalar = joint.qpos_size == 1  # the range of a ball joint is an angle, which is none of its numbers
-    limits = ((joint.range if joint.range and scalar else UNLIMITED),) * joint.qpos_size
+    limits = (_limits(joint.range) if scalar else UNLIMITED,) * joint.qpos_size
     return Entry(joint.name, joint.qpos, units, limits, joint.body, joint.origin)
 
 
@@ -142,5 +147,5 @@ def _velocity(joint: Joint) -> Entry:
 def _activations(actuators: Sequence[Actuator]) -> Iterator[Entry]:
     for each in actuators:
         if each.act is not None:
-            limits = (each.act_range or UNLIMITED,) * each.act_size
+            limits = (_limits(each.act_range),) * each.act_size
             yield Entry(each.name, each.act, (None,) * each.act_size, limits, origin=each.origin)

@@ -7,17 +7,16 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.holding import check_files, check_index, manifest_of
 from composer.bundle.manifest import Manifest, index_of
 from composer.bundle.mjb import manifest_beside
-from composer.bundle.read import ReadError, read
+from composer.bundle.read import ReadError, named_model, read
 from composer.bundle.staging import write_files
 from composer.diagnostics.sink import Sink
 from composer.loading.errors import BundleWarning, LoadError
@@ -27,19 +26,15 @@ Model: TypeAlias = Any
 """A `mujoco.MjModel`, which has no types of its own."""
 
 
-@dataclass(frozen=True, slots=True)
-class Loaded:
-    """A model, what it was made of, and where everything is in it; can be unpacked in this order.
+class Loaded(NamedTuple):
+    """A model, what it was made of, and where everything is in it.
 
     `model` is a `mujoco.MjModel`.
     """
 
     model: Model
     manifest: Manifest
-    index: Index
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter((self.model, self.manifest, self.index))
+    index: Index  # type: ignore[assignment]  # the method of a tuple that it hides is of no use here
 
 
 def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
@@ -86,19 +81,22 @@ def _read(path: Path) -> Bundle:
 
 
 def _read_binary(path: Path) -> Bundle:
-    files = {}
+    """The two files, whatever they are called now: the manifest says what the model was."""
     beside = manifest_beside(path)
-    for name, file in ((path.name, path), (MANIFEST, beside)):
-        try:
-            files[name] = file.read_bytes()
-        except FileNotFoundError as error:
-            if file is path:
-                raise _failure("file-not-found", f"there is no file `{path}`") from error
-            message = f"there is no `{beside}`, the manifest of `{path.name}`"
-            raise _failure("bundle-manifest", message, "keep the two together") from error
-        except OSError as error:
-            raise _failure("file-unreadable", f"cannot read `{file}`: {error.strerror or error}") from error
-    return Bundle(files, path.name)
+    try:
+        content = path.read_bytes()
+        manifest = beside.read_bytes()
+    except FileNotFoundError as error:
+        if not path.exists():
+            raise _failure("file-not-found", f"there is no file `{path}`") from error
+        message = f"there is no `{beside}`, the manifest of `{path.name}`"
+        raise _failure("bundle-manifest", message, "keep the two together") from error
+    except OSError as error:
+        shown = error.filename or path
+        raise _failure("file-unreadable", f"cannot read `{shown}`: {error.strerror or error}") from error
+    named = named_model(manifest)
+    model = named if named.endswith(".mjb") and Path(named).name == named else path.name
+    return Bundle({model: content, MANIFEST: manifest}, model)
 
 
 @contextmanager

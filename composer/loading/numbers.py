@@ -58,6 +58,8 @@ class Lookup:
 
     def rows(self, names: Names) -> list[int]:
         """The rows of all of them, in their order; a glob has the order of the model."""
+        if not isinstance(names, Iterable):
+            raise TypeError(f"names are asked for, one or several, not {names!r}")
         found: list[int] = []
         for name in [names] if isinstance(names, str) else names:
             row = self.row(name)

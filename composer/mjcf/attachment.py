@@ -11,12 +11,14 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf import edit
+from composer.mjcf.attributed import targets
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import HOSTS, Element, _targets, checked, view
+from composer.mjcf.element import HOSTS, Element, checked
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.reference import describe
 from composer.mjcf.removal import release
+from composer.mjcf.views import view
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
 from composer.tree.kinds import kind_of
 from composer.tree.name_index import SEPARATOR
@@ -43,7 +45,7 @@ class AttachmentFrame(Element):
     @property
     def parent(self) -> Element | None:
         """The body, frame or worldbody below which the child stands."""
-        attachment = cast(AttachmentFrame, self._alive())._attachment
+        attachment = self._alive()._attachment
         return view(self._model, attachment.container)
 
     def __repr__(self) -> str:
@@ -82,7 +84,7 @@ class AttachmentFrame(Element):
                 notes=(Note(f"{describe(self._model, there)} is here", self._model.span(there)),),
             )
         kind = self._child_kind(tag)
-        checked = edit.check(self._model, kind, _targets(attributes), frame=self._attachment)
+        checked = edit.check(self._model, kind, targets(attributes), frame=self._attachment)
         return view(self._model, edit.create(self._model, self._node, tag, checked, position))
 
     def _write(self, attributes: Mapping[str, object]) -> None:

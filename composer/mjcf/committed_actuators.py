@@ -11,10 +11,10 @@ from lxml.etree import _Element as Node
 from composer.grammar import GRAMMAR
 from composer.mjcf.call_site import call_site
 from composer.mjcf.edit import drop
-from composer.mjcf.element import class_of
 from composer.mjcf.errors import MjcfWarning
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
+from composer.mjcf.views import class_of
 from composer.tree.classes import MAIN, DefaultClass
 from composer.tree.kinds import ROOT, kind_of
 

@@ -14,7 +14,7 @@ _OF_ATTRIBUTE = "rgb"
 def commit(model: Model, node: Node, found: DefaultClass) -> None:
     """Write onto a material the textures that its class gives for roles of which it says nothing itself."""
     own = _by_role(node)
-    missing = {role: name for role, name in _given(found).items() if role not in own}
+    missing = {role: name for role, name in _given(found).items() if role not in own and name}
     if not missing:
         return
     if not own and missing.keys() == {_OF_ATTRIBUTE}:
@@ -22,7 +22,7 @@ def commit(model: Model, node: Node, found: DefaultClass) -> None:
         node.set("texture", missing[_OF_ATTRIBUTE])
         model.note(node)
         return
-    if node.get("texture"):  # MuJoCo takes the attribute, or layers
+    if node.get("texture") is not None:  # MuJoCo takes the attribute, or layers
         missing = {_OF_ATTRIBUTE: own[_OF_ATTRIBUTE], **missing}
         model.forget(node)
         del node.attrib["texture"]
@@ -44,6 +44,7 @@ def _given(found: DefaultClass | None) -> dict[str, str]:
 
 
 def _by_role(node: Node) -> dict[str, str]:
-    attribute = {_OF_ATTRIBUTE: str(node.get("texture"))} if node.get("texture") else {}
+    named = node.get("texture")  # an empty one takes back what a class gives
+    attribute = {} if named is None else {_OF_ATTRIBUTE: str(named)}
     layers = {str(layer.get("role")): str(layer.get("texture")) for layer in node.iterchildren("layer")}
     return {**attribute, **layers}

@@ -26,6 +26,7 @@ _ONE_OF = (
     frozenset({"type", "directional"}),
     frozenset({"kv", "dampratio"}),
 )
+_TEXTS = frozenset({"reference", "references", "file", "string"})
 # A single number stands for both.
 _NEVER_COMPLETED = frozenset({"springlength"})
 
@@ -111,9 +112,11 @@ def _commit(model: Model, node: Node, found: DefaultClass) -> None:
     changes: dict[str, str | None] = {}
     for name, value in given.items():
         own = str(node.get(name) or "")
+        if not own and _counts_empty(attributes[name]) and node.get(name) is not None:
+            continue
         if not own and (_is_settled(node, name) or (name == "cranklength" and not node.get("cranksite"))):
             continue
-        whole = _completed(attributes[name], own, value)
+        whole = _completed(attributes[name], own, value) if own else value
         if whole != own:
             changes[name] = whole
     if node.tag == "camera" and (changes.get("sensorsize") or node.get("sensorsize")):
@@ -142,7 +145,9 @@ def _given(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute])
     for element in _written(found, ACTUATORS if tag in ACTUATORS else (tag,)):
         for key, value in element.items():
             name = str(key)
-            if name not in attributes or name in _NEVER_GIVEN or not str(value).strip():
+            if name not in attributes or name in _NEVER_GIVEN:
+                continue
+            if not str(value).strip() and not _counts_empty(attributes[name]):
                 continue
             if element.tag != tag and name not in OF_ALL:
                 continue
@@ -151,6 +156,11 @@ def _given(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute])
                     inherited = {each: text for each, text in inherited.items() if each not in group - {name}}
             inherited[name] = _completed(attributes[name], str(value), inherited.get(name, ""))
     return inherited
+
+
+def _counts_empty(attribute: Attribute) -> bool:
+    """Whether nothing between the quotes is a value too, which takes back what a class above gives."""
+    return attribute.type in _TEXTS
 
 
 def _is_settled(node: Node, name: str) -> bool:
@@ -175,7 +185,7 @@ def _place(node: Node) -> list[int]:
 def _completed(attribute: Attribute, own: str, inherited: str) -> str:
     """A value with the end of the inherited one where it is shorter and its length is bounded."""
     if not own.strip():
-        return inherited
+        return "" if _counts_empty(attribute) else inherited
     if not attribute.is_number or attribute.max_length in (None, 1) or attribute.name in _NEVER_COMPLETED:
         return own
     items, more = own.split(), inherited.split()

@@ -6,9 +6,10 @@ import copy
 from typing import Any
 
 from composer.mjcf.attachment import AttachmentFrame
-from composer.mjcf.element import Element, view
+from composer.mjcf.element import Element
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.root import RootElement
+from composer.mjcf.views import view
 from composer.tree.counterpart import counterpart
 
 

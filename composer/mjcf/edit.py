@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import islice
 from pathlib import Path
 from typing import cast
@@ -20,9 +22,9 @@ from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.misspelled import unknown_attribute
 from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
-from composer.mjcf.value import BadValue, encode
+from composer.mjcf.value import BadValue, encode, plain_text
 from composer.tree.classes import MAIN, ORIENTATIONS
-from composer.tree.kinds import attribute_of, naming_attribute, section_of, spoken
+from composer.tree.kinds import attribute_of, kind_of, naming_attribute, section_of, spoken
 from composer.tree.name_index import MAY_REPEAT, is_list
 
 
@@ -32,6 +34,10 @@ class Edit:
 
     texts: dict[str, str | None] = field(default_factory=dict)
     contents: dict[str, bytes | Path] = field(default_factory=dict)
+    given: dict[Target, str] = field(default_factory=dict)
+    """Names for what is referred to and has none."""
+    nameless: bool = False
+    """Whether none of the attributes has to do with names."""
 
 
 def check(
@@ -46,6 +52,13 @@ def check(
     `frame` is the attachment that a new joint is for. Elements among the values must have been replaced by
     their targets.
     """
+    if node is not None and len(values) == 1:
+        ((name, value),) = values.items()
+        attribute = attribute_of(kind, name)
+        if attribute is not None and is_nameless(kind, attribute):
+            text = None if value is None else plain_text(attribute, value)
+            if text is not None or value is None:
+                return Edit({attribute.name: text}, nameless=True)
     if frame is None and node is not None and (above := model.frame_above(node)) is not None:
         frame = model.attachment_of(above)
     edit = Edit()
@@ -99,7 +112,7 @@ def _text(
         namespace = namespace_of(attribute, written)
         names = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
         return " ".join(
-            name_for(model, attribute, each, namespace)
+            name_for(model, attribute, each, namespace, edit.given)
             if isinstance(each, Target)
             else encode(attribute, each)
             for each in names
@@ -110,10 +123,14 @@ def _text(
 def write(model: Model, node: Node, edit: Edit) -> None:
     """Carry out an edit that has been checked."""
     _take_contents(model, edit)
-    before = model.declared(node)
-    model.forget(node)
-    lines = model.unit.origins.settings.setdefault(node, {}) if edit.texts else {}
-    lines.update(dict.fromkeys(edit.texts, call_site()))
+    _give_names(edit)
+    before = None
+    if not edit.nameless:
+        before = model.declared(node)
+        model.forget(node)
+    if edit.texts:
+        site = call_site()
+        model.unit.origins.settings.setdefault(node, {}).update(dict.fromkeys(edit.texts, site))
     for name, text in edit.texts.items():
         if text is None:
             drop(node, name)
@@ -122,14 +139,24 @@ def write(model: Model, node: Node, edit: Edit) -> None:
             for other in ORIENTATIONS:
                 drop(node, other)
         node.set(name, text)
-    model.note(node)
     if (
         cast(int | None, node.sourceline) is None and node not in model.unit.origins.owners
     ):  # made because it was asked for
         model.unit.origins.own(node, call_site())
+    if edit.nameless:
+        return
+    model.note(node)
     after = model.declared(node)
     if before and after and before != after:
         follow(model, before[0], before[1], after[1])
+
+
+@cache
+def is_nameless(kind: ElementType, attribute: Attribute) -> bool:
+    """Whether an attribute has nothing to do with names: it neither is one, nor says what a name refers to."""
+    if attribute.type == "keyword":
+        return all(each.refers_by != attribute.name for each in kind.attributes.values())
+    return attribute.is_number or attribute.type == "bool"
 
 
 def drop(node: Node, attribute: str) -> None:
@@ -141,6 +168,7 @@ def drop(node: Node, attribute: str) -> None:
 def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:
     """A new element below `parent`, at the end or before the child at `position`."""
     _take_contents(model, edit)
+    _give_names(edit)
     attributes = {name: text for name, text in edit.texts.items() if text is not None}
     node = parent.makeelement(tag, attributes)
     later = None if position is None else _child_at(parent, position)
@@ -155,6 +183,7 @@ def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | Non
 
 def _child_at(parent: Node, position: int) -> Node | None:
     """The child before which a list would insert, or None where it would append; the others are not looked at."""
+    position = max(-sys.maxsize, min(position, sys.maxsize - 1))
     if position >= 0:
         return next(islice(parent.iterchildren("*"), position, None), None)
     from_the_end = islice(parent.iterchildren("*", reversed=True), -position - 1, None)
@@ -172,6 +201,16 @@ def _take_contents(model: Model, edit: Edit) -> None:
     if edit.contents:
         known = model.unit.contents
         model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(edit.contents)
+
+
+def _give_names(edit: Edit) -> None:
+    """Name what is referred to and has no name."""
+    for (model, node), name in edit.given.items():
+        attribute = naming_attribute(kind_of(node))
+        assert attribute is not None
+        node.set(attribute.name, name)
+        model.unit.origins.settings.setdefault(node, {})[attribute.name] = call_site()
+        model.note(node)
 
 
 def _check_name(

@@ -64,6 +64,12 @@ class ElementList(Sequence["Element"]):
             kind=MjcfKeyError,
         )
 
+    def __contains__(self, item: object) -> bool:
+        """Whether an element, or one of that name, is among them."""
+        if isinstance(item, str):
+            return any(element.name == item for element in self._elements)
+        return any(element is item for element in self._elements)
+
     def _ipython_key_completions_(self) -> list[str]:
         return [element.name for element in self._elements if element.name]
 

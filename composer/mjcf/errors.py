@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.diagnostics.failure import MjcomposeError
@@ -43,7 +44,11 @@ def failure(
     return kind([Diagnostic(code, message, span, notes=tuple(notes), help=help)])
 
 
-def raise_errors(sink: Sink) -> None:
-    """Raise all errors that have been found, if any, as one exception."""
+def raise_errors(sink: Sink, otherwise: Callable[[], Span] | None = None) -> None:
+    """Raise all errors that have been found, if any, as one exception; those without a place get another one."""
     if sink.has_errors:
-        raise MjcfError([each for each in sink.sorted() if each.severity == "error"])
+        errors = [each for each in sink.sorted() if each.severity == "error"]
+        if otherwise is not None:
+            place = otherwise()
+            errors = [replace(each, span=each.span or place) for each in errors]
+        raise MjcfError(errors)

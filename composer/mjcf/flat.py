@@ -6,6 +6,7 @@ import posixpath
 import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import get_args
 
@@ -37,7 +38,7 @@ _HELP = {
     "plane-on-body": "remove the plane, or attach the model to something that does not move",
     "name-clash": _RENAME,
     "class-clash": _RENAME,
-    "keyframe-conflict": None,
+    "keyframe-conflict": "a key has the numbers of its own model; what is attached has its own keys",
     "not-supported": None,
 }
 
@@ -74,10 +75,18 @@ def flatten(
     `copy` makes the units that are linked, of every model one. With `check_keys` the keys of a model that nothing
     hangs on are laid out, too, only to tell those that do not fit.
     """
+    with ExitStack() as ending:
+        return _flatten(model, conflict, copy, ending, check_keys=check_keys)
+
+
+def _flatten(
+    model: Model, conflict: Policy, copy: Callable[[Model], Unit], ending: ExitStack, *, check_keys: bool
+) -> Flat:
     _check(model, conflict)
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
-    measure = _measure(sink) if mounting.parts else None
+    prefixes = tuple(part.prefix for part in mounting.parts)
+    measure = _measure(sink, prefixes, ending) if mounting.parts else None
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         prune(unit)
     linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
@@ -165,13 +174,22 @@ class _NamesChecked(Sink):
             super().add(diagnostic)
 
 
-def _measure(sink: Sink) -> Measure:
-    """MuJoCo, in a process of its own, asked only for what the tree does not tell."""
+def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measure:
+    """MuJoCo, in a process of its own that ends with `ending`, asked only for what the tree does not tell.
+
+    Of each unit alone.
+    """
+    started: list[Measure] = []
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
-        from composer.steps.measure import measure_with
+        from composer.mjcf.outward import without_outward
 
-        return measure_with(Context(sink))(unit, arrays, attempt=attempt)
+        if not started:
+            from composer.engine import Session
+            from composer.steps.measure import measure_with
+
+            started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
+        return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
 
     return measure
 

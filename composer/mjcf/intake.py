@@ -10,6 +10,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.grammar import GRAMMAR, ElementType
+from composer.link.agreement import INSTEAD_OF_MEMORY
 from composer.tree.files import stem
 from composer.tree.name_index import MAY_REPEAT, own_name
 from composer.tree.names import DECLARES, naming_table
@@ -93,8 +94,18 @@ def one_of_each_section(unit: Unit) -> None:
         for child in section.iterchildren("*"):
             if child not in unit.origins.owners:
                 unit.origins.own(child, owner)
+        if tag == "size":
+            _prefer_memory(first[tag], section)
         _join(first[tag], section, GRAMMAR.section(tag))
         unit.root.remove(section)
+
+
+def _prefer_memory(one: Node, other: Node) -> None:
+    """MuJoCo lets `memory` win over what was in its place once, but refuses both in one element."""
+    for there, here in ((one, other), (other, one)):
+        for name in INSTEAD_OF_MEMORY if there.get("memory") else ():
+            if name in here.attrib:
+                del here.attrib[name]
 
 
 def _join(into: Node, section: Node, kind: ElementType) -> None:

@@ -233,6 +233,15 @@ class Model:
             model = model.hung.parent
         return name
 
+    def prefix_in(self, other: Model) -> str | None:
+        """What stands before this model's names in `other`; None where it does not hang on that."""
+        prefix, model = "", self
+        while model is not other:
+            if model.hung is None:
+                return None
+            prefix, model = model.prefix + prefix, model.hung.parent
+        return prefix
+
     def note(self, node: Node) -> None:
         """Take up the names of a node that has come or changed."""
         self.names.note(node, section_of(node), declares=self.frame_above(node) is None)

@@ -148,7 +148,7 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
 def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
     sink = Sink()
     unit = parse(sink)
-    raise_errors(sink)
+    raise_errors(sink, call_site)
     assert unit is not None
     check_tree(unit, sink)
     raise_errors(sink)

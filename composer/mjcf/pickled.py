@@ -12,9 +12,10 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
 from composer.mjcf.attachment import AttachmentFrame
-from composer.mjcf.element import Element, view
+from composer.mjcf.element import Element
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.root import RootElement
+from composer.mjcf.views import view
 from composer.tree.origin import Origins
 from composer.tree.start_tag import SourceText
 from composer.tree.unit import Unit
@@ -62,9 +63,10 @@ class _Attached:
 
 @dataclass(frozen=True, slots=True)
 class _Composition:
-    """A model and all that is attached to it."""
+    """A model and all that is attached to it; the comments of its header by their places below the root."""
 
     tree: _Tree
+    header: list[int]
     file: str
     directory: Path
     label: str
@@ -78,6 +80,7 @@ class _Composition:
         places = {node: at for at, node in enumerate(unit.root.iter())} if model.attachments else {}
         return cls(
             _Tree.of(unit.root, unit.origins),
+            list(map(unit.root.index, unit.header)),
             unit.file,
             unit.directory,
             unit.label,
@@ -92,7 +95,9 @@ class _Composition:
     def restored(self) -> Model:
         origins = Origins(texts=self.texts)
         root = self.tree.restored(origins)
-        model = Model(Unit(root, self.file, self.directory, self.label, self.contents, origins))
+        header = tuple(root[at] for at in self.header)
+        unit = Unit(root, self.file, self.directory, self.label, self.contents, origins, header=header)
+        model = Model(unit)
         RootElement._of(model)
         nodes = list(root.iter()) if self.attached else []
         for each in self.attached:

@@ -11,7 +11,7 @@ from composer.grammar.attribute import Attribute
 from composer.mjcf.model import Model, Target
 from composer.mjcf.value import BadValue
 from composer.tree.kinds import kind_of
-from composer.tree.names import WORLD
+from composer.tree.names import WORLD, word
 
 
 def refers(attribute: Attribute) -> bool:
@@ -28,20 +28,29 @@ def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None
     return attribute.refers
 
 
-def name_for(model: Model, attribute: Attribute, target: Target, namespace: str | None) -> str:
-    """What `model` has to write to mean `target`. Raises `BadValue` where it cannot."""
+def name_for(
+    model: Model, attribute: Attribute, target: Target, namespace: str | None, given: dict[Target, str]
+) -> str:
+    """What `model` has to write to mean `target`. Raises `BadValue` where it cannot.
+
+    A target without a name gets one in `given`, which the caller has to write.
+    """
     node = target.node
     if not target.model.has(node):
         raise BadValue(f"got {described(target)}, which was removed")
     declared = target.model.declared(node)
     kind = kind_of(node)
     if namespace is not None and (declared[0] if declared else kind.family) != namespace:
-        raise BadValue(f"expects a {namespace}, got {described(target)}")
+        raise BadValue(f"expects {word(namespace, article=True)}, got {described(target)}")
     if declared is None and kind.family is None:
         raise BadValue(f"got {described(target)}, which nothing can refer to")
     if declared is None:
-        raise BadValue(f"got {described(target)}, which has no name; give it one first")
-    name = target.model.seen_from(model, node)
+        own = given.get(target) or _free_name(target, str(kind.family), given)
+        given[target] = own
+        outside = target.model.prefix_in(model)
+        name = None if outside is None else outside + own
+    else:
+        name = target.model.seen_from(model, node)
     if name is None:
         raise BadValue(
             f"got {described(target)} of the model `{target.model.name}`, which is not attached to "
@@ -50,6 +59,17 @@ def name_for(model: Model, attribute: Attribute, target: Target, namespace: str 
     if attribute.type == "references" and len(name.split()) != 1:
         raise BadValue(f"got {described(target)}, but a list of names cannot hold one with a space")
     return name
+
+
+def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> str:
+    """A name that nothing has, in the manner of `dm_control`."""
+    model = target.model
+    number = len(model.names.declared.get(namespace, ()))
+    while True:
+        name = f"unnamed_{namespace}_{number}"
+        if name not in given.values() and model.top.lookup(namespace, model.full_prefix + name) is None:
+            return name
+        number += 1
 
 
 def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[Target | str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from composer.link.compiler import FOLDERS
-from composer.link.files import ASSETS
+from composer.link.files import ASSETS, is_settled
 from composer.mjcf.model import Model
 from composer.mjcf.pruning import empty
 from composer.tree.files import file_attributes, is_plain
@@ -29,21 +29,28 @@ def relocated_text(model: Model, label: str) -> str | None:
     if files is None or next(empty(unit), None) is not None:
         return None
     text = to_text(unit.root)
-    if text.count(_FILE) != files:
+    moving, staying = files
+    if moving and (staying or text.count(_FILE) != moving):
         return None
-    return _without_folders(unit, text.replace(_FILE, f"{_FILE}{ASSETS}/{label}/"))
+    return _without_folders(unit, text.replace(_FILE, f"{_FILE}{ASSETS}/{label}/") if moving else text)
 
 
-def _plain_files(unit: Unit) -> int | None:
-    """How many files the model names; None where a path has to be shortened, parted from another or looked into."""
+def _plain_files(unit: Unit) -> tuple[int, int] | None:
+    """How many files move to the label's folder and how many stay where they are.
+
+    None where a path has to be shortened, parted from another or looked into.
+    """
     seen = set()
-    count = 0
+    moving = staying = 0
     for element, attribute, name in file_attributes(unit.root):
         if attribute != "file" or element.tag == "skin" or not is_plain(name):
             return None
         seen.add(name[name.rfind("/") + 1 :].lower())
-        count += 1
-    return count if len(seen) == count else None
+        if is_settled(unit, element.tag, name):
+            staying += 1
+        else:
+            moving += 1
+    return (moving, staying) if len(seen) == moving + staying else None
 
 
 def _without_folders(unit: Unit, text: str) -> str | None:

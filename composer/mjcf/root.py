@@ -11,9 +11,10 @@ from composer.link.linking import Policy
 from composer.mjcf.asset import Files
 from composer.mjcf.attachment import attach, detach, set_model_name
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import Element, view
+from composer.mjcf.element import Element
 from composer.mjcf.errors import failure
 from composer.mjcf.model import UNNAMED, Model
+from composer.mjcf.views import view
 from composer.tree.kinds import WORLD_SECTION
 from composer.tree.unit import Unit
 

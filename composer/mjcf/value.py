@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import os
 import re
+from typing import Any
 
 import numpy as np
 
 from composer.grammar.attribute import Attribute
-from composer.grammar.check import check_python, check_value, expected, plain
-from composer.grammar.format import to_text
-from composer.grammar.number import items, parse_real
+from composer.grammar.check import check_length, check_python, check_value, expected, plain
+from composer.grammar.format import number_text, to_text
+from composer.grammar.number import INT_MAX, items, parse_real
 from composer.tree.classes import ORIENTATIONS
 
 # Types of which text may be given as it stands in XML; of numbers too.
@@ -21,6 +22,11 @@ _FINITE = frozenset(
     {"pos", "axis", "fromto", "size", "mass", "density", "diaginertia", "fullinertia", *ORIENTATIONS}
     | {"scale", "vertex", "timestep", "gravity", "qpos", "qvel", "mpos", "mquat", "ref"}
 )
+# One number or several as almost everybody writes them.
+_DECIMALS = re.compile(
+    r"[ \t\n\r]*(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?:[ \t\n\r]+|$))+", re.ASCII
+)
+_BOOLEANS = {True: "true", False: "false"}
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
@@ -34,6 +40,9 @@ def encode(attribute: Attribute, value: object) -> str:
     Numbers are written so that they read back to the same bits. An array of more than one dimension is
     taken row by row where the attribute has no fixed length.
     """
+    quick = plain_text(attribute, value)
+    if quick is not None:
+        return quick
     if isinstance(value, os.PathLike) and attribute.type == "file":
         value = os.fspath(value)
     if isinstance(value, str):
@@ -57,10 +66,13 @@ def encode(attribute: Attribute, value: object) -> str:
 def decode(attribute: Attribute, text: str) -> object:
     """What an attribute's text means. Raises `BadValue` for what MuJoCo would refuse.
 
-    A number is a numpy scalar, several are an array (`float64` or `int64`, shape `(n,)`) that cannot be
-    written to: a changed copy has to be set. Keywords are text, a list of them a list, a boolean is a
-    `bool`.
+    A number is a numpy scalar, several are an array (`float64` or `int64`, shape `(n,)`). Keywords are text,
+    a list of them a list, a boolean is a `bool`.
     """
+    if attribute.type == "real" and _DECIMALS.fullmatch(text):
+        decimals = list(map(float, text.split()))
+        if check_length(attribute, len(decimals)) is None and not any(map(math.isinf, decimals)):
+            return np.float64(decimals[0]) if attribute.max_length == 1 else np.array(decimals)
     fault = check_value(attribute, text)
     if fault is not None:
         raise BadValue(fault)
@@ -72,10 +84,33 @@ def decode(attribute: Attribute, text: str) -> object:
         return text
     numbers = [parse_real(item) for item in items(text)]
     array = np.array(numbers, dtype=np.int64 if attribute.type == "int" else np.float64)
-    if attribute.max_length == 1:
-        return array[0]
-    array.flags.writeable = False
-    return array
+    return array[0] if attribute.max_length == 1 else array
+
+
+def plain_text(attribute: Attribute, value: object) -> str | None:
+    """The text of what is plainly right, finite numbers above all; None for what takes a closer look."""
+    if attribute.type == "keyword":
+        return value if type(value) is str and value in attribute.keywords else None
+    if attribute.type == "bool":
+        return _BOOLEANS[value] if type(value) is bool else None
+    if not attribute.is_number:
+        return None
+    numbers: Any = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    if type(numbers) is float or type(numbers) is int:
+        numbers = (numbers,)
+    elif (type(numbers) is not list and type(numbers) is not tuple) or attribute.max_length == 1:
+        return None
+    if check_length(attribute, len(numbers)) is not None:
+        return None
+    texts = []
+    for number in numbers:
+        if type(number) is int and -INT_MAX <= number <= INT_MAX:
+            texts.append(str(number))
+        elif type(number) is float and attribute.type == "real" and math.isfinite(number):
+            texts.append(number_text(number))
+        else:
+            return None
+    return " ".join(texts)
 
 
 def _check_finite(attribute: Attribute, text: str) -> None:

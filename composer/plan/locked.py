@@ -16,7 +16,7 @@ from composer.plan.read import EXTENDS
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
-from composer.sources.lock import Lock, Locked, SourceKind, lock_path, read_lock
+from composer.sources.lock import Disputed, Lock, Locked, SourceKind, lock_path, read_lock
 from composer.sources.origin import Origin
 from composer.sources.source import Source
 from composer.version import __version__
@@ -24,15 +24,18 @@ from composer.version import __version__
 _SHOWN = 8
 
 
-def use_lock(recipe: Path, context: Context) -> Fetching | None:
-    """How to fetch for a recipe: as its lock says where there is one. Read once a run; None where it has faults."""
+def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -> Fetching | None:
+    """How to fetch for a recipe: as its lock says where there is one. Read once a run; None where it has faults.
+
+    `disputes` is for a lock in the middle of a merge, see `read_lock`.
+    """
     fetching = context.fetching = context.fetching or Fetching()
     if fetching.lock_file is not None:
         return fetching
     before = context.sink.error_count
     path = lock_path(context.folder / recipe)
     fetching.recipe = context.shown(context.folder / recipe)
-    fetching.lock = read_lock(path, context.shown(path), context.sink)
+    fetching.lock = read_lock(path, context.shown(path), context.sink, disputes)
     if context.sink.error_count > before:
         return None
     if fetching.lock is None and fetching.locked:

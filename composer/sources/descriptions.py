@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from contextlib import redirect_stdout
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -11,15 +13,18 @@ from typing import Any
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
 from composer.sources.error import SourceError
+from composer.sources.fetched import not_at_hand
+from composer.sources.fetching import Fetching
 from composer.sources.origin import Origin
 from composer.sources.package import distribution, folders
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
 
 _PACKAGE = "robot_descriptions"
+_TRANSPORTS = "GIT_ALLOW_PROTOCOL"
 
 
-def resolve(reference: Reference) -> Source:
+def resolve(reference: Reference, fetching: Fetching) -> Source:
     """The MJCF file of a description, or its URDF file where it has no MJCF. Raises SourceError.
 
     Importing a description runs the package's code, which clones a repository when it is first asked for.
@@ -36,7 +41,7 @@ def resolve(reference: Reference) -> Source:
     )
     if reference.name not in names:
         raise _unknown(reference.name, names)
-    description = _load(reference)
+    description = _load(reference, fetching)
     path = _model_file(description, reference)
     owner = distribution(_PACKAGE)
     repository = getattr(description, "REPOSITORY_PATH", None)
@@ -51,16 +56,31 @@ def resolve(reference: Reference) -> Source:
     )
 
 
-def _load(reference: Reference) -> Any:
+def _load(reference: Reference, fetching: Fetching) -> Any:
     try:
         # The package reports its progress on standard output, where a model may be on its way.
-        with redirect_stdout(sys.stderr):
+        with redirect_stdout(sys.stderr), _no_transport() if fetching.offline else nullcontext():
             return import_module(f"{_PACKAGE}.{reference.name}")
     except Exception as fault:
+        if fetching.offline:
+            raise not_at_hand(reference, f"the cache of `{_PACKAGE}`") from fault
         # Whatever git, the network or a missing extra of the package has to say.
         raise SourceError(
             "source-not-found", f"`{reference.text}` could not be fetched", notes=(str(fault) or repr(fault),)
         ) from fault
+
+
+@contextmanager
+def _no_transport() -> Iterator[None]:
+    """Have git, which the package runs in this process' environment, ask no other repository."""
+    before = os.environ.get(_TRANSPORTS)
+    os.environ[_TRANSPORTS] = "none"
+    try:
+        yield
+    finally:
+        os.environ.pop(_TRANSPORTS)
+        if before is not None:
+            os.environ[_TRANSPORTS] = before
 
 
 def _model_file(description: Any, reference: Reference) -> Path:

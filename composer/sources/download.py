@@ -1,14 +1,15 @@
-"""One file over HTTP: redirects, proxies, timeouts, tries with growing pauses, and resumption."""
+"""One file over HTTP: redirects, proxies, timeouts, tries with pauses, resumption."""
 
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import urlsplit
+from urllib.parse import urljoin, urlsplit
 
 from composer.sources.error import SourceError
 from composer.sources.reference import is_this_machine
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 _TRIES = 5
 _PAUSE = 0.25
+_PATIENCE = 60.0
+"""Seconds that a server may ask to wait for; what asks for more is told at once."""
+_HOPS = 10
 _CHUNK = 256 * 1024
 _LIMIT = 8 * 1024**3
 _BUSY = (429, 500, 502, 503, 504)
@@ -37,7 +41,11 @@ class Version:
 
 
 class _Broken(Exception):
-    """The transfer broke off; what there is stays for the next try."""
+    """The transfer broke off; what there is stays for the next try, which is not to come before `pause` seconds."""
+
+    def __init__(self, told: str, pause: float = 0.0) -> None:
+        super().__init__(told)
+        self.pause = pause
 
 
 def download(
@@ -65,35 +73,46 @@ class _Download:
     known: Version
 
     def run(self) -> Version | None:
-        from urllib3.exceptions import HTTPError
+        from urllib3.exceptions import HTTPError, LocationValueError
 
-        pool = self._pool()
-        try:
-            last = ""
-            for attempt in range(_TRIES):
-                if attempt:
-                    self.progress(f"{last}; trying again")
-                    time.sleep(_PAUSE * 2**attempt)
-                try:
-                    return self._once(pool)
-                except _Broken as broken:
-                    last = str(broken)
-                except HTTPError as error:
-                    last = _in_short(error)
-            raise SourceError(
-                "source-fetch",
-                f"`{self.url}` cannot be fetched",
-                notes=(f"after {_TRIES} tries: {last}",),
-                help="try again later, which goes on from where it broke off; with `--offline` what is in the store"
-                " is used",
-            )
-        finally:
-            pool.clear()
+        last, pause = "", 0.0
+        for attempt in range(_TRIES):
+            if attempt:
+                pause = max(pause, _PAUSE * 2**attempt)
+                self.progress(f"{last}; trying again" + (f" in {pause:.0f} s" if pause > 5 else ""))
+                time.sleep(pause)
+            try:
+                return self._once()
+            except _Broken as broken:
+                last, pause = str(broken), broken.pause
+            except LocationValueError as error:
+                raise SourceError(
+                    "source-fetch", f"`{self.url}` cannot be fetched: {_in_short(error)}"
+                ) from None
+            except HTTPError as error:
+                last, pause = _in_short(error), 0.0
+                if "CERTIFICATE_VERIFY_FAILED" in last:
+                    raise self._untrusted(last) from None
+        raise SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched",
+            notes=(f"after {_TRIES} tries: {last}",),
+            help="try again later, which goes on from where it broke off; with `--offline` what is in the store"
+            " is used",
+        )
 
-    def _pool(self) -> PoolManager:
+    def _untrusted(self, said: str) -> SourceError:
+        return SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched: its server has no certificate that this machine trusts",
+            notes=(said,),
+            help="name a file with the certificate of its authority in `SSL_CERT_FILE`",
+        )
+
+    def _pool(self, url: str) -> PoolManager:
         import urllib3
 
-        parts = urlsplit(self.url)
+        parts = urlsplit(url)
         seconds = _seconds(self.environment)
         timeout = urllib3.Timeout(connect=seconds, read=seconds)
         named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
@@ -106,9 +125,7 @@ class _Download:
                 raise SourceError("source-fetch", f"the proxy `{proxy}` cannot be used: {error}") from None
         return urllib3.PoolManager(timeout=timeout)
 
-    def _once(self, pool: PoolManager) -> Version | None:
-        import urllib3
-
+    def _once(self) -> Version | None:
         have, started = self._begun()
         headers = {"Accept-Encoding": "identity", "User-Agent": "mjcompose"}
         if have and started.token:
@@ -117,24 +134,48 @@ class _Download:
             headers["If-None-Match"] = self.known.etag
         elif self.known.modified:
             headers["If-Modified-Since"] = self.known.modified
-        response = pool.request(
-            "GET", self.url, headers=headers, preload_content=False, decode_content=False,
-            # Redirects alone: what else fails is tried again here, where the bytes that have come are known.
-            retries=urllib3.Retry(total=10, connect=0, read=0, redirect=10, status=0, other=0,
-                                  status_forcelist=(), raise_on_redirect=True),
-        )  # fmt: skip
-        try:
-            return self._taken(response, have)
-        finally:
-            response.close()
+        at = self.url
+        for _ in range(_HOPS + 1):
+            with self._pool(at) as pool:
+                # What fails is tried again here, where the bytes that have come are known.
+                response = pool.request(
+                    "GET", at, headers=headers, preload_content=False, decode_content=False,
+                    redirect=False, retries=False,
+                )  # fmt: skip
+                try:
+                    leads_to = response.get_redirect_location()
+                    if not leads_to:
+                        return self._taken(response, headers, have)
+                finally:
+                    response.close()
+            at = self._next(at, leads_to)
+        raise SourceError(
+            "source-fetch", f"`{self.url}` leads on more than {_HOPS} times", notes=(f"last to `{at}`",)
+        )
 
-    def _taken(self, response: BaseHTTPResponse, have: int) -> Version | None:
+    def _next(self, at: str, leads_to: str) -> str:
+        """Where a redirect leads; an address that is not encrypted is refused, this machine's own excepted."""
+        try:
+            leads_to = urljoin(at, leads_to)
+            way = urlsplit(leads_to)
+            is_address = way.scheme in ("http", "https") and bool(way.hostname) and way.port != 0
+        except ValueError:
+            is_address = False
+        if not is_address:
+            raise SourceError(
+                "source-fetch", f"`{self.url}` leads to `{leads_to}`, which is no address of the web"
+            )
+        was_open = urlsplit(self.url).scheme == "http"
+        if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
+            raise SourceError("source-fetch", f"`{self.url}` leads to `{leads_to}`, which is not encrypted")
+        return leads_to
+
+    def _taken(self, response: BaseHTTPResponse, headers: Mapping[str, str], have: int) -> Version | None:
         status = response.status
-        self._check_way(response)
-        if status == 304:
+        if status == 304 and ("If-None-Match" in headers or "If-Modified-Since" in headers):
             return None
         if status in _BUSY:
-            raise _Broken(f"the server answered {status} {response.reason or ''}".rstrip())
+            raise self._busy(response)
         if status == 416:
             self.forget()
             raise _Broken("the server has another file now")
@@ -153,17 +194,27 @@ class _Download:
         self._write(response, version, have if resumed else 0)
         return version
 
-    def _check_way(self, response: BaseHTTPResponse) -> None:
-        """Refuse what came by an address that is not encrypted, this machine's own excepted."""
-        hops = response.retries.history if response.retries is not None else ()
-        was_open = urlsplit(self.url).scheme == "http"
-        for at in (*(each.redirect_location or "" for each in hops), response.geturl() or ""):
-            way = urlsplit(at)
-            if at != self.url and way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
-                raise SourceError("source-fetch", f"`{self.url}` leads to `{at}`, which is not encrypted")
+    def _busy(self, response: BaseHTTPResponse) -> Exception:
+        """What to raise for a server that wants to be asked again, now or at a time that it says."""
+        from urllib3 import Retry
+        from urllib3.exceptions import HTTPError
+
+        told = f"the server answered {response.status} {response.reason or ''}".rstrip()
+        try:
+            pause = Retry().get_retry_after(response) or 0.0
+        except (HTTPError, ValueError, OverflowError):
+            pause = 0.0
+        if pause <= _PATIENCE:
+            return _Broken(told, pause)
+        return SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched now: {told}",
+            notes=(f"it says `Retry-After: {response.headers.get('Retry-After', '')}`",),
+            help="try again later; with `--offline` what is in the store is used",
+        )
 
     def _write(self, response: BaseHTTPResponse, version: Version, size: int) -> None:
-        from urllib3.exceptions import HTTPError
+        from urllib3.exceptions import HTTPError, TimeoutError
 
         length = response.headers.get("Content-Length", "")
         total = size + int(length) if length.isdigit() else 0
@@ -184,7 +235,9 @@ class _Download:
                         told = time.monotonic()
                         self.progress(f"  {size >> 20} MiB" + (f" of {total >> 20} MiB" if total else ""))
             except HTTPError as error:
-                raise _Broken(_in_short(error)) from None
+                of = f" of {total}" if total else ""
+                why = ": it came to a halt" if isinstance(error, TimeoutError) else ""
+                raise _Broken(f"the transfer broke off after {size}{of} bytes{why}") from None
         if total and size != total:
             raise _Broken(f"the transfer broke off after {size} of {total} bytes")
 
@@ -227,8 +280,11 @@ def _seconds(environment: Mapping[str, str]) -> float:
         return 30.0
 
 
+_OBJECT = re.compile(r"<.*?>: |HTTPS?Connection(Pool)?\(.*?\): ")
+
+
 def _in_short(error: Exception) -> str:
     """The cause, without the objects of the library."""
-    reason = getattr(error, "reason", None)
-    text = str(reason if isinstance(reason, Exception) else error)
-    return text.rpartition(">: ")[2] or text
+    said = [str(each) or type(each).__name__ for each in error.args] or [type(error).__name__]
+    text = _OBJECT.sub("", ": ".join(each.rstrip(".") for each in said))
+    return "".join(each if each.isprintable() else " " for each in text).strip()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import PurePosixPath
 
+from composer.diagnostics.suggest import exists_note
 from composer.sources import licence, nearby
 from composer.sources.error import SourceError
 from composer.sources.fetching import Fetching
@@ -21,6 +22,13 @@ def source_in(origin: Origin, reference: Reference) -> Source:
             "source-kind", f"the model reference `{reference.text}` leaves what it was fetched with"
         )
     existing = [f"{origin.id}#{each}" for each in nearby.model_files(origin.root, depth=6)]
+    for left_out, why in origin.without:
+        if inside.is_relative_to(left_out):
+            raise SourceError(
+                "source-not-found",
+                f"the model `{reference.text}` is not there: `{left_out}` is {why}",
+                notes=(exists_note("model file", existing, reference.text).message,),
+            )
     if not has_format(inside):
         raise nearby.without_suffix(reference.text, existing)
     path = origin.root / inside
@@ -45,10 +53,10 @@ def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
     )
 
 
-def not_at_hand(reference: Reference) -> SourceError:
-    """The error for a source that would have to be fetched although nothing may be."""
+def not_at_hand(reference: Reference, where: str = "the store") -> SourceError:
+    """The error for a source that would have to be fetched although nothing may be; `where` it is not."""
     return SourceError(
         "source-offline",
-        f"`{reference.text}` is not in the store, and nothing is fetched offline",
+        f"`{reference.text}` is not in {where}, and nothing is fetched offline",
         help="run it once without `--offline` or `--frozen`",
     )

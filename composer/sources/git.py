@@ -21,6 +21,8 @@ from composer.sources.store import Entry, Store
 
 _COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
 _NO_ROOM = re.compile("No space left|File too large|quota exceeded|signal 25", re.IGNORECASE)
+_WITHOUT = "without "
+"""Before the path of what was left out of an entry, in what it says about itself."""
 _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 
@@ -56,7 +58,19 @@ class _Repository:
             else:
                 commit = self._asked()
         entry = self.store.get("git", commit) or self._fetched(commit, pinned is not None)
-        return Origin(self.id, self.reference.kind, entry.content, commit=commit, tree=entry.about["tree"])
+        without = (
+            (name.removeprefix(_WITHOUT), why)
+            for name, why in entry.about.items()
+            if name.startswith(_WITHOUT)
+        )
+        return Origin(
+            self.id,
+            self.reference.kind,
+            entry.content,
+            commit=commit,
+            tree=entry.about["tree"],
+            without=(*without,),
+        )
 
     @property
     def _git(self) -> Git:
@@ -112,7 +126,8 @@ class _Repository:
             about["tree"] = (
                 self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
             )
-            self._write(repository, commit, target)
+            left_out = self._write(repository, commit, target)
+            about |= {f"{_WITHOUT}{name}": why for name, why in left_out.items()}
 
     def _get(self, commit: str, repository: Path, pinned: bool) -> None:
         """Have the commit in `repository`: alone where the other side gives it, else with all that it has."""
@@ -136,9 +151,9 @@ class _Repository:
         git.run("init", "-q", "--bare", "--", str(repository))
         git.fetch("fetch", "-q", "--no-tags", "--", url, "+refs/*:refs/fetched/*", folder=repository)
 
-    def _write(self, repository: Path, commit: str, target: Path) -> None:
+    def _write(self, repository: Path, commit: str, target: Path) -> dict[str, str]:
         try:
-            write_tree(self._git, repository, commit, target)
+            return write_tree(self._git, repository, commit, target)
         except GitFailure as failure:
             raise self._unreachable(failure) from None
 

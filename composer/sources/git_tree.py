@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import posixpath
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +11,9 @@ from composer.sources.git_command import Git
 from composer.sources.unpack import Unsafe, check_name, limits
 
 _LINK, _MODULE = "120000", "160000"
+_BATCH = 500
+_PATH_MAX = 4096
+_NOTHING = "a link to what is not in the commit, `{}`"
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,39 +24,97 @@ class _Blob:
     size: int
 
 
-def write_tree(git: Git, repository: Path, commit: str, target: Path) -> None:
-    """Write the files of a commit below `target`, an empty folder.
+def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[str, str]:
+    """Write the files of a commit below `target`, an empty folder. What was left out, by its path, in words.
 
-    A link to a file of the same commit becomes that file; other links and submodules are left out. Raises
+    A link to a file or folder of the same commit becomes that; other links and submodules are left out. Raises
     SourceError for a tree whose names lead out of the folder, GitFailure, and OSError.
     """
     blobs = _listed(git.run("ls-tree", "-r", "-z", "-l", "--full-tree", commit, folder=repository))
-    files = [blob for blob in blobs if blob.mode != _MODULE]
+    left_out = {blob.name: "a submodule, which is not fetched" for blob in blobs if blob.mode == _MODULE}
+    contents = _Contents(git, repository)
+    files = {blob.name: blob for blob in blobs if blob.mode not in (_MODULE, _LINK)}
     try:
-        limits.check(len(files), sum(blob.size for blob in files))
-        for blob in files:
-            check_name(blob.name)
+        _check(blob for blob in blobs if blob.mode != _MODULE)
+        links = [blob for blob in blobs if blob.mode == _LINK and blob.size < _PATH_MAX]
+        written = dict(files)
+        _follow(links, contents, files, written, left_out)
+        _check(written.values())
     except Unsafe as fault:
         raise SourceError("archive-refused", f"the commit `{commit[:12]}` is refused: {fault}") from None
-    by_name = {blob.name: blob for blob in files}
-    contents = _Contents(git, repository)
-    for start in range(0, len(files), 500):
-        batch = files[start : start + 500]
-        for blob, content in zip(batch, contents.read(batch), strict=True):
-            found: bytes | None = content
-            if blob.mode == _LINK:
-                found = _behind(blob, content, by_name, contents)
-            if found is not None:
-                path = target / blob.name
-                path.parent.mkdir(parents=True, exist_ok=True)
-                with path.open("xb") as stream:
-                    stream.write(found)
+    pairs = list(written.items())
+    for start in range(0, len(pairs), _BATCH):
+        batch = pairs[start : start + _BATCH]
+        for (name, _), content in zip(batch, contents.read([blob for _, blob in batch]), strict=True):
+            path = target / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("xb") as stream:
+                stream.write(content)
+    return left_out
 
 
-def submodules(git: Git, repository: Path, commit: str) -> list[str]:
-    """The paths of the submodules of a commit, which are not fetched."""
-    listed = _listed(git.run("ls-tree", "-r", "-z", "-l", "--full-tree", commit, folder=repository))
-    return [blob.name for blob in listed if blob.mode == _MODULE]
+def _check(blobs: Iterable[_Blob]) -> None:
+    known = list(blobs)
+    limits.check(len(known), sum(blob.size for blob in known))
+    for blob in known:
+        check_name(blob.name)
+
+
+def _follow(
+    links: list[_Blob],
+    contents: _Contents,
+    files: dict[str, _Blob],
+    written: dict[str, _Blob],
+    left_out: dict[str, str],
+) -> None:
+    """Put what links lead to into `written`, under their names; or the links into `left_out`."""
+    targets = {
+        link.name: content.decode("utf-8", "surrogateescape")
+        for link, content in zip(links, contents.read(links), strict=True)
+    }
+    real = {name: _real(name, targets) for name in targets}
+    for name, leads_to in real.items():
+        if leads_to is None:
+            left_out[name] = _NOTHING.format(targets[name])
+        elif leads_to in files:
+            written[name] = files[leads_to]
+        elif f"{name}/".startswith(f"{leads_to}/") or not leads_to:
+            left_out[name] = "a link to a folder that it is in"
+        else:
+            inside = f"{leads_to}/"
+            found = {each: each for each in files if each.startswith(inside)}
+            found |= {each: to for each, to in real.items() if to in files and each.startswith(inside)}
+            for each, to in found.items():
+                written[f"{name}/{each.removeprefix(inside)}"] = files[to]
+                limits.check(len(written), 0)
+            if not found:
+                left_out[name] = _NOTHING.format(targets[name])
+
+
+def _real(path: str, targets: Mapping[str, str], patience: int = 16) -> str | None:
+    """The path of what is there, without links on the way; None where that is no path of the commit. No I/O.
+
+    >>> _real("a/b/c.xml", {"a/b": "../d"})
+    'd/c.xml'
+    """
+    parts = path.split("/")
+    done: list[str] = []
+    for at, part in enumerate(parts, 1):
+        if part in ("", "."):
+            continue
+        if part == "..":
+            if not done:
+                return None
+            done.pop()
+            continue
+        target = targets.get("/".join([*done, part]))
+        if target is None:
+            done.append(part)
+        elif target.startswith("/") or not patience:
+            return None
+        else:
+            return _real("/".join([*done, target, *parts[at:]]), targets, patience - 1)
+    return "/".join(done)
 
 
 def _listed(out: bytes) -> list[_Blob]:
@@ -84,17 +145,3 @@ class _Contents:
             found.append(out[at : at + size])
             at += size + 1
         return found
-
-
-def _behind(blob: _Blob, content: bytes, by_name: dict[str, _Blob], contents: _Contents) -> bytes | None:
-    """The bytes of the file that a link leads to; None where it leads to none of this commit."""
-    for _ in range(8):
-        target = content.decode("utf-8", "surrogateescape")
-        name = posixpath.normpath(posixpath.join(posixpath.dirname(blob.name), target))
-        if target.startswith("/") or name not in by_name:
-            return None
-        blob = by_name[name]
-        content = contents.read([blob])[0]
-        if blob.mode != _LINK:
-            return content
-    return None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -12,12 +11,12 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document import Mapping, Scalar, load, locate, to_python
+from composer.sources.lock_merge import BEGINS, disputed, joined, sides
 
 FORMAT = 1
 SourceKind = Literal["path", "package", "menagerie", "descriptions", "git", "archive"]
 _Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 _GitHash = Annotated[str, StringConstraints(pattern=r"^([0-9a-f]{40}|[0-9a-f]{64})$")]
-_MERGE = re.compile(r"^<<<<<<< ", re.MULTILINE)
 
 
 class _Part(BaseModel):
@@ -79,8 +78,16 @@ def to_text(lock: Lock) -> str:
     return json.dumps({"lock": FORMAT, **told}, indent=2, ensure_ascii=False) + "\n"
 
 
-def read_lock(path: Path, shown: str, sink: Sink) -> Lock | None:
-    """The lock in a file; None where there is none, or where it cannot be read, which goes to `sink`."""
+Disputed = dict[str, tuple[str, str]]
+"""Sources that the two sides of a merge pin otherwise, and how each does in words."""
+
+
+def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
+    """The lock in a file; None where there is none, or where it cannot be read, which goes to `sink`.
+
+    Where `disputes` is given, a lock in the middle of a merge is what the two sides pin together; what they pin
+    otherwise goes there.
+    """
     try:
         text = path.read_bytes()
     except FileNotFoundError:
@@ -90,16 +97,28 @@ def read_lock(path: Path, shown: str, sink: Sink) -> Lock | None:
             "lock-invalid", f"the lock `{shown}` cannot be read: {(error.strerror or str(error)).lower()}"
         )
         return None
-    return from_text(text, shown, sink)
+    return from_text(text, shown, sink, disputes)
 
 
-def from_text(text: bytes | str, shown: str, sink: Sink) -> Lock | None:
+def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
     """The lock that a text is; one fault of it at its place goes to `sink`. No I/O."""
     plain = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
-    if mark := _MERGE.search(plain):
+    if mark := BEGINS.search(plain):
+        if disputes is not None:
+            ours, theirs = (from_text(side, shown, Sink()) for side in sides(plain))
+            if ours is not None and theirs is not None:
+                disputes.update(disputed(ours, theirs))
+                return joined(ours, theirs)
         line = plain.count("\n", 0, mark.start()) + 1
-        sink.error("lock-invalid", f"`{shown}` has the marks of a merge in it", Span(shown, line, 1, line, 8),
-                   help="take one side of the merge, and run `mjcompose lock`")  # fmt: skip
+        help = "run `mjcompose lock`, which keeps what both sides pin"
+        if disputes is not None:
+            help = "take one side of the merge, and run `mjcompose lock`"
+        sink.error(
+            "lock-invalid",
+            f"`{shown}` has the marks of a merge in it",
+            Span(shown, line, 1, line, 8),
+            help=help,
+        )
         return None
     own = Sink()
     node = load(text, shown, own)

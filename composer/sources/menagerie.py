@@ -10,6 +10,8 @@ from typing import Any
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
 from composer.sources.error import SourceError
+from composer.sources.fetched import not_at_hand
+from composer.sources.fetching import Fetching
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference
 from composer.sources.source import Source
@@ -17,7 +19,7 @@ from composer.sources.source import Source
 _PACKAGE = "mujoco-menagerie"
 
 
-def resolve(reference: Reference, environment: Mapping[str, str]) -> Source:
+def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetching) -> Source:
     """An entry of a robot of Menagerie; without one the robot's own model, never its scene.
 
     The package downloads a robot when it is first asked for and keeps it. `MENAGERIE_ROOT` in the environment
@@ -34,7 +36,7 @@ def resolve(reference: Reference, environment: Mapping[str, str]) -> Source:
         ) from None
     robot = _robot(library, reference)
     entry = _entry(robot, reference)
-    folder = _folder(library, robot, reference, environment)
+    folder = _folder(library, robot, reference, environment, fetching)
     path = folder / entry.file
     if not path.is_file():
         raise SourceError(
@@ -84,7 +86,9 @@ def _entry(robot: Any, reference: Reference) -> Any:
     )
 
 
-def _folder(library: Any, robot: Any, reference: Reference, environment: Mapping[str, str]) -> Path:
+def _folder(
+    library: Any, robot: Any, reference: Reference, environment: Mapping[str, str], fetching: Fetching
+) -> Path:
     """The folder with the robot's files, downloaded first where it has to be."""
     root = environment.get("MENAGERIE_ROOT")
     if root:
@@ -101,6 +105,10 @@ def _folder(library: Any, robot: Any, reference: Reference, environment: Mapping
         dir=environment.get("MENAGERIE_CACHE_DIR"), base_url=environment.get("MENAGERIE_BASE_URL"), root=None
     )
     cache.root = None
+    if not cache.is_cached(robot):
+        if fetching.offline:
+            raise not_at_hand(reference, f"the cache of `{_PACKAGE}`")
+        fetching.progress(f"fetching {reference.id}")
     try:
         return Path(robot.path(cache))
     except (library.MenagerieError, OSError) as fault:

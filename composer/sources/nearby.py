@@ -17,7 +17,7 @@ _ENTRIES = 2000
 def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
     """The model files in `folder` and up to `depth` levels below, as paths relative to it, the nearest first.
 
-    Hidden folders are left out, and the search ends after 2000 entries. Empty when the folder is not there.
+    What is hidden is left out, and the search ends after 2000 entries. Empty when the folder is not there.
     """
     found: list[str] = []
     seen = 0
@@ -34,8 +34,10 @@ def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
                 if seen > _ENTRIES:
                     return found
                 relative = f"{inner}/{entry.name}" if inner else entry.name
+                if entry.name.startswith("."):
+                    continue
                 if entry.is_dir(follow_symlinks=False):
-                    if not entry.name.startswith((".", "__")):
+                    if not entry.name.startswith("__"):
                         below.append(relative)
                 elif has_format(PurePath(entry.name)):
                     found.append(relative)

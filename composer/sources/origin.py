@@ -11,7 +11,8 @@ class Origin:
     """A repository at a commit, an archive, a robot of Menagerie, an installed package: `kind` is as in `Kind`.
 
     `id` is the model reference without the file in it (`git+https://host/repo@v1`); `root` the folder against
-    which its files are named. `commit` and `tree` are git's hashes, `sha256` that of an archive.
+    which its files are named. `commit` and `tree` are git's hashes, `sha256` that of an archive. `without` has the
+    paths that were left out when it was fetched, and what they are in words.
     """
 
     id: str
@@ -20,6 +21,7 @@ class Origin:
     commit: str | None = None
     tree: str | None = None
     sha256: str | None = None
+    without: tuple[tuple[str, str], ...] = ()
 
     @property
     def is_fetched(self) -> bool:

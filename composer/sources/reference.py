@@ -132,6 +132,7 @@ def _git(text: str, rest: str) -> Reference:
     scheme = text.partition(":")[0]
     location, _, path = rest.partition("#")
     host, _, tail = location.removeprefix("//").partition("/")
+    _check_login(text, host)
     # Only an `@` behind the host starts a revision: before it, it ends a user's name.
     repository, at, revision = tail.rpartition("@")
     if not at:
@@ -149,6 +150,7 @@ def _archive(text: str, rest: str) -> Reference:
     scheme = text.partition(":")[0]
     location, _, path = rest.partition("#")
     host, _, archive = location.removeprefix("//").partition("/")
+    _check_login(text, host)
     archive, _, sha256 = archive.partition("@sha256:")
     if not host or not archive:
         raise _malformed(text, scheme, "does not say the archive")
@@ -157,6 +159,19 @@ def _archive(text: str, rest: str) -> Reference:
     if "@sha256:" in location and not re.fullmatch("[0-9a-f]{64}", sha256):
         raise _malformed(text, scheme, "has a sha256 that is not 64 digits of 0-9 and a-f")
     return Reference(text, Kind.ARCHIVE, f"{scheme}://{host}/{archive}", path, sha256)
+
+
+def _check_login(text: str, host: str) -> None:
+    """Refuse what everybody would read who gets a lock or a bundle."""
+    login, _, _ = host.rpartition("@")
+    user, colon, _ = login.partition(":")
+    if colon:
+        hidden = text.replace(f"{login}@", f"{user}:…@", 1)
+        raise SourceError(
+            "source-kind",
+            f"the model reference `{hidden}` holds a password, which would stand in the lock and in every bundle",
+            help="leave it out: git asks its own credential helper or ssh",
+        )
 
 
 _READERS: dict[str, Callable[[str, str], Reference]] = {

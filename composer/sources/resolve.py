@@ -38,9 +38,9 @@ def _resolve(
         case Kind.PACKAGE:
             return package.resolve(reference)
         case Kind.MENAGERIE:
-            return menagerie.resolve(reference, environment)
+            return menagerie.resolve(reference, environment, fetching)
         case Kind.DESCRIPTIONS:
-            return descriptions.resolve(reference)
+            return descriptions.resolve(reference, fetching)
         case Kind.GIT:
             return git.resolve(reference, environment, fetching)
         case Kind.ARCHIVE:

@@ -42,6 +42,8 @@ class Limits:
 limits = Limits()
 _CHUNK = 1024 * 1024
 _HEADER = 16 * _CHUNK
+_NAME_MAX, _PATH_MAX = 255, 2048
+"""Bytes in the name of a file, and in a path below the store, whose own path counts too."""
 _DRIVE = re.compile(r"[A-Za-z]:")
 _OPENERS: tuple[tuple[bytes, Any], ...] = (
     (b"\x1f\x8b", gzip.open),
@@ -82,6 +84,9 @@ def check_name(name: str) -> None:
         raise Unsafe(f"`{name}` leads out of its folder")
     if any(character < " " or character == "\x7f" for character in name):
         raise Unsafe(f"{name!r} has a control character in its name")
+    sizes = [len(part.encode("utf-8", "surrogateescape")) for part in parts]
+    if max(sizes) > _NAME_MAX or sum(sizes) + len(sizes) > _PATH_MAX:
+        raise Unsafe(f"`{name[:60]}…` is longer than a name of a file can be")
 
 
 def _zip_members(archive: zipfile.ZipFile) -> Iterator[tuple[str, IO[bytes] | None]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -38,9 +39,8 @@ def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
 
 
 def _filled(text: str, given: Mapping[str, str]) -> str:
-    for name, value in given.items():
-        text = text.replace(name, value)
-    return text
+    """In one go: what is given may hold one of the words itself."""
+    return re.sub("|".join(given), lambda found: given[found[0]], text)
 
 
 def _action() -> str:

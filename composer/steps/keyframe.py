@@ -52,9 +52,11 @@ def write_keyframes(plan: Plan, linking: Linking, making: Making) -> None:
     holders: dict[str, dict[str, _Holder]] = {
         "joint": _joints(layout),
         "actuator": {
-            _name(node): (node, slot) for node, slot in layout.actuators.items() if not isinstance(node, Copy)
+            _name(node): (node, slot)
+            for node, slot in layout.actuators.items()
+            if not isinstance(node, Copy) and node.tag != "attach"
         },
-        "mocap body": {_name(node): (node, None) for node in layout.mocaps},
+        "mocap body": {_name(node): (node, None) for node in layout.mocaps if node.tag == "body"},
     }
     parts = frozenset(parts_of(plan))
     for step in plan.keyframes:

@@ -18,11 +18,13 @@ JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "plan
 _MISSING = re.compile(r"missing element: '(?P<tag>[^']*)'|attribute missing: '(?P<name>[^']*)'")
 _ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'")
 _QUOTED = re.compile(r"'([^'\n]+)'")
+_NO_SIZE = re.compile(r"^size \d must be positive")
+_SIZES = "sizes are greater than zero"
 _ADVICE = (
     (r"A \+ B >= C", 'correct it, or write `<mujoco><compiler balanceinertia="true"/></mujoco>` into the URDF'),
     (r"mass and inertia of moving bodies", "give the link an `<inertial>`"),
     (r"no decoder found", "MuJoCo reads meshes as STL, OBJ and MSH: convert the file"),
-    (r"^size \d must be positive", "sizes are greater than zero"),
+    (r"^size \d must be positive", _SIZES),
     (r"geometry specification", "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`"),
 )  # fmt: skip
 _ELSE = "MuJoCo must be able to load the file by itself: mend it there"
@@ -43,7 +45,7 @@ def explain(fault: Fault, robot: Node) -> UrdfFault:
     """What to tell where MuJoCo refuses the URDF whose root is `robot`."""
     said = " ".join(fault.message.split())
     element = _element(fault, robot)
-    for known in (_repeated, _ring, _two_parents, _no_link, _joint_type):
+    for known in (_repeated, _ring, _two_parents, _no_link, _joint_type, _no_size):
         if (found := known(said, element, robot)) is not None:
             return found
     advice = next((advice for pattern, advice in _ADVICE if re.search(pattern, said)), None)
@@ -148,6 +150,24 @@ def _joint_type(said: str, element: Node, robot: Node) -> UrdfFault | None:
         (exists_note("type", JOINT_TYPES, word),),
         did_you_mean(word, JOINT_TYPES) or "write one of these types",
     )
+
+
+def _no_size(said: str, element: Node, robot: Node) -> UrdfFault | None:
+    """MuJoCo does not say which: geoms have no names there."""
+    if not _NO_SIZE.search(said):
+        return None
+    for each in robot.iter("box", "cylinder", "sphere", "capsule"):
+        for name in ("size", "radius", "length"):
+            if any(map(_is_none, str(each.get(name) or "").split())):
+                return UrdfFault(f"`{name}` of `<{each.tag}>` must be positive", each, name, help=_SIZES)
+    return None
+
+
+def _is_none(number: str) -> bool:
+    try:
+        return float(number) <= 0
+    except ValueError:
+        return False
 
 
 def _end(joint: Node, tag: str) -> str | None:

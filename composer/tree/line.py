@@ -7,11 +7,19 @@ from typing import Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
+_LAST_LINE = 65535
+
 
 def line_of(element: Node) -> int | None:
     """The line on which the element's start tag ends in its file; None for an element that was made."""
     line: Any = element.sourceline
     return line if isinstance(line, int) else None
+
+
+def set_line(element: Node, line: int | None) -> None:
+    """Let an element that was made stand on a line, as far as lxml lets that be set."""
+    if line is not None and line <= _LAST_LINE:
+        element.sourceline = line  # type: ignore[assignment]  # the stubs know it as read alone
 
 
 def element_at(root: Node, text: bytes, line: int) -> Node | None:

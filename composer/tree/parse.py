@@ -21,6 +21,7 @@ from composer.tree import xml_fault
 from composer.tree.cdata import take_cdata_in
 from composer.tree.comments import take_header_in
 from composer.tree.files import join
+from composer.tree.included_files import find_beside, naming_files
 from composer.tree.unit import Unit
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
@@ -30,8 +31,9 @@ _TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
 _CDATA = b"<![CDATA["
 _MAX_BYTES = 256 * 1024 * 1024
 _BINARY = getattr(os, "O_BINARY", 0)  # on Windows
+_INCLUDED = "refer to the model that includes it"
 _NO_MODEL = {
-    "mujocoinclude": "refer to the model that includes it",
+    "mujocoinclude": _INCLUDED,
     "robot": "it looks like URDF: a recipe reads it if its name ends in `.urdf`",
     "sdf": "it looks like SDFormat: convert it to MJCF first",
 }
@@ -89,7 +91,9 @@ def parse_text(
         )
         return None
     if next(root.iter("include"), None) is not None:
-        _Includes(unit, sink).expand(root, file, directory)
+        includes = _Includes(unit, sink)
+        includes.expand(root, file, directory)
+        find_beside(unit, includes.naming)
     for section in root.iterchildren("*") if sink.error_count == before else ():
         if section.tag not in _sections():
             _unknown_section(section, unit, sink)
@@ -109,7 +113,9 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
         f"`<{tag}>` cannot stand in `<mujoco>`",
         unit.origins.span(section, unit.file),
         notes=(exists_note("section", known, tag),),
-        help=did_you_mean(tag, known, "<{}>"),
+        help=f"put it into `<worldbody>`; of a file that is there to be included, {_INCLUDED}"
+        if tag in GRAMMAR.section("worldbody").children
+        else did_you_mean(tag, known, "<{}>"),
     )
 
 
@@ -119,6 +125,7 @@ class _Includes:
     def __init__(self, unit: Unit, sink: Sink) -> None:
         self.unit, self.sink = unit, sink
         self.seen: dict[str, tuple[Node, str]] = {}
+        self.naming: dict[Node, Path] = {}
 
     def expand(self, tree: Node, file: str, folder: Path) -> None:
         for element in list(tree.iter("include")):
@@ -160,6 +167,8 @@ class _Includes:
             return
         take_header_in(included)
         self.expand(included, shown, path.parent)
+        for each in naming_files(included):
+            self.naming.setdefault(each, path.parent)
         parent = element.getparent()
         assert parent is not None
         at = parent.index(element)
@@ -230,7 +239,7 @@ def _parser() -> etree.XMLParser:
 def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
     """The root of XML that may be lax where MuJoCo's reader is; what is wrong with it goes to `sink`."""
     if isinstance(data, str):
-        data = data.encode()
+        data = data.encode(errors="surrogatepass")  # what is no text is told by the parser
     root = _parsed(data, file, sink)
     if root is not None and _CDATA in data:
         take_cdata_in(root, data)

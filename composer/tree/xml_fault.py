@@ -8,12 +8,17 @@ from collections.abc import Callable
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
+from composer.tree import lfs
 
 _Words = tuple[str, str | None]
 
 
 def tell(said: str, file: str, line: int, column: int, text: str, sink: Sink) -> None:
     """An `xml-syntax` error for what lxml said of `file`; a tag that it names by its line is shown too."""
+    if lfs.is_pointer(text):
+        told = f"`{file}` is not XML: it is not the file itself but where Git LFS has it"
+        sink.error("xml-syntax", told, Span(file, line, column), help=lfs.HELP)
+        return
     said = re.sub(r", line \d+, column \d+.*", "", said, flags=re.DOTALL)
     message, help = next(
         (make(found) for pattern, make in _KNOWN if (found := pattern.match(said))), _plain(said)

@@ -31,6 +31,8 @@ class Treatment(StrEnum):
     """Exactly, but not on a body (or for what stands on a body) that carries geoms of others."""
     SUBTREE = "subtree"
     """Exactly, but not where something of others hangs below."""
+    LENS = "lens"
+    """Exactly, but not of a camera without a sensor: nobody reads it there."""
     DERIVED = "derived"
     """Up to rounding where nothing of others hangs on the same kinematic tree and the part stands still,
     else not at all; what it is computed from is compared."""
@@ -155,6 +157,9 @@ _TABLE: dict[Treatment, dict[str, str]] = {
     },
     Treatment.SUBTREE: {
         "summed over everything below": "body_subtreemass",
+    },
+    Treatment.LENS: {
+        "the distance of the near plane in the whole model, of a camera that `fovy` describes": "cam_intrinsic",
     },
     Treatment.DERIVED: {
         "computed from the inertia of the whole kinematic tree": (

@@ -69,13 +69,27 @@ def tell(said: Told, element: Node | None, model: Unit, context: Context) -> Non
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     """The element that stands on that line of `model.xml`, the plugin's instance, or the only one of that name."""
     if fault.line is not None:
-        return element_at(model.root, bundle.files[bundle.model], fault.line)
+        found = element_at(model.root, bundle.files[bundle.model], fault.line)
+        return _attaching(fault, model.root) if _is_another(found, fault) else found
     if (failed := _PLUGIN.search(fault.message)) is not None:
         instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
         number = int(failed[1])
         return instances[number] if number < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
     return named[0] if len(named) == 1 else None
+
+
+def _is_another(found: Node | None, fault: Fault) -> bool:
+    """Whether what MuJoCo speaks of has another name than what stands there: the line is one of another file."""
+    name = None if found is None else found.get("name")
+    return bool(name and fault.name and not fault.name.startswith(name))
+
+
+def _attaching(fault: Fault, root: Node) -> Node | None:
+    """The `<attach>` that brings what MuJoCo speaks of, as far as its prefix tells."""
+    prefixes = {each: str(each.get("prefix") or "") for each in root.iter("attach")}
+    fitting = [each for each, prefix in prefixes.items() if str(fault.name).startswith(prefix)]
+    return max(fitting, key=lambda each: len(prefixes[each]), default=None)
 
 
 def _with_sources(message: str, model: Unit, context: Context) -> str:

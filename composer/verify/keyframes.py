@@ -47,7 +47,7 @@ def key_differences(
     moved = (
         transform if roots is Roots.MOVED and transform is not None and not transform.is_identity else None
     )
-    for key, target in _match(matching, keys):
+    for key, target in _match(matching, keys, moved):
         name = matching.alone.describe("key", key)
         if target == ABSENT:
             found.append(Difference("key", name, MISSING, True, False))
@@ -67,7 +67,7 @@ def key_differences(
     return found
 
 
-def _match(matching: Matching, keys: Keys) -> Iterator[tuple[int, int]]:
+def _match(matching: Matching, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
     """Keys of the part and of the composition; unnamed ones by order among those no named key takes."""
     alone, composed = matching.alone, matching.composed
     given = matching.renamed.get("key", {})
@@ -84,7 +84,7 @@ def _match(matching: Matching, keys: Keys) -> Iterator[tuple[int, int]]:
             for each in (there, matching.prefix + name)
             if each in composed.ids["key"]
         ]
-        alike = (each for each in found if not _says_otherwise(matching, index, each))
+        alike = (each for each in found if not _says_otherwise(matching, index, each, moved))
         target = next(alike, found[0] if found else ABSENT)
         taken.add(target)
         yield index, target
@@ -95,17 +95,17 @@ def _match(matching: Matching, keys: Keys) -> Iterator[tuple[int, int]]:
         if i not in taken and (not name or (prefix and name.startswith(prefix)))
     ]
     for index in unnamed:
-        alike = (i for i in left if not _says_otherwise(matching, index, i))
+        alike = (i for i in left if not _says_otherwise(matching, index, i, moved))
         target = next(alike, left[0] if left else ABSENT)
         if target != ABSENT:
             left.remove(target)
         yield index, target
 
 
-def _says_otherwise(matching: Matching, key: int, target: int) -> bool:
+def _says_otherwise(matching: Matching, key: int, target: int, moved: Pose | None) -> bool:
     return any(
         mine.shape != theirs.shape or unequal(mine, theirs, bound).any()
-        for _, mine, theirs, bound in _entries(matching, key, target, None)
+        for _, mine, theirs, bound in _entries(matching, key, target, moved)
     )
 
 

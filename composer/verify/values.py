@@ -116,6 +116,8 @@ class Values:
                 return on_host or (moved and kind != "body" and self._at_root(kind, index))
             case Treatment.SUBTREE:
                 return index in coupling.carriers
+            case Treatment.LENS:
+                return not self.alone.cam_sensorsize[index].any()
             case Treatment.DERIVED:
                 return self._acted_on(kind, index) or self._less_simple(kind, index)
             case Treatment.GAIN if kind == "actuator":

@@ -2,9 +2,13 @@ from __future__ import annotations
 
 import json
 from importlib import metadata
+from pathlib import Path
 
 import pytest
 from cli.shell import run
+
+from composer.cli.doctor import Finding, _store
+from composer.sources.blobs import put
 
 
 def test_a_working_installation_is_said_to_be_one() -> None:
@@ -36,3 +40,13 @@ def test_mujoco_works_where_pictures_cannot_be_made(monkeypatch: pytest.MonkeyPa
     assert result.exit_code == 0
     assert found["mujoco"]["fine"] and found["OpenGL"]["fine"] is None
     assert "nonsense" in found["OpenGL"]["found"]
+
+
+def test_the_store_is_measured_and_tried(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "store"))
+    put(tmp_path / "store", "raw", "1" * 64, bytes(3_000_000))
+    assert _store() == Finding("store", f"{tmp_path / 'store'}, 3.0 MB")
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "file"))
+    found = _store()
+    assert found.fine is None and "cannot be written" in found.found

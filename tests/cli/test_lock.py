@@ -169,6 +169,50 @@ def test_a_broken_lock_is_one_error_and_stays(work: Path) -> None:
     assert (work / "cell.lock").read_text() == text
 
 
+def test_a_merge_keeps_what_both_sides_pin(work: Path) -> None:
+    robots = work.parent / "robots"
+    recipe = (work / "cell.yaml").read_text()
+    one = recipe.replace("@main#arm/arm.xml", "@v1#arm/arm.xml")
+    git(robots, "tag", "v1")
+    (work / "cell.yaml").write_text(one)
+    run("lock", "cell.yaml")
+    ours = (work / "cell.lock").read_text()
+    pins = {id: each.get("commit") for id, each in told(work).items()}
+    commit(robots, **{"tool.xml": TOOL.replace("0.01", "0.02")})
+    git(robots, "tag", "v2")
+    (work / "cell.yaml").write_text(recipe.replace("@main#", "@v2#"))
+    (work / "cell.lock").unlink()
+    run("lock", "cell.yaml")
+    theirs = (work / "cell.lock").read_text()
+    pins |= {id: each.get("commit") for id, each in told(work).items()}
+    (work / "cell.lock").write_text(f"<<<<<<< HEAD\n{ours}=======\n{theirs}>>>>>>> theirs\n")
+    (work / "cell.yaml").write_text(
+        one + f"  more: {{model: git+file://{robots}@v2#tool.xml, pos: [1, 0, 0]}}\n"
+    )
+    commit(robots, **{"tool.xml": TOOL})
+    assert "run `mjcompose lock`, which keeps what both sides pin" in run("build", "cell.yaml").stderr
+    assert run("lock", "cell.yaml").exit_code == 0
+    assert {id: each.get("commit") for id, each in told(work).items()} == pins
+    assert run("build", "--locked", "cell.yaml").exit_code == 0
+
+
+def test_what_a_merge_pins_in_two_ways_is_for_a_person_to_settle(work: Path) -> None:
+    run("lock", "cell.yaml")
+    ours = (work / "cell.lock").read_text()
+    new = commit(work.parent / "robots", **{"tool.xml": TOOL.replace("0.01", "0.02")})
+    run("update", "cell.yaml")
+    theirs = (work / "cell.lock").read_text()
+    text = f"<<<<<<< HEAD\n{ours}=======\n{theirs}>>>>>>> theirs\n"
+    (work / "cell.lock").write_text(text)
+    result = run("lock", "cell.yaml")
+    assert result.exit_code == 1
+    assert result.stderr.count("error[lock-invalid]: the two sides of the merge in `cell.lock` pin") == 1
+    assert f"theirs: {new}" in result.stderr
+    assert (work / "cell.lock").read_text() == text
+    assert run("update", "cell.yaml", "base").exit_code == 0
+    assert (work / "cell.lock").read_text() == theirs
+
+
 def test_lock_of_no_recipe(work: Path) -> None:
     result = run("lock", "cel.yaml")
     assert result.exit_code == 1

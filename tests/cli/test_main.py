@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -87,7 +88,7 @@ def test_an_output_that_takes_nothing(folder: Path, arguments: list[str]) -> Non
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a shell")
 def test_outputs_that_are_closed(folder: Path) -> None:
-    command = f"{sys.executable} -m composer"
+    command = f"{shlex.quote(sys.executable)} -m composer"
     for line, code in (
         (f"{command} check wrong.yaml 2>&-", 1),
         (f"{command} plan cell.yaml >&-", 0),
@@ -102,7 +103,8 @@ def test_outputs_that_are_closed(folder: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a folder in use cannot be removed there")
 def test_a_folder_that_is_gone(folder: Path) -> None:
-    line = f"mkdir gone && cd gone && rmdir ../gone && {sys.executable} -m composer check ../cell.yaml"
+    python = shlex.quote(sys.executable)
+    line = f"mkdir gone && cd gone && rmdir ../gone && {python} -m composer check ../cell.yaml"
     result = subprocess.run(
         line, shell=True, env=environment(), capture_output=True, text=True, timeout=60, check=False
     )

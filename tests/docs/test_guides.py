@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -106,7 +107,7 @@ def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
     commands = "".join(
         line for line in commands.splitlines(True) if not re.search(" (import|diff) ", line)
     )  # of files of one's own
-    script = f'set -e\nmjcompose() {{ {sys.executable} -m composer "$@"; }}\n{commands}'
+    script = f'set -e\nmjcompose() {{ {shlex.quote(sys.executable)} -m composer "$@"; }}\n{commands}'
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     subprocess.run(["bash", "-c", script], cwd=tmp_path, env=environment, check=True, timeout=240)
     assert (tmp_path / "build" / "model.zip").is_file()

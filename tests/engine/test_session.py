@@ -187,3 +187,13 @@ class TestCall:
         with Session() as session:
             called = engine.call(session, made.fail, ["part"], None)
         assert called.error == "no model is kept as `part`"
+
+
+@posix
+def test_names_that_this_process_cannot_read_are_bytes(tmp_path: Path) -> None:
+    """In a locale without UTF-8 the bytes of a letter are two characters that stand for bytes."""
+    (tmp_path / "ü").mkdir()
+    put(tmp_path / "ü", GOOD)
+    with Session() as session:
+        answer, _ = session.ask(engine.Request(tmp_path / "\udcc3\udcbc"))
+    assert answer["ok"], answer

@@ -113,6 +113,13 @@ def test_thin_plates_survive_being_measured(workshop: Workshop) -> None:
     workshop.link(BASE, model('settotalmass="3"', plates)).check()
 
 
+def test_an_inertial_without_mass_keeps_its_frame(workshop: Workshop) -> None:
+    """MuJoCo gives another one to a body that has none."""
+    text = """<mujoco><compiler balanceinertia="true"/><worldbody><body name="flange" pos="0 0 1" quat="0.6 0.8 0 0">
+      <inertial pos="0 0 0" mass="0" diaginertia="0 0 0"/><site/></body></worldbody></mujoco>"""
+    workshop.link(text, text).check()
+
+
 def test_a_model_alone_keeps_its_rules(workshop: Workshop) -> None:
     linked = workshop.link(model('boundmass="2" inertiafromgeom="true"'))
     assert 'boundmass="2"' in linked.xml

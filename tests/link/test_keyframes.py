@@ -189,8 +189,12 @@ def test_short_rows_are_filled_up_as_mujoco_does(workshop: Workshop, row: str) -
 
 
 @pytest.mark.parametrize("row", ['qpos="7 8 1 0"', 'qpos="7 8 1 0 0 0 1 2 3"', 'qvel="7 8 1"'])
-def test_a_row_that_ends_inside_a_joint_is_told(workshop: Workshop, row: str) -> None:
-    fault = workshop.link(BASE, MIXED.format(row=row)).fault
+@pytest.mark.mujoco4("keys of other lengths are refused")
+def test_a_row_that_ends_inside_a_joint_is_filled_up_as_mujoco_does(workshop: Workshop, row: str) -> None:
+    mixed = MIXED.format(row=row)
+    workshop.link(BASE, mixed).check()
+    workshop.link(mixed, Piece(HAND)).check()
+    fault = workshop.link(BASE, mixed, measure=None).fault
     assert fault.code == "keyframe-conflict"
 
 
@@ -421,11 +425,14 @@ def test_nothing_is_measured_for_keys_that_are_left_out(workshop: Workshop) -> N
 
 
 @pytest.mark.mujoco4("keys of other lengths are refused, and replicated ones are copied")
-def test_replicated_mocap_bodies_are_told(workshop: Workshop) -> None:
+def test_replicated_mocap_bodies_stand_where_they_are(workshop: Workshop) -> None:
     base = '<mujoco><worldbody><replicate count="2" offset="1 0 0"><body mocap="true"/></replicate></worldbody></mujoco>'
     part = """<mujoco><worldbody><body name="m" mocap="true"/></worldbody>
       <keyframe><key name="k" mpos="1 2 3"/></keyframe></mujoco>"""
-    assert workshop.link(base, part).fault.code == "not-supported"
+    linked = workshop.link(base, part)
+    linked.check()
+    (key,) = linked.linking.base.root.iter("key")
+    assert key.get("mpos") == "0 0 0 1 0 0 1 2 3"
     plain = PLAIN.replace("</mujoco>", '<keyframe><key name="k" qpos="1"/></keyframe></mujoco>')
     workshop.link(base, plain).check()
 
@@ -437,6 +444,39 @@ def test_keys_are_told_from_where_they_were(workshop: Workshop) -> None:
     ]
     assert [span.file for span in found] == [str(linked.paths[at]) for at in (0, 0, 1)]
     assert [span.line for span in found] == [9, 10, 6]
+
+
+@pytest.mark.parametrize(
+    ("classes", "actuator"),
+    [
+        ('<general dyntype="integrator"/>', '<general joint="j"/>'),
+        (
+            '<general dyntype="muscle"/><default class="c"><general dyntype="none"/></default>',
+            '<general class="c" joint="j"/>',
+        ),
+        ('<general dyntype="user" actdim="3"/>', '<general joint="j"/>'),
+        ('<general dyntype="filter"/>', '<general joint="j" actdim="-1"/>'),
+        ('<position timeconst="1"/>', '<general joint="j"/>'),
+        ('<general dyntype="filter"/>', '<position joint="j"/>'),
+        ('<position kp="3"/><muscle ctrlrange="0 1"/>', '<position joint="j"/>'),
+        ("", '<general joint="j" gaintype="pid" biastype="affine" dyntype="pid"/>'),
+    ],
+)
+@pytest.mark.mujoco4("an actuator takes the dynamics of a class of its own kind")
+def test_the_state_that_classes_give_to_actuators_is_as_wide_as_in_mujoco(
+    workshop: Workshop, classes: str, actuator: str
+) -> None:
+    text = f"""<mujoco><default>{classes}</default>
+      <worldbody><body name="b"><joint name="j"/><geom size="1"/></body></worldbody>
+      <actuator>{actuator}<motor joint="j"/></actuator>
+      <keyframe><key name="k" ctrl="1" act=""/></keyframe></mujoco>"""
+    linked = workshop.link(text, PLAIN)
+    linked.check()
+    layout = linked.linking.base_layout
+    assert layout is not None
+    (own, _) = layout.actuators.values()
+    model = mujoco.MjModel.from_xml_string(text)
+    assert own.widths == (model.actuator_ctrlnum[0], model.actuator_actnum[0])
 
 
 def test_the_judge_agrees_on_the_policies() -> None:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from link.workshop import BASE, Workshop
+from link.workshop import BASE, Piece, Workshop, hinge, placed
 
 MUSCLES = """
 <mujoco>
@@ -66,3 +66,19 @@ def test_actuators_that_mujoco_copies_cannot_be_measured(workshop: Workshop) -> 
     fault = workshop.link(BASE, part).fault
     assert fault.code == "compiler-setting"
     assert "copies of actuators" in fault.message
+
+
+def test_muscles_keep_the_range_that_they_have_alone_where_something_hangs_on_them(
+    workshop: Workshop,
+) -> None:
+    arm = """<mujoco><worldbody><body name="b"><joint name="j" range="-30 50"/><geom size=".1"/><site name="p" pos=".2 0 0"/>
+        <body name="c" pos=".3 0 0"><joint name="k" axis="0 1 0" range="-30 50"/><geom size=".05" pos=".1 0 0"/>
+          <site name="r" pos=".1 .02 0"/></body></body>
+      <geom size=".1"/><site name="q" pos=".5 .5 0.2"/></worldbody>
+      <tendon><spatial name="t"><site site="p"/><site site="q"/></spatial>
+        <spatial name="u"><site site="r"/><site site="q"/></spatial></tendon>
+      <actuator><muscle name="m" tendon="t"/><muscle name="n" tendon="u"/><motor name="o" joint="j"/></actuator></mujoco>"""
+    load = '<mujoco><worldbody><body name="w"><geom size=".3" mass="9"/></body></worldbody></mujoco>'
+    workshop.link(arm, Piece(load, place=placed("body", "c"))).check()
+    workshop.link(BASE, Piece(arm, options={"joints": (hinge(name="part/"),)})).check()
+    assert "lengthrange" not in workshop.link(arm, load).xml

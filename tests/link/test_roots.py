@@ -90,7 +90,15 @@ def test_a_mocap_body_cannot_hang_on_a_mocap_body(workshop: Workshop) -> None:
 PLANE = '<geom name="floor" type="plane" size="1 1 1"/>'
 
 
-@pytest.mark.parametrize("plane", [PLANE, f"<frame>{PLANE}</frame>", '<geom name="floor" class="floor"/>'])
+@pytest.mark.parametrize(
+    "plane",
+    [
+        PLANE,
+        f"<frame>{PLANE}</frame>",
+        '<geom name="floor" class="floor"/>',
+        f'<body name="table"><body name="top">{PLANE}</body></body>',
+    ],
+)
 def test_a_plane_needs_something_that_stands_still(workshop: Workshop, plane: str) -> None:
     text = f"""<mujoco><default><default class="floor"><geom type="plane" size="1 1 1"/></default></default>
       <worldbody>{plane}</worldbody></mujoco>"""

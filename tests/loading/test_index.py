@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+import pytest
 
 from composer import engine
 from composer.bundle.manifest import index_of
@@ -30,8 +31,8 @@ MODEL = """<mujoco>
 </mujoco>"""
 
 
-def index() -> Index:
-    model = mujoco.MjModel.from_xml_string(MODEL)
+def index(text: str = MODEL) -> Index:
+    model = mujoco.MjModel.from_xml_string(text)
     listed = index_of(engine.Index.from_data(facts.index(model, mujoco)))
     return Index(listed, lambda kind: facts.names(model, kind))
 
@@ -57,6 +58,18 @@ def test_limits_are_of_single_numbers() -> None:
     assert found.sensordata.limits("gyro").tolist() == [[-7, 7]] * 3
 
 
+def test_a_limit_may_be_infinite() -> None:
+    """MuJoCo takes `inf`, which JSON has not."""
+    found = index(
+        MODEL.replace('range="0 2"', 'range="-inf inf"')
+        .replace('"-3 3"', '"0 inf"')
+        .replace('cutoff="7"', 'cutoff="inf"')
+    )
+    assert found.qpos.limits("slide").tolist() == [[-np.inf, np.inf]]
+    assert found.ctrl.limits("push").tolist() == [[0, np.inf]]
+    assert found.sensordata.limits("gyro").tolist() == [[-np.inf, np.inf]] * 3
+
+
 def test_vectors_are_addressed_as_in_the_model() -> None:
     found = index()
     assert (found.qpos["ball"], found.qpos["slide"], found.qpos.on("c")) == (slice(0, 4), 4, slice(6, 13))
@@ -64,3 +77,8 @@ def test_vectors_are_addressed_as_in_the_model() -> None:
     assert list(found.act) == ["creep"] and found.act["creep"] == 0
     assert (found.qpos.size, found.qvel.size, found.ctrl.size) == (13, 11, 5)
     assert repr(found) == "<Index: qpos 13, qvel 11, ctrl 5, act 1, sensordata 5>"
+
+
+def test_a_number_is_no_name() -> None:
+    with pytest.raises(TypeError, match="names are asked for"):
+        index().qpos[3]  # type: ignore[index]

@@ -148,6 +148,17 @@ def test_an_mjb_of_another_mujoco_is_an_error(written: Path, tmp_path: Path) -> 
         composer.load(copy)
 
 
+def test_an_mjb_may_be_renamed_with_its_manifest(written: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "other.mjb"
+    copy.write_bytes((written / "cell.mjb").read_bytes())
+    manifest = manifest_beside(written / "cell.mjb").read_bytes()
+    manifest_beside(copy).write_bytes(manifest)
+    assert composer.load(copy).index.qpos.names == composer.load(written / "cell.mjb").index.qpos.names
+    manifest_beside(copy).write_text(json.dumps({**json.loads(manifest), "model": "../other.mjb"}))
+    with pytest.raises(composer.LoadError, match="`other.mjb` is in .*, and its manifest does not list it"):
+        composer.load(copy)
+
+
 @pytest.mark.parametrize("name", ["nowhere", "nowhere.zip", "nowhere.mjb"])
 def test_what_is_not_there_is_told(tmp_path: Path, name: str) -> None:
     with pytest.raises(composer.LoadError, match="there is no file") as caught:
@@ -158,6 +169,34 @@ def test_what_is_not_there_is_told(tmp_path: Path, name: str) -> None:
 def test_a_manifest_is_needed(cell: Path) -> None:
     (cell / "manifest.json").unlink()
     with pytest.raises(composer.LoadError, match="has no `manifest.json`"):
+        composer.load(cell)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"manifest": 2}, "was written by a newer mjcompose: its format is 2, this one knows 1"),
+        ({"manifest": 2, "more": []}, "was written by a newer mjcompose"),
+        ({"more": []}, "`more` is no key of a manifest"),
+        ({"files": 3}, "`files`: input should be a valid array"),
+    ],
+)
+def test_a_manifest_that_is_another_says_why(cell: Path, change: dict[str, Any], told: str) -> None:
+    file = cell / "manifest.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | change))
+    with pytest.raises(composer.LoadError) as caught:
+        composer.load(cell)
+    said = str(caught.value)
+    assert told in said
+    assert "pydantic" not in said and "validation error" not in said
+
+
+@pytest.mark.parametrize(
+    ("text", "told"), [("{", "it is no JSON: EOF while parsing"), ("[]", "it is no mapping")]
+)
+def test_a_manifest_that_is_none(cell: Path, text: str, told: str) -> None:
+    (cell / "manifest.json").write_text(text)
+    with pytest.raises(composer.LoadError, match=told):
         composer.load(cell)
 
 

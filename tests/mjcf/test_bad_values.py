@@ -83,3 +83,11 @@ def test_it_is_told_and_nothing_has_changed(what: str) -> None:
                 element.get(attribute)
                 delattr(element, attribute)
     assert told > 500
+
+
+@pytest.mark.parametrize(("position", "place"), [(10**30, 1), (-(10**30), 0)])
+def test_a_position_beyond_all_children_is_an_end(position: int, place: int) -> None:
+    world = RootElement().worldbody
+    first = world.add("geom", size=[1])
+    world.insert("geom", position, size=[2])
+    assert world.geom[1 - place] is first

@@ -188,6 +188,15 @@ def test_of_two_ways_to_say_a_thing_one_is_written(classes: str, body: str, need
     )
 
 
+def test_an_empty_reference_takes_back_what_a_class_above_gives(needs_no_class: Check) -> None:
+    needs_no_class(
+        mjcf.from_xml_string("""<mujoco>
+          <default><geom material="m"/><default class="bare"><geom material=""/></default></default>
+          <asset><material name="m" rgba="1 0 0 1"/></asset>
+          <worldbody><geom size="1"/><geom size="1" class="bare"/><geom size="1" material=""/></worldbody></mujoco>""")
+    )
+
+
 def test_one_length_of_a_spring_stands_for_both() -> None:
     model = mjcf.from_xml_string(CLASSES)
     model.default.tendon.springlength = [0.1, 0.2]
@@ -201,10 +210,12 @@ def test_one_length_of_a_spring_stands_for_both() -> None:
     [
         ('<material texture="t"/>', '<material name="m"/>'),
         ('<material texture="t"/>', '<material name="m" texture="u"/>'),
+        ('<material texture="t"/>', '<material name="m" texture=""/>'),
         ('<material texture="t"/>', '<material name="m"><layer texture="u" role="roughness"/></material>'),
         ('<material texture="t"/>', '<material name="m"><layer texture="u" role="rgb"/></material>'),
         ('<material><layer texture="t" role="orm"/></material>', '<material name="m" texture="u"/>'),
         ('<material><layer texture="t" role="orm"/></material>', '<material name="m"/>'),
+        ('<material><layer texture="t" role="orm"/></material>', '<material name="m" texture=""/>'),
     ],
 )
 def test_textures_of_materials_by_role(classes: str, material: str, needs_no_class: Check) -> None:

@@ -24,7 +24,7 @@ def test_the_examples_of_the_page(
     mesh.write_bytes((folder / "gripper" / "shell.stl").read_bytes())
     monkeypatch.chdir(folder)
     examples = re.findall(r"```python\n(.*?)```", (repository / "docs" / "mjcf.md").read_text(), re.DOTALL)
-    assert len(examples) == 11
+    assert len(examples) == 12
     names: dict[str, object] = {}
     for example in examples:
         exec(compile(example, "docs/mjcf.md", "exec"), names)

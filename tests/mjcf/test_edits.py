@@ -9,13 +9,14 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 from lxml import etree
 
 from composer import mjcf
-from composer.mjcf import Element, MjcfError, RootElement
+from composer.mjcf import Element, MjcfError, Physics, RootElement
 from composer.mjcf.model import Model
 from composer.tree.name_index import NameIndex
 
@@ -112,6 +113,7 @@ class Edits(RuleBasedStateMachine):
         self.models = [mjcf.from_xml_string(START.format(name=name)) for name in ("one", "two", "three")]
         self.removed = self.models[0].worldbody.add("site", name="removed")
         self.removed.remove()
+        self.bound: list[tuple[Physics, Element, int]] = []
 
     def _try(self, edit: Callable[[], object], *, wrong: bool = False) -> None:
         before = [_state(model._model) for model in self.models]
@@ -185,6 +187,74 @@ class Edits(RuleBasedStateMachine):
         target = self._any(data, {"dclass": "default"}.get(attribute, attribute))
         if geom is not None and target is not None:
             self._try(lambda: setattr(geom, attribute, target))
+
+    @rule(
+        data=st.data(), tag=st.sampled_from(["geom", "site", "body"]), number=st.sampled_from([0.5, -1, "x"])
+    )
+    def change_in_place(self, data: st.DataObject, tag: str, number: Any) -> None:
+        element = self._any(data, tag)
+        if element is not None and element.get("size" if tag == "geom" else "pos") is not None:
+            array = element.size if tag == "geom" else element.pos
+            self._try(lambda: array.__setitem__(0, number), wrong=number == "x")
+            self._try(lambda: array.__imul__(1.5))
+
+    @rule(data=st.data(), name=_NAMES, length=st.integers(0, 4))
+    def add_a_key(self, data: st.DataObject, name: str, length: int) -> None:
+        """Of the right length or not: that is told when the model is written."""
+        keyframe = data.draw(st.sampled_from(self.models)).keyframe
+        self._try(lambda: keyframe.add("key", name=name, qpos=[0.1] * length or None, ctrl=[0.2, 0.3]))
+
+    @rule(data=st.data(), name=_NAMES, content=st.sampled_from([b"a", b"b"]))
+    def change_a_file(self, data: st.DataObject, name: str, content: bytes) -> None:
+        """Of one file name, whatever is in it; nothing shows it, so that it need not be a picture."""
+        root = data.draw(st.sampled_from(self.models))
+        asset, found = mjcf.Asset(content, ".png", "picture"), root.asset.texture
+        if found:
+            self._try(lambda: setattr(found[0], "file", asset))
+            assert found[0].file.contents == content
+        else:
+            self._try(lambda: root.asset.add("texture", name=name, type="2d", file=asset))
+
+    @rule(data=st.data())
+    def compile_and_bind(self, data: st.DataObject) -> None:
+        """What is compiled is what is written; and it stays what it was through later edits."""
+        root = data.draw(st.sampled_from([each for each in self.models if each.parent_model is None]))
+        for texture in root.find_all("texture"):
+            texture.remove(cascade=True)
+        text = _text(root)
+        if text is None:
+            return
+        try:
+            written = mujoco.MjModel.from_xml_string(text, root.assets)
+        except ValueError:  # a moving body may have lost its mass
+            with pytest.raises(MjcfError):
+                root.compile_model(conflict="merge")
+            return
+        physics = root.compile_model(conflict="merge")
+        for name in (
+            "body_pos",
+            "geom_size",
+            "geom_rgba",
+            "jnt_dofadr",
+            "actuator_trnid",
+            "key_qpos",
+            "sensor_objid",
+        ):
+            np.testing.assert_array_equal(getattr(physics.model, name), getattr(written, name))
+        again = mujoco.MjModel.from_xml_string(mjcf.from_xml_string(text).to_xml_string())
+        assert (again.nq, again.nbody, again.nkey) == (written.nq, written.nbody, written.nkey)
+        for element in root.find_all("geom") + root.find_all("joint") + root.find_all("sensor"):
+            if element.full_identifier:
+                kind = "geom" if element.tag == "geom" else "joint" if element.tag == "joint" else "sensor"
+                row = physics.bind(element).element_id
+                assert getattr(physics.model, kind)(element.full_identifier).id == row
+                self.bound.append((physics, element, row))
+
+    @invariant()
+    def what_was_compiled_stays_bound(self) -> None:
+        for physics, element, row in getattr(self, "bound", [])[-8:]:
+            if not element._removed:
+                assert physics.bind(element).element_id == row
 
     @rule(data=st.data())
     def refer_to_what_was_removed(self, data: st.DataObject) -> None:

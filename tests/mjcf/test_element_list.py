@@ -46,3 +46,10 @@ def test_it_stays_as_it_was_while_the_model_changes(world: mjcf.Element) -> None
         geom.remove()
     assert len(world.geom) == 0
     assert not hasattr(world.geom, "append")
+
+
+def test_what_is_in_a_list_is_told_by_name_and_by_element() -> None:
+    world = mjcf.RootElement().worldbody
+    ball, other = world.add("geom", name="ball", size=[1]), mjcf.RootElement().worldbody.add("geom", size=[1])
+    assert ball in world.geom and "ball" in world.geom
+    assert other not in world.geom and "bal" not in world.geom and None not in world.geom

@@ -187,3 +187,18 @@ def test_files_that_vanish_are_told_and_the_model_stays(
         assert fault.span.file == (__file__ if here else str(folder / "arm" / "arm.xml"))
     assert both.to_xml_string() == text
     assert not (tmp_path / "out").exists() and not (tmp_path / "out.zip").exists()
+
+
+def test_paths_stay_what_they_are_through_export_and_reading(arm: mjcf.RootElement, tmp_path: Path) -> None:
+    expected = ["assets/arm/shell.stl"]
+    for number in range(3):
+        mjcf.export_with_assets(arm, tmp_path / str(number))
+        arm = mjcf.from_path(tmp_path / str(number) / "model.xml")
+        assert list(arm.assets) == expected
+        assert arm.to_xml_string() == (tmp_path / str(number) / "model.xml").read_text()
+    twice = mjcf.from_path(tmp_path / "2" / "model.xml")
+    twice.model = "second"
+    arm.attach(twice)
+    assert list(arm.assets) == expected
+    arm.asset.add("mesh", name="other", file=mjcf.Asset(b"...", ".stl", "other"))
+    assert list(arm.assets) == [*expected, "assets/model/other.stl"]

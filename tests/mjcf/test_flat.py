@@ -158,3 +158,11 @@ def test_a_model_without_a_file_is_told_by_its_name() -> None:
         mjcf.MjcfError, match="`qpos` of the key `on` has 1 numbers, and `lamp` has room for 0"
     ):
         model.to_xml_string()
+
+
+@pytest.mark.mujoco4("keys of other lengths are refused")
+def test_a_key_that_ends_within_a_joint_stays_as_it_is() -> None:
+    model = mjcf.from_xml_string("""<mujoco><worldbody><body><freejoint/><geom size="1"/></body></worldbody>
+      <keyframe><key name="up" qpos="0 0 1"/></keyframe></mujoco>""")
+    assert model.assets == {}
+    assert model.compile_model().model.key_qpos.tolist() == [[0, 0, 1, 1, 0, 0, 0]]

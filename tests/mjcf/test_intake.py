@@ -39,6 +39,16 @@ def test_names_that_stand_twice_are_told_where_the_second_one_is() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    "sizes", ['njmax="100" nconmax="5"|memory="2M"', 'memory="2M"|njmax="100" nstack="5000"']
+)
+def test_memory_wins_over_what_was_in_its_place_once(sizes: str) -> None:
+    first, second = sizes.split("|")
+    text = f'<mujoco><size {first}/><size {second}/><worldbody><geom size="1"/></worldbody></mujoco>'
+    model = mjcf.from_xml_string(text).compile_model().model
+    assert model.narena == mujoco.MjModel.from_xml_string(text).narena == 2 << 20
+
+
 def test_sections_written_twice_become_one() -> None:
     text = (
         "<mujoco><compiler angle='radian'/><option timestep='0.1'><flag contact='disable'/></option>"

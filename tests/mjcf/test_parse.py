@@ -155,3 +155,15 @@ def test_zips_that_cannot_be_read(tmp_path: Path) -> None:
     )
     with pytest.raises(MjcfError, match="z.zip` has no file `x.stl`"):
         lost.assets  # noqa: B018
+
+
+def test_text_that_is_none() -> None:
+    with pytest.raises(MjcfError, match="is not XML"):
+        mjcf.from_xml_string("<mujoco model='\ud800'/>")
+
+
+def test_a_missing_file_is_told_at_the_line_that_asked(tmp_path: Path) -> None:
+    with pytest.raises(MjcfError) as caught:
+        mjcf.from_path(tmp_path / "arm.xml")
+    span = caught.value.diagnostics[0].span
+    assert span is not None and span.file == __file__

@@ -54,3 +54,9 @@ def test_a_removed_element_is_told(arm: RootElement) -> None:
     site.remove()
     with pytest.raises(MjcfError, match="was removed"):
         pickle.dumps(site)
+
+
+def test_comments_above_the_first_section_stay_there() -> None:
+    cell = mjcf.from_xml_string("<mujoco><!-- who made it --><option timestep='0.01'/><worldbody/></mujoco>")
+    cell.attach(mjcf.RootElement("tool"))
+    assert pickle.loads(pickle.dumps(cell)).to_xml_string() == cell.to_xml_string()

@@ -92,10 +92,18 @@ def test_numbers_come_back_as_numpy() -> None:
     assert decode(GEOM["type"], "mesh") == "mesh"
 
 
-def test_an_array_cannot_be_changed_behind_the_models_back() -> None:
-    size = decode(GEOM["size"], "0.1 0.2")
-    with pytest.raises(ValueError, match="read-only"):
-        size[0] = 1.0  # type: ignore[index]
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [("1 2.5 -.5e-3", [1, 2.5, -0.0005]), ("\t1\n2 3 ", [1, 2, 3]), ("+1. 0x10 1e300", [1, 16, 1e300])],
+)
+def test_numbers_are_read_however_they_are_written(text: str, numbers: list[float]) -> None:
+    assert decode(GEOM["pos"], text).tolist() == numbers  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("text", ["1 2 1_0", "1 2 3\u00a0", "1 2 1e999", "1 2 \u0663", "1,2,3", "1 2 3 4"])
+def test_what_python_takes_for_numbers_and_mujoco_does_not_is_refused(text: str) -> None:
+    with pytest.raises(BadValue):
+        decode(GEOM["pos"], text)
 
 
 @pytest.mark.parametrize("value", [0.1 + 0.2, 1e-300, -0.0, 1 / 3, 123456789.125])

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from composer.sources import SourceError
+from composer.sources.fetching import Fetching
 from composer.sources.resolve import resolve
 
 
@@ -28,6 +30,8 @@ def library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
         "gone_mj_description": f"{paths}MJCF_PATH = REPOSITORY_PATH + '/arm/gone.xml'\n",
         "macro_description": f"{paths}XACRO_PATH = REPOSITORY_PATH + '/arm/arm.xacro'\n",
         "offline_mj_description": "raise OSError('no route to host')\n",
+        "cloned_mj_description": f"import subprocess\nsubprocess.run(['git', 'ls-remote', {str(tmp_path)!r}], check=True)\n"
+        f"{paths}MJCF_PATH = REPOSITORY_PATH + '/arm/arm.xml'\n",
         "_empty_description": "",
     }
     for name, text in modules.items():
@@ -105,3 +109,17 @@ def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
     error = fail("descriptions:arm_mj_description")
     assert error.code == "source-not-found"
     assert error.help == "run `pip install robot_descriptions`"
+
+
+def test_nothing_is_cloned_offline(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("GIT_ALLOW_PROTOCOL", raising=False)
+    subprocess.run(["git", "init", "-q", "--bare", str(tmp_path)], check=True)
+    with pytest.raises(SourceError, match="nothing is fetched offline") as caught:
+        find("descriptions:cloned_mj_description", offline=True)
+    assert caught.value.code == "source-offline"
+    assert find("descriptions:cloned_mj_description").is_file()
+    assert find("descriptions:arm_mj_description", offline=True).is_file()
+
+
+def find(text: str, offline: bool = False) -> Path:
+    return resolve(text, relative_to=Path(), environment={}, fetching=Fetching(offline=offline)).path

@@ -1,7 +1,12 @@
 from __future__ import annotations
 
+import shutil
+import ssl
+import subprocess
 import threading
+import time
 from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +42,60 @@ def test_redirects_in_a_circle_end(web: Any, get: Callable[..., Any], answer: Ca
     with pytest.raises(SourceError) as caught:
         get(f"{web.url}/a")
     assert caught.value.code == "source-fetch"
+    assert len(web.asked) == 11
+
+
+@pytest.mark.parametrize(
+    "location",
+    ["http://[::1/b", "http://127.0.0.1:99999/b", "ftp://127.0.0.1/b", "file:///etc/hostname", "https:"],
+)
+def test_a_redirect_to_what_is_no_address(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None], location: str
+) -> None:
+    web.pages["/a"] = lambda handler: answer(handler, b"", status=302, Location=location)
+    with pytest.raises(SourceError, match="is no address of the web"):
+        get(f"{web.url}/a")
+    assert len(web.asked) == 1
+
+
+def test_an_answer_that_nobody_asked_for(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None]
+) -> None:
+    web.pages["/a"] = lambda handler: answer(handler, b"", status=304)
+    with pytest.raises(SourceError, match="answered 304"):
+        get(f"{web.url}/a")
+
+
+@pytest.mark.parametrize("status", [429, 503])
+def test_a_server_says_when_to_come_again(
+    web: Any,
+    get: Callable[..., Any],
+    answer: Callable[..., None],
+    monkeypatch: pytest.MonkeyPatch,
+    status: int,
+) -> None:
+    pauses: list[float] = []
+    monkeypatch.setattr(time, "sleep", pauses.append)
+
+    def page(handler: Any) -> None:
+        if len(web.asked) == 1:
+            answer(handler, b"", status=status, Retry_After="17")
+        else:
+            answer(handler, CONTENT)
+
+    web.pages["/a"] = page
+    get(f"{web.url}/a")
+    assert pauses == [17]
+
+
+def test_a_server_that_asks_for_too_much_patience(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None]
+) -> None:
+    web.pages["/a"] = lambda handler: answer(handler, b"", status=429, Retry_After="86400")
+    with pytest.raises(SourceError, match="429") as caught:
+        get(f"{web.url}/a")
+    assert caught.value.notes == ("it says `Retry-After: 86400`",)
+    assert len(web.asked) == 1
 
 
 def test_a_busy_server_is_asked_again(
@@ -144,3 +203,28 @@ def test_no_way_leads_over_an_address_that_is_not_encrypted(
     web.pages[f"{web.url}/c"] = CONTENT
     with pytest.raises(SourceError, match=r"leads to `http://example.org/b`, which is not encrypted"):
         get(f"{web.url}/a", http_proxy=web.url)
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="nothing makes a certificate")
+def test_a_server_that_is_not_trusted_is_asked_once(
+    get: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key, certificate = tmp_path / "key.pem", tmp_path / "certificate.pem"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=127.0.0.1",
+         "-keyout", key, "-out", certificate],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(certificate, key)
+    server = ThreadingHTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler)
+    server.handle_error = lambda *_: None  # type: ignore[method-assign]
+    server.socket = context.wrap_socket(server.socket, server_side=True, do_handshake_on_connect=False)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    pauses: list[float] = []
+    monkeypatch.setattr(time, "sleep", pauses.append)
+    with pytest.raises(SourceError, match="no certificate that this machine trusts"):
+        get(f"https://127.0.0.1:{server.server_port}/a", MJCOMPOSE_TIMEOUT="30")
+    server.shutdown()
+    server.server_close()
+    assert pauses == []

@@ -115,16 +115,42 @@ def test_the_bytes_are_those_of_the_commit(robots: Any, take: Callable[..., Any]
     assert take(robots.reference("main")).path.read_bytes() == b"<mujoco/>\n<!-- $Id$ -->\n"
 
 
-def test_links_inside_become_files_and_others_are_left_out(robots: Any, take: Callable[..., Any]) -> None:
+def test_links_inside_become_what_they_lead_to(robots: Any, take: Callable[..., Any]) -> None:
     (robots.folder / "arm" / "same.xml").symlink_to("arm.xml")
+    (robots.folder / "again.xml").symlink_to("arm/same.xml")
+    (robots.folder / "copy").symlink_to("arm")
+    (robots.folder / "deep").mkdir()
+    (robots.folder / "deep" / "copy").symlink_to("../copy")
+    robots.commit()
+    wanted = (robots.folder / "arm" / "arm.xml").read_text()
+    for name in ("arm/same.xml", "again.xml", "copy/arm.xml", "copy/same.xml", "deep/copy/arm.xml"):
+        path = take(robots.reference("main", name)).path
+        assert path.read_text() == wanted
+        assert not path.is_symlink() and not path.parent.is_symlink()
+    assert (path.parent / "mesh.obj").is_file()
+
+
+def test_what_is_left_out_is_told(robots: Any, take: Callable[..., Any]) -> None:
     (robots.folder / "arm" / "out.xml").symlink_to("/etc/hostname")
     (robots.folder / "arm" / "above.xml").symlink_to("../../../etc/hostname")
+    (robots.folder / "arm" / "round.xml").symlink_to("round.xml")
+    (robots.folder / "arm" / "up").symlink_to("..")
+    (robots.folder / "gone").symlink_to("nowhere")
     robots.commit()
-    source = take(robots.reference("main", "arm/same.xml"))
-    assert not source.path.is_symlink()
-    assert source.path.read_text() == (robots.folder / "arm" / "arm.xml").read_text()
-    assert refused(take, robots.reference("main", "arm/out.xml")).code == "source-not-found"
-    assert refused(take, robots.reference("main", "arm/above.xml")).code == "source-not-found"
+    robots.git("update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},other")
+    robots.git("commit", "-q", "-m", "a submodule")
+    for name, why in {
+        "arm/out.xml": "`arm/out.xml` is a link to what is not in the commit, `/etc/hostname`",
+        "arm/above.xml": "a link to what is not in the commit, `../../../etc/hostname`",
+        "arm/round.xml": "a link to what is not in the commit, `round.xml`",
+        "arm/up/LICENSE.xml": "`arm/up` is a link to a folder that it is in",
+        "gone/arm.xml": "`gone` is a link to what is not in the commit, `nowhere`",
+        "other/arm.xml": "`other` is a submodule, which is not fetched",
+    }.items():
+        error = refused(take, robots.reference("main", name))
+        assert error.code == "source-not-found"
+        assert why in error.message
+        assert "model files that exist" in error.notes[0]
 
 
 def test_the_repository_that_the_user_stands_in_is_not_asked(

@@ -84,3 +84,39 @@ def test_the_marks_of_a_merge_are_told_at_their_line() -> None:
     (told,) = sink.errors
     assert (told.code, told.span and told.span.line) == ("lock-invalid", 3)
     assert told.message == "`a.lock` has the marks of a merge in it"
+    assert told.help == "run `mjcompose lock`, which keeps what both sides pin"
+
+
+def merged(ours: str, theirs: str) -> str:
+    """Two texts with the marks of a merge around all in which they differ, as git leaves them at worst."""
+    return f"<<<<<<< HEAD\n{ours}=======\n{theirs}>>>>>>> theirs\n"
+
+
+def test_a_lock_in_a_merge_is_what_both_sides_pin() -> None:
+    def side(**sources: Locked) -> str:
+        return to_text(Lock(mjcompose="1", mujoco="4", sources=sources))
+
+    both = Locked(kind="git", commit="1" * 40, files={"a.xml": "a" * 64}, used_by=["a"])
+    also = both.model_copy(update={"files": {"b.xml": "b" * 64}, "used_by": ["b"]})
+    mine = Locked(kind="archive", sha256="2" * 64, files={})
+    other = Locked(kind="archive", sha256="3" * 64, files={})
+    local = Locked(kind="path", files={"c.xml": "c" * 64})
+    changed = Locked(kind="path", files={"c.xml": "d" * 64})
+    disputes: dict[str, tuple[str, str]] = {}
+    text = merged(
+        side(both=both, mine=mine, web=mine, own=local), side(both=also, other=other, web=other, own=changed)
+    )
+    sink = Sink()
+    lock = from_text(text, "a.lock", sink, disputes)
+    assert lock is not None and not sink.diagnostics
+    assert sorted(lock.sources) == ["both", "mine", "other", "own", "web"]
+    assert lock.sources["both"].files == {"a.xml": "a" * 64, "b.xml": "b" * 64}
+    assert lock.sources["both"].used_by == ["a", "b"]
+    assert disputes == {"web": ("2" * 64, "3" * 64)}
+
+
+def test_a_merge_of_what_is_no_lock_is_told() -> None:
+    sink = Sink()
+    assert from_text(merged(to_text(LOCK), "{"), "a.lock", sink, {}) is None
+    (told,) = sink.errors
+    assert told.help == "take one side of the merge, and run `mjcompose lock`"

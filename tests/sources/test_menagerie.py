@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from composer.sources import Source, SourceError
+from composer.sources.fetching import Fetching
 from composer.sources.resolve import resolve
 
 needs_library = pytest.mark.skipif(
@@ -85,6 +86,25 @@ def test_a_download_that_fails_is_told(tmp_path: Path) -> None:
     assert error.notes
     assert error.help is not None
     assert "MENAGERIE_ROOT" in error.help
+
+
+@needs_library
+def test_nothing_is_downloaded_offline(tmp_path: Path) -> None:
+    import mujoco_menagerie
+
+    environment = {"MENAGERIE_CACHE_DIR": str(tmp_path), "MENAGERIE_BASE_URL": "http://127.0.0.1:9"}
+    told: list[str] = []
+    rules = Fetching(offline=True, progress=told.append)
+    reference = "menagerie:robotiq_2f85"
+    with pytest.raises(SourceError, match="nothing is fetched offline") as caught:
+        resolve(reference, relative_to=tmp_path, environment=environment, fetching=rules)
+    assert caught.value.code == "source-offline"
+    assert told == [] and list(tmp_path.iterdir()) == []
+    folder = mujoco_menagerie.Cache(dir=tmp_path).model_path(mujoco_menagerie.get("robotiq_2f85"))
+    folder.mkdir(parents=True)
+    (folder / ".complete").write_text("{}")
+    (folder / "2f85.xml").write_text("<mujoco/>")
+    assert resolve(reference, relative_to=tmp_path, environment=environment, fetching=rules).path.is_file()
 
 
 @needs_library

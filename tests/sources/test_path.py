@@ -123,7 +123,9 @@ def test_paths_that_cannot_be_are_not_there(project: Path, text: str) -> None:
     assert fail(text, project).code == "source-not-found"
 
 
-def test_hidden_folders_are_not_offered(project: Path) -> None:
+def test_what_is_hidden_is_not_offered(project: Path) -> None:
     (project / ".venv").mkdir()
     (project / ".venv" / "humanoid.xml").write_text("")
-    assert ".venv" not in fail("./humanoid.xml", project).notes[1]
+    (project / ".humanoid.xml").write_text("")
+    told = fail("./humanoid.xml", project).notes[1]
+    assert ".venv" not in told and ".humanoid" not in told

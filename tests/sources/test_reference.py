@@ -60,6 +60,8 @@ def test_takes_apart(text: str, expected: tuple[Kind, str, str, str]) -> None:
         ("https://host/b.zip@sha256:12#x.xml", "64 digits"),
         ("https://host/b.zip", "the file inside the archive"),
         ("https://host#x.xml", "the archive"),
+        ("https://me:secret@host/b.zip#x.xml", "`https://me:…@host/b.zip#x.xml` holds a password"),
+        ("git+https://me:secret@host/repo@v1#x.xml", "holds a password"),
     ],
 )
 def test_what_a_form_lacks(text: str, problem: str) -> None:

@@ -121,7 +121,14 @@ def test_a_zip_that_is_damaged(tmp_path: Path) -> None:
         unpack(tmp_path / "archive", tmp_path / "target")
 
 
-@pytest.mark.parametrize("name", ["", "/a", "a/../b", "..", "a\\b", "c:a", "a\nb"])
+@pytest.mark.parametrize(
+    "name", ["", "/a", "a/../b", "..", "a\\b", "c:a", "a\nb", "ä" * 128, "/".join(["a" * 99] * 30)]
+)
 def test_names_that_are_none(name: str) -> None:
     with pytest.raises(Unsafe):
         check_name(name)
+
+
+def test_names_of_any_length_that_files_have() -> None:
+    check_name("a" * 255)
+    check_name("/".join(["ä" * 99] * 10))

@@ -224,6 +224,18 @@ def test_a_folder_that_has_other_things_keeps_them(tmp_path: Path, shell: dict[s
     assert (tmp_path / "README.md").is_file()
 
 
+def test_any_name_of_a_project(tmp_path: Path, shell: dict[str, str]) -> None:
+    for name, model in {"MODEL of VERSION": "MODEL_of_VERSION", "äöü: x": "äöü_x"}.items():
+        ran = sh(
+            f"mjcompose new --project '{name}' && cd '{name}' && mjcompose check --locked recipes/*.yaml",
+            tmp_path,
+            shell,
+        )
+        assert ran.returncode == 0, ran.stderr
+        assert (tmp_path / name / "README.md").read_text(encoding="utf-8").startswith(f"# {name}\n")
+        assert (tmp_path / name / "recipes" / f"{model}.lock").is_file()
+
+
 def test_it_must_be_told_where(tmp_path: Path, shell: dict[str, str]) -> None:
     ran = sh("mjcompose new --project", tmp_path, shell)
     assert ran.returncode == 2 and "mjcompose new --project robots" in ran.stderr

@@ -21,6 +21,10 @@ def fault(text: str | bytes) -> Diagnostic:
     [
         ("", "it is empty"),
         ("hello", "it does not begin with `<`"),
+        (
+            "version https://git-lfs.github.com/spec/v1\nsize 1\n",
+            "it is not the file itself but where Git LFS has it",
+        ),
         ("<mujoco>\n<body>\n</mujoco>", "`</mujoco>` stands where `<body>` is still open"),
         ("<mujoco>\n<body>\n</body>\n", "`<mujoco>` is never closed"),
         ("<mujoco>\n<body\n<geom/></mujoco>", "a tag is not ended before the next one begins"),

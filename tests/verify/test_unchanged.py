@@ -426,6 +426,16 @@ def test_a_spring_given_by_its_time_constant_is_kept_but_a_changed_one_is_not() 
     assert told(composition.hand_differences()) == {("joint", "hand/right", "jnt_stiffness")}
 
 
+def test_the_lens_of_a_camera_counts_where_somebody_reads_it() -> None:
+    text = """<mujoco><visual><map znear="{near}"/></visual><worldbody>
+      <camera name="plain"/><camera name="real" sensorsize="0.01 0.01" focal="{focal} 0.03" resolution="8 8"/>
+    </worldbody></mujoco>"""
+    alone = mujoco.MjModel.from_xml_string(text.format(near=0.01, focal=0.03))
+    assert not compare(alone, mujoco.MjModel.from_xml_string(text.format(near=0.02, focal=0.03)))
+    other = mujoco.MjModel.from_xml_string(text.format(near=0.01, focal=0.04))
+    assert {(found.name, found.array) for found in compare(alone, other)} >= {("real", "cam_intrinsic")}
+
+
 def test_ignored_attributes_and_arrays_are_left_out() -> None:
     composition = compose(_damage_friction)
     assert composition.hand_differences(ignore=["friction"]) == []

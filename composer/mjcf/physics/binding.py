@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -94,6 +93,10 @@ class Binding:
         except (TypeError, ValueError):
             raise self._cannot_take(name, value) from None
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled, and copied, with the state: together with its `Physics` it is a view on that one's copy."""
+        return _bound, (self._kind, self._ids, self._labels, self._one, self._data)
+
     def __dir__(self) -> list[str]:
         return sorted({"element_id", "id", *fields(self._kind)})
 
@@ -131,12 +134,12 @@ class Binding:
 
     def _view_of_all(self, array: Array, field: Field) -> Array | Home[Any]:
         run = RUNS.get(self._kind, {}).get(field.size)
-        if run is None:
-            index = list(self._ids)
-        else:
-            index = [row for at in range(len(self._ids)) for row in self._rows(run, at, field)]
+        index = np.array(self._ids, dtype=np.intp)
+        if run is not None:
+            runs = (self._rows(run, at, field) for at in range(len(self._ids)))
+            index = np.concatenate([np.arange(rows.start, rows.stop, dtype=np.intp) for rows in runs])
         regular = as_slice(index)
-        return Home.of(array, np.array(index, dtype=np.intp)) if regular is None else array[regular]
+        return Home.of(array, index) if regular is None else array[regular]
 
     def _rows(self, run: Run, at: int, field: Field) -> range:
         rows = run.rows(self._model, self._ids[at])
@@ -205,6 +208,11 @@ def binding_of(kind: str, regular: bool) -> type[Binding]:
     return type(f"{kind.capitalize()}Binding", (Binding,), {"__slots__": (), **members})
 
 
+def _bound(kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, data: Data) -> Binding:
+    regular = as_slice(ids) is not None
+    return binding_of(kind, regular)(kind, ids, labels, one, data.model, data)
+
+
 class _FieldView:
     """A field as an attribute. A view that a binding has kept is found before this is asked."""
 
@@ -237,12 +245,14 @@ def _shortest(kind: str) -> list[str]:
     return sorted(names.values())
 
 
-def as_slice(index: list[int]) -> slice | None:
+def as_slice(index: Sequence[int] | NDArray[np.intp]) -> slice | None:
     """The slice that takes the same rows, if they stand at regular distances."""
-    if not index:
+    rows = np.asarray(index, dtype=np.intp)
+    if not rows.size:
         return slice(0, 0)
-    step = index[1] - index[0] if len(index) > 1 else 1
-    if step == 0 or any(b - a != step for a, b in pairwise(index)):
+    steps = np.diff(rows)
+    step = int(steps[0]) if steps.size else 1
+    if step == 0 or (steps != step).any():
         return None
-    end = index[-1] + step
-    return slice(index[0], end if end >= 0 else None, step)
+    end = int(rows[-1]) + step
+    return slice(int(rows[0]), end if end >= 0 else None, step)

@@ -23,6 +23,8 @@ from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text,
 from composer.mjcf.physics.order import compiled_kind
 from composer.mjcf.physics.rendering import Rendering
 from composer.mjcf.root import RootElement
+from composer.tree.kinds import WORLD_SECTION
+from composer.tree.removal import is_copy
 from composer.verify.roster import KINDS, Roster
 
 
@@ -94,7 +96,14 @@ class Physics:
             raise failure(
                 "wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site()
             )
-        return cls(compile_text(xml_string.encode(), as_files("assets", assets)))
+        files = as_files("assets", assets)
+        try:
+            text = xml_string.encode()
+        except UnicodeEncodeError as error:
+            raise failure(
+                "not-mjcf", f"`xml_string` is no Unicode text: {error.reason}", call_site()
+            ) from None
+        return cls(compile_text(text, files))
 
     @classmethod
     def from_path(cls, path: str | os.PathLike[str]) -> Physics:
@@ -148,12 +157,12 @@ class Physics:
         `sensordata`) those of the last step's beginning, until `forward()`.
         """
         try:
-            if n < 0:
-                raise failure("out-of-range", f"`n` is a number of steps, got `{n}`", call_site())
-            engine().mj_step(self._model, self._data, n)
-        except TypeError:
+            if n >= 0:
+                engine().mj_step(self._model, self._data, n)
+                return
+        except TypeError:  # no integer, or one that is too large for C
             as_index("n", n)
-            raise
+        raise failure("out-of-range", f"`n` is a number of steps, got `{n}`", call_site())
 
     def forward(self) -> None:
         """Compute everything that follows from the state and the controls, without a step in time."""
@@ -169,16 +178,24 @@ class Physics:
 
     def copy(self) -> Physics:
         """Physics of its own in the same state: neither the state nor the model is shared."""
-        data = copy.deepcopy(self._data)
-        twin = Physics(data.model, data)
-        twin._of_tree, twin._snapshots = self._of_tree, list(self._snapshots)
+        twin = self._copied({})
+        twin._of_tree = self._of_tree
         return twin
 
     def __copy__(self) -> Physics:
         return self.copy()
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Physics:
-        memo[id(self)] = twin = self.copy()
+        """A copy; bindings and trees that are copied together with it are those of the copy."""
+        memo[id(self)] = twin = self._copied(memo)
+        return twin
+
+    def _copied(self, memo: dict[int, Any]) -> Physics:
+        """A copy that takes the elements of other trees by their names."""
+        data = copy.deepcopy(self._data, memo)
+        memo[id(self._model)] = data.model
+        twin = Physics(data.model, data)
+        twin._snapshots = list(self._snapshots)
         return twin
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -197,7 +214,7 @@ class Physics:
         return self._rendering.picture(self._model, self._data, height, width, number)
 
     # Any: what the fields of a binding are is known when the program runs.
-    def bind(self, elements: Element | Iterable[Element]) -> Any:
+    def bind(self, elements: Element | Iterable[Element] | None) -> Any:
         """A view on what the compiled model has for an element, or for several of one kind: a `Binding`.
 
             physics.bind(hinge).qpos = 0.5
@@ -206,7 +223,8 @@ class Physics:
 
         An element that exists is found even where it has no name. Raises `MjcfError` for what is no object
         of a compiled model, was removed, came after it was compiled, or is one of many that MuJoCo makes
-        (`replicate`); what is bound to a sequence is of one kind.
+        (`replicate`), and for None, which `find` gives where there is nothing; what is bound to a sequence
+        is of one kind.
         """
         if isinstance(elements, Element):
             elements._alive()
@@ -219,6 +237,7 @@ class Physics:
                 "wrong-type",
                 f"elements are bound, or sequences of them, got `{type(got).__name__}`",
                 call_site(),
+                help="`find` gives None where there is no such element" if got is None else None,
             )
         for each in several:
             each._alive()
@@ -283,6 +302,13 @@ class Physics:
         elif element._model.frame_above(element._node) is element._node and not len(element._node):
             message = f"the frame of `{element.name}` is no body of the compiled model: it had no joint"
             help = "bind what it is attached to, or the bodies of the attached model"
+        elif element.tag == WORLD_SECTION:
+            message = (
+                f"the world of `{element._model.name}` is no body of the compiled model: it was attached"
+            )
+            help = (
+                "bind what it is attached to, the bodies in it, or its attachment frame once that has a joint"
+            )
         elif self._of_tree and element._node not in taken.known:
             message = f"{what} came after the model was compiled"
             help = "compile it again"
@@ -293,9 +319,14 @@ class Physics:
             message = f"{what} has no name, and which {kind} of the compiled model it is cannot be told"
             help = "give it a name"
         else:
-            message = f"the compiled model has no {kind} `{element.full_identifier}`"
+            own = str(element.full_identifier)
             names = [name for name in self._roster.names[kind] if name]
-            notes = (exists_note(kind, names, element.full_identifier),)
+            if any(is_copy(name, own) for name in names):
+                message = f"MuJoCo has made several of {what}, which refers to something in a `<replicate>`"
+                help = f"`physics.model.{kind}(NAME)` has each of them"
+            else:
+                message = f"the compiled model has no {kind} `{own}`"
+            notes = (exists_note(kind, names, own),)
         return failure("unknown-name", message, call_site(), notes=notes, help=help)
 
     def _row(self, kind: str, given: int | str | Element) -> int:

@@ -181,9 +181,10 @@ class Solver:
                 self.mujoco.mju_quatIntegrate(qpos[at : at + 4], turn, 1.0)
                 continue
             reach = np.pi if kind == _HINGE else 1.0
-            low, high = (
-                model.jnt_range[joint] if model.jnt_limited[joint] else (qpos[at] - reach, qpos[at] + reach)
-            )
+            low, high = qpos[at] - reach, qpos[at] + reach
+            if model.jnt_limited[joint]:  # an end may be infinite all the same
+                ends = model.jnt_range[joint]
+                low, high = np.where(np.isfinite(ends), ends, (low, high))
             drawn = random.uniform(low, high)
             qpos[at] = (low + high) / 2 if number == 1 else drawn
         self._clamp()

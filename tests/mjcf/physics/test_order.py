@@ -99,6 +99,15 @@ def test_beside_what_mujoco_generates(tmp_path: Path) -> None:
         physics.bind(inside.find("body"))
 
 
+def test_what_refers_to_something_in_a_replicate_is_made_several_of() -> None:
+    model = mjcf.from_xml_string(
+        "<mujoco><worldbody><replicate count='3' euler='0 0 20'><body name='b'><joint name='j'/><geom size='1'/></body>"
+        "</replicate></worldbody><actuator><motor name='m' joint='j'/></actuator></mujoco>"
+    )
+    with pytest.raises(MjcfError, match=r"has made several of `<motor>` `m`, which refers to something in"):
+        model.compile_model().bind(model.find("motor", "m"))
+
+
 def test_nothing_is_mistaken_where_mujoco_takes_bodies_out() -> None:
     """With `fusestatic` the geoms of the first body go to the world and come last there."""
     model = mjcf.from_xml_string(

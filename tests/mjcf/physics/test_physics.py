@@ -179,6 +179,54 @@ def test_a_frame_without_a_joint_is_no_body(arm: RootElement, gripper: RootEleme
         arm.compile_model().bind(frame)
 
 
+def test_the_world_of_what_is_attached_is_no_body(arm: RootElement, gripper: RootElement) -> None:
+    arm.worldbody.attach(gripper)
+    with pytest.raises(MjcfError, match="the world of `gripper` is no body of the compiled model"):
+        arm.compile_model().bind(gripper.worldbody)
+
+
+def test_nothing_is_not_bound(arm: RootElement) -> None:
+    with pytest.raises(MjcfError, match="`find` gives None where there is no such element"):
+        arm.compile_model().bind(arm.find("joint", "wirst"))
+
+
+@pytest.mark.parametrize("number", [-1, 2**40])
+def test_a_number_of_steps_that_cannot_be(arm: RootElement, number: int) -> None:
+    with pytest.raises(MjcfError, match="is a number of steps"):
+        arm.compile_model().step(number)
+
+
+def test_text_that_is_none() -> None:
+    with pytest.raises(MjcfError, match="is no Unicode text"):
+        Physics.from_xml_string("<mujoco model='\ud800'/>")
+
+
+def test_what_is_copied_together_stays_together(arm: RootElement, gripper: RootElement) -> None:
+    """An environment that keeps a tree, its physics and bindings: copied, pickled, sent to another process."""
+    arm.find("site", "flange").attach(gripper)
+    physics = arm.compile_model()
+    elements = [*gripper.find_all("joint"), arm.find("joint", "shoulder")]
+    environment = {
+        "root": arm,
+        "physics": physics,
+        "one": physics.bind(elements[0]),
+        "scattered": physics.bind(elements),
+        "none": physics.bind([]),
+        "elements": elements,
+    }
+    environment["one"].qpos = 0.02
+    for copied in (copy.deepcopy, lambda each: pickle.loads(pickle.dumps(each))):
+        twin = copied(environment)
+        assert twin["one"].qpos == 0.02 and twin["none"].qpos.shape == (0,)
+        twin["scattered"].qpos = [0.01, 0.03, 0.5]
+        assert twin["one"].qpos == 0.01 and environment["one"].qpos == 0.02
+        assert twin["physics"].bind(twin["elements"]).qpos.tolist() == [0.01, 0.03, 0.5]
+        assert twin["physics"].bind(twin["elements"][0].root.find_all("geom")[1]).size.tolist()
+        assert np.shares_memory(twin["one"].qpos, twin["physics"].data.qpos)
+        assert np.shares_memory(twin["one"].range, twin["physics"].model.jnt_range)
+        assert repr(twin["scattered"]) == repr(environment["scattered"])
+
+
 def test_an_attached_model_compiles_alone(arm: RootElement, gripper: RootElement) -> None:
     arm.find("site", "flange").attach(gripper)
     physics = gripper.compile_model()

@@ -1,0 +1,109 @@
+"""The numbers of an attribute as an array: what is changed in it is set."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import failure
+
+if TYPE_CHECKING:
+    from composer.mjcf.attributed import Attributed
+
+
+class LiveArray(np.ndarray[Any, Any]):
+    """What an attribute with several numbers gives.
+
+    Items that are assigned, and `+=` and the like, are set on the element, checked as any value; a fault is an
+    `MjcfError` and changes nothing. Whatever is computed from it, and its copies, are plain arrays. It has the
+    numbers as they were when it was read; parts of it (`pos[:2]`) cannot be written to.
+    """
+
+    _owner: tuple[Attributed, str] | None
+
+    @classmethod
+    def of(cls, array: NDArray[Any], element: Attributed, attribute: str) -> LiveArray:
+        """The array of an element's attribute; `array` becomes its memory."""
+        live = array.view(cls)
+        live._owner = element, attribute
+        live.flags.writeable = False
+        return live
+
+    def __array_finalize__(self, source: object) -> None:
+        self._owner = None
+
+    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
+        return array.view(np.ndarray) if array.ndim else array[()]
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        if self._owner is None:
+            try:
+                super().__setitem__(key, value)
+            except ValueError:
+                if self.flags.writeable:
+                    raise
+                raise failure(
+                    "wrong-type",
+                    "a part of an attribute's array cannot be written to by itself",
+                    call_site(),
+                    help="write to the whole array, `element.pos[:2] = …`, or to a `copy()`",
+                ) from None
+            return
+        element, attribute = self._owner
+        now = element.get(attribute)
+        changed = np.array(self if np.shape(now) != self.shape else now, dtype=np.float64)
+        try:
+            changed[key] = value
+        except (TypeError, ValueError) as fault:
+            raise self._refused(fault) from None
+        element.set_attributes(**{attribute: changed})
+        self.flags.writeable = True
+        super().__setitem__(..., changed)
+        self.flags.writeable = False
+
+    def _refused(self, fault: Exception) -> Exception:
+        element, attribute = self._owner or (None, "")
+        what = "an array" if element is None else f"`{attribute}` of {element._described()}"
+        return failure("wrong-type", f"{what} cannot take this: {fault}", call_site())
+
+    def __repr__(self) -> str:
+        return repr(self.view(np.ndarray))
+
+    def __str__(self) -> str:
+        return str(self.view(np.ndarray))
+
+    def copy(self, order: Any = "C") -> Any:
+        """A plain array, which can be written to and is nobody's."""
+        return np.array(self, order=order)
+
+    def __copy__(self) -> Any:
+        return np.array(self)
+
+    def __deepcopy__(self, memo: dict[int, Any] | None, /) -> Any:
+        return np.array(self)
+
+    def __reduce__(self) -> Any:
+        return np.array(self).__reduce__()
+
+
+def _in_place(name: str) -> Callable[[LiveArray, Any], LiveArray]:
+    compute = getattr(operator, name)
+
+    def method(array: LiveArray, other: Any) -> LiveArray:
+        try:
+            changed = compute(array.view(np.ndarray), other)
+        except (TypeError, ValueError) as fault:
+            raise array._refused(fault) from None
+        array[...] = changed
+        return array
+
+    return method
+
+
+for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
+    setattr(LiveArray, f"__i{_name}__", _in_place(_name))

@@ -1,0 +1,51 @@
+"""The files that included MJCF names: MuJoCo looks for them beside that, too."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from composer.tree.files import CUBE, is_absolute, join, written_path
+from composer.tree.unit import Unit
+
+_NAMING = ("mesh", "texture", "hfield", "skin", "flexcomp", "model")
+_BESIDE_FIRST = ("flexcomp", "model")
+
+
+def naming_files(tree: Node) -> Iterator[Node]:
+    """The elements of a tree that may name files."""
+    return tree.iter(*_NAMING)
+
+
+def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
+    """Let the elements of included files, each given with the folder of its file, name what MuJoCo finds.
+
+    That is what it does where the path of the main file is absolute; with a relative one it does not find them.
+    """
+    settings = unit.settings
+    for element, folder in included.items() if settings.strippath != "true" else ():
+        for attribute in ("file", *CUBE) if element.tag == "texture" else ("file",):
+            name = str(element.get(attribute) or "")
+            usual = name if element.tag == "model" else written_path(settings, element, name)
+            if not name or is_absolute(name) or name in unit.contents or usual in unit.contents:
+                continue
+            there, beside = join(str(unit.directory), usual), join(str(folder), name)
+            wins = element.tag in _BESIDE_FIRST or not os.path.exists(there)
+            if there != beside and wins and os.path.exists(beside):
+                element.set(attribute, _from(_folder(unit, element), beside))
+
+
+def _folder(unit: Unit, element: Node) -> str:
+    """What the path of a file is joined to."""
+    inner = {"model": "", "texture": unit.settings.texture_folder}
+    return join(str(unit.directory), inner.get(str(element.tag), unit.settings.mesh_folder) or ".")
+
+
+def _from(folder: str, path: str) -> str:
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # on another drive
+        return path
