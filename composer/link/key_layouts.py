@@ -70,9 +70,11 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
 def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
     """MuJoCo fills up what is short, and is asked with what."""
     keys = keys_of(unit)
-    for vector in ("qpos", "qvel", "act", "ctrl"):
-        ends = list(accumulate(width for _, width in holders(layout, vector)))
+    for vector in ("qpos", "qvel", "act", "ctrl") if keys else ():
         rows = [str(key.get(vector) or "").split() for key in keys]
+        if all(len(row) in (0, layout.total(vector)) for row in rows):
+            continue
+        ends = list(accumulate(width for _, width in holders(layout, vector)))
         short = [
             at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends
         ]

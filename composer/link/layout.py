@@ -239,16 +239,15 @@ class _Reader:
         found = self._class(general) if self.influence[1] else None
         if found is not None and any(map(found.sets, (*_STATEFUL, "position"))):
             return None
-        said: dict[str, str | None] = {}
-        for name in _STATE["general"]:
-            given = found.lookup("general", name) if found is not None else None
-            said[name] = general.get(name) or (given[0] if given else None)
-        if said["dyntype"] in ("pid", "dcmotor") or said["input"]:
+        dyntype, size, inputs = (
+            general.get(name) or (found and (given := found.lookup("general", name)) and given[0])
+            for name in ("dyntype", "actdim", "input")
+        )
+        if dyntype in ("pid", "dcmotor") or inputs:
             return None
-        size = int(said["actdim"] or -1)
-        if size < 0:  # the default of MuJoCo
-            return actuator_slot(int(said["dyntype"] not in (None, "none")))
-        return actuator_slot(size)
+        if not size or int(size) < 0:  # the default of MuJoCo
+            return _STATELESS if dyntype in (None, "none") else actuator_slot(1)
+        return actuator_slot(int(size))
 
     def _class(self, actuator: Node) -> DefaultClass:
         return self.unit.classes.get(str(actuator.get("class") or "") or None)

@@ -127,9 +127,13 @@ def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -
 
 def _planes(linking: Linking, part: Part) -> None:
     """Note every plane of the part that stands still in the part alone."""
-    classes = part.unit.classes
-    by_class = classes.give("geom", "type")
-    for worldbody in part.unit.root.iterchildren("worldbody"):
+    root, classes = part.unit.root, part.unit.classes
+    by_class = any(
+        geom.get("type") == "plane"
+        for section in root.iterchildren("default")
+        for geom in section.iter("geom")
+    )
+    for worldbody in root.iterchildren("worldbody"):
         for geom in worldbody.iter("geom"):
             kind = classes.effective(geom, childclass_of(geom), "type") if by_class else geom.get("type")
             if kind == "plane" and not _moves(geom):
