@@ -39,7 +39,7 @@ def _give_paths(
     for element, attribute, name in named:
         tag = element.tag
         if simple and tag != "skin" and is_plain(name):  # most files: no path to be shortened
-            path = name if is_settled(unit, tag, name) else target + name
+            path = name if "/" in name and is_settled(unit, tag, name) else target + name
             key = path.lower()
             if key not in taken:
                 source = f"{folders.get(tag, mesh_folder)}/{name}"

@@ -72,7 +72,7 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
     keys = keys_of(unit)
     for vector in ("qpos", "qvel", "act", "ctrl") if keys else ():
         rows = [str(key.get(vector) or "").split() for key in keys]
-        if all(len(row) in (0, layout.total(vector)) for row in rows):
+        if not any(rows) or all(len(row) in (0, layout.total(vector)) for row in rows):
             continue
         ends = list(accumulate(width for _, width in holders(layout, vector)))
         short = [

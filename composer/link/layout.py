@@ -239,10 +239,12 @@ class _Reader:
         found = self._class(general) if self.influence[1] else None
         if found is not None and any(map(found.sets, (*_STATEFUL, "position"))):
             return None
-        dyntype, size, inputs = (
-            general.get(name) or (found and (given := found.lookup("general", name)) and given[0])
-            for name in ("dyntype", "actdim", "input")
-        )
+        dyntype, size, inputs = general.get("dyntype"), general.get("actdim"), general.get("input")
+        if found is not None:
+            dyntype, size, inputs = (
+                own or ((given := found.lookup("general", name)) and given[0])
+                for name, own in (("dyntype", dyntype), ("actdim", size), ("input", inputs))
+            )
         if dyntype in ("pid", "dcmotor") or inputs:
             return None
         if not size or int(size) < 0:  # the default of MuJoCo
