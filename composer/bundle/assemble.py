@@ -21,9 +21,9 @@ from composer.bundle.manifest import (
     Read,
     Recipe,
     files_of,
-    index_of,
     with_manifest,
 )
+from composer.bundle.manifest_index import index_of
 from composer.bundle.portable import Portable
 from composer.bundle.renamed import Renamed, renamed_in
 from composer.bundle.written import written_in

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from composer.bundle.bundle import MANIFEST, Bundle
-from composer.bundle.manifest import FORMAT, Index, Manifest, faults_of, from_json, newer_format
+from composer.bundle.manifest import FORMAT, Index, Manifest, from_json
+from composer.bundle.manifest_fault import faults_of, newer_format
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 

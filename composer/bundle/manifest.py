@@ -6,20 +6,14 @@ It holds no time and no path of the machine it was made on, so that the same inp
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.version import __version__
-
-if TYPE_CHECKING:
-    from pydantic_core import ErrorDetails
-
-    from composer import engine
 
 FORMAT = 1
 SCHEMA_ID = "https://json-schema.org/draft/2020-12/schema"
@@ -110,7 +104,7 @@ class File(_Part):
 _ORIGIN = Field(
     default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies."
 )
-_Range = tuple[float | None, float | None]
+Range = tuple[float | None, float | None]
 """From, to; None where it has no end there."""
 
 
@@ -131,7 +125,7 @@ class Joint(_Part):
     velocity_unit: str | None = Field(
         default=None, description="Of qvel: rad/s or m/s; null for a free joint, which has both."
     )
-    range: _Range | None = Field(
+    range: Range | None = Field(
         default=None,
         description="In its unit, the angle of a ball joint in rad; null when that, or one end, is not limited.",
     )
@@ -154,13 +148,13 @@ class Actuator(_Part):
         description="Of its only control: rad or m for a position, rad/s or m/s for a velocity, N m or N,"
         " 1 for an activation; null where a gear or a gain gives it another meaning.",
     )
-    ranges: tuple[_Range | None, ...] = Field(
+    ranges: tuple[Range | None, ...] = Field(
         default=(), description="Of each control, in its unit; null for one that is not limited."
     )
-    act_range: _Range | None = Field(
+    act_range: Range | None = Field(
         default=None, description="Of its activation; null when that is not limited."
     )
-    force_range: _Range | None = Field(
+    force_range: Range | None = Field(
         default=None, description="Of the force or torque it gives; null when that is not limited."
     )
     origin: str | None = _ORIGIN
@@ -278,95 +272,6 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
     )
 
 
-Written = Mapping[tuple[str, int], tuple[str, str]]
-"""By kind (`joint`, `actuator`, `sensor`, `camera`, `key`) and number: the tag of an element, and FILE:LINE."""
-
-_UNITS = {
-    "hinge": ("rad", "rad/s"),
-    "slide": ("m", "m/s"),
-    "ball": ("quaternion", "rad/s"),
-    "free": (None, None),
-}
-
-
-def _range(pair: tuple[float, float] | None) -> _Range | None:
-    """What JSON can say of a range: it has no infinity."""
-    if pair is None or not any(map(math.isfinite, pair)):
-        return None
-    low, high = (end if math.isfinite(end) else None for end in pair)
-    return low, high
-
-
-def index_of(index: engine.Index, written: Written | None = None) -> Index:
-    """The manifest's index of a compiled model; `written` knows where its elements are written."""
-    known = written or {}
-
-    def origin(kind: str, number: int) -> str | None:
-        return known[kind, number][1] if (kind, number) in known else None
-
-    return Index(
-        joints=tuple(
-            Joint(
-                name=joint.name,
-                type=joint.type,  # type: ignore[arg-type]  # pydantic checks the word
-                body=joint.body,
-                qpos=joint.qpos_address,
-                qpos_size=joint.qpos_size,
-                dof=joint.dof_address,
-                dof_size=joint.dof_size,
-                unit=_UNITS[joint.type][0],
-                velocity_unit=_UNITS[joint.type][1],
-                range=_range(joint.range if joint.limited else None),
-                origin=origin("joint", number),
-            )
-            for number, joint in enumerate(index.joints)
-        ),
-        actuators=tuple(
-            Actuator(
-                name=actuator.name,
-                type=known["actuator", number][0] if ("actuator", number) in known else None,
-                ctrl=actuator.ctrl_address,
-                ctrl_size=actuator.ctrl_size,
-                act=actuator.act_address if actuator.act_size else None,
-                act_size=actuator.act_size,
-                unit=actuator.unit,
-                ranges=tuple(map(_range, actuator.ctrl_ranges)),
-                act_range=_range(actuator.act_range),
-                force_range=_range(actuator.force_range),
-                origin=origin("actuator", number),
-            )
-            for number, actuator in enumerate(index.actuators)
-        ),
-        sensors=tuple(
-            Sensor(
-                name=sensor.name,
-                type=sensor.type,
-                address=sensor.address,
-                size=sensor.size,
-                unit=sensor.unit,
-                cutoff=None if sensor.cutoff == math.inf else sensor.cutoff,
-                origin=origin("sensor", number),
-            )
-            for number, sensor in enumerate(index.sensors)
-        ),
-        cameras=tuple(
-            Camera(
-                name=camera.name,
-                body=camera.body,
-                fovy=camera.fovy,
-                unit=camera.unit,  # type: ignore[arg-type]
-                resolution=camera.resolution,
-                origin=origin("camera", number),
-            )
-            for number, camera in enumerate(index.cameras)
-        ),
-        keyframes=tuple(
-            Keyframe(name=key.name, time=key.time, origin=origin("key", number))
-            for number, key in enumerate(index.keyframes)
-        ),
-    )
-
-
 def to_json(manifest: Manifest) -> bytes:
     """The manifest's text: fields in the order of the schema, two spaces a level, UTF-8, a final newline."""
     data = manifest.model_dump(mode="json")
@@ -376,36 +281,6 @@ def to_json(manifest: Manifest) -> bytes:
 def from_json(text: bytes | str) -> Manifest:
     """The manifest that a bundle carries. Raises pydantic's ValidationError, a ValueError."""
     return Manifest.model_validate_json(text)
-
-
-def faults_of(error: ValueError) -> tuple[str, ...]:
-    """What is wrong with the text of a manifest that `from_json` refused, in words."""
-    if not isinstance(error, ValidationError):
-        return (str(error),)
-    return tuple(_in_words(each) for each in error.errors(include_url=False, include_context=False))
-
-
-def newer_format(error: ValueError) -> int | None:
-    """The format of a manifest that a later mjcompose wrote and `from_json` refused; None where that is not why."""
-    if isinstance(error, ValidationError):
-        for each in error.errors():
-            if each["loc"] == ("manifest",) and isinstance(each["input"], int) and each["input"] > FORMAT:
-                return each["input"]
-    return None
-
-
-def _in_words(fault: ErrorDetails) -> str:
-    place = "`" + "/".join(map(str, fault["loc"])) + "`"
-    if fault["type"] == "json_invalid":
-        return "it is no JSON: " + fault["msg"].removeprefix("Invalid JSON: ")
-    if not fault["loc"]:
-        return "it is no mapping"
-    if fault["type"] == "extra_forbidden":
-        return f"{place} is no key of a manifest"
-    if fault["type"] == "missing":
-        return f"{place} is not there"
-    message = fault["msg"]
-    return f"{place}: {message[:1].lower()}{message[1:]}"
 
 
 def with_manifest(bundle: Bundle, manifest: Manifest) -> Bundle:

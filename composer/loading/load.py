@@ -14,7 +14,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.holding import check_files, check_index, manifest_of
-from composer.bundle.manifest import Manifest, index_of
+from composer.bundle.manifest import Manifest
+from composer.bundle.manifest_index import index_of
 from composer.bundle.mjb import manifest_beside
 from composer.bundle.read import ReadError, named_model, read
 from composer.bundle.staging import write_files

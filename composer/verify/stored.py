@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.holding import check_files, check_index, manifest_of
-from composer.bundle.manifest import Manifest, Part, index_of
+from composer.bundle.manifest import Manifest, Part
+from composer.bundle.manifest_index import index_of
 from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
 from composer.context import Context

@@ -19,11 +19,11 @@ from composer.bundle.manifest import (
     Recipe,
     files_of,
     from_json,
-    index_of,
     schema,
     to_json,
     with_manifest,
 )
+from composer.bundle.manifest_index import index_of
 
 BUNDLE = Bundle({"model.xml": b"<mujoco/>", "assets/a.obj": b"a"})
 INDEX = engine.Index(

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from composer import engine
-from composer.bundle.manifest import index_of
+from composer.bundle.manifest_index import index_of
 from composer.engine import facts
 from composer.loading.index import Index
 

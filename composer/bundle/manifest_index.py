@@ -1,0 +1,100 @@
+"""The index of a manifest, made of what MuJoCo says of the compiled model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from composer.bundle.manifest import Actuator, Camera, Index, Joint, Keyframe, Range, Sensor
+
+if TYPE_CHECKING:
+    from composer import engine
+
+Written = Mapping[tuple[str, int], tuple[str, str]]
+"""By kind (`joint`, `actuator`, `sensor`, `camera`, `key`) and number: the tag of an element, and FILE:LINE."""
+
+_UNITS = {
+    "hinge": ("rad", "rad/s"),
+    "slide": ("m", "m/s"),
+    "ball": ("quaternion", "rad/s"),
+    "free": (None, None),
+}
+
+
+def _range(pair: tuple[float, float] | None) -> Range | None:
+    """What JSON can say of a range: it has no infinity."""
+    if pair is None or not any(map(math.isfinite, pair)):
+        return None
+    low, high = (end if math.isfinite(end) else None for end in pair)
+    return low, high
+
+
+def index_of(index: engine.Index, written: Written | None = None) -> Index:
+    """The manifest's index of a compiled model; `written` knows where its elements are written."""
+    known = written or {}
+
+    def origin(kind: str, number: int) -> str | None:
+        return known[kind, number][1] if (kind, number) in known else None
+
+    return Index(
+        joints=tuple(
+            Joint(
+                name=joint.name,
+                type=joint.type,  # type: ignore[arg-type]  # pydantic checks the word
+                body=joint.body,
+                qpos=joint.qpos_address,
+                qpos_size=joint.qpos_size,
+                dof=joint.dof_address,
+                dof_size=joint.dof_size,
+                unit=_UNITS[joint.type][0],
+                velocity_unit=_UNITS[joint.type][1],
+                range=_range(joint.range if joint.limited else None),
+                origin=origin("joint", number),
+            )
+            for number, joint in enumerate(index.joints)
+        ),
+        actuators=tuple(
+            Actuator(
+                name=actuator.name,
+                type=known["actuator", number][0] if ("actuator", number) in known else None,
+                ctrl=actuator.ctrl_address,
+                ctrl_size=actuator.ctrl_size,
+                act=actuator.act_address if actuator.act_size else None,
+                act_size=actuator.act_size,
+                unit=actuator.unit,
+                ranges=tuple(map(_range, actuator.ctrl_ranges)),
+                act_range=_range(actuator.act_range),
+                force_range=_range(actuator.force_range),
+                origin=origin("actuator", number),
+            )
+            for number, actuator in enumerate(index.actuators)
+        ),
+        sensors=tuple(
+            Sensor(
+                name=sensor.name,
+                type=sensor.type,
+                address=sensor.address,
+                size=sensor.size,
+                unit=sensor.unit,
+                cutoff=None if sensor.cutoff == math.inf else sensor.cutoff,
+                origin=origin("sensor", number),
+            )
+            for number, sensor in enumerate(index.sensors)
+        ),
+        cameras=tuple(
+            Camera(
+                name=camera.name,
+                body=camera.body,
+                fovy=camera.fovy,
+                unit=camera.unit,  # type: ignore[arg-type]
+                resolution=camera.resolution,
+                origin=origin("camera", number),
+            )
+            for number, camera in enumerate(index.cameras)
+        ),
+        keyframes=tuple(
+            Keyframe(name=key.name, time=key.time, origin=origin("key", number))
+            for number, key in enumerate(index.keyframes)
+        ),
+    )
