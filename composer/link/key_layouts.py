@@ -25,9 +25,10 @@ def layouts(linking: Linking) -> None:
         _write_padding(unit)
     for part in linking.parts:
         if part.keyframes != "none":
-            found, _ = attached(linking, part.unit)
             linking.placed_keys += [
-                (part, each) for each, slot in found.items() if slot.keys and (slot.free or slot.mocaps)
+                (part, each)
+                for each, slot in attached(linking, part.unit).items()
+                if slot.keys and (slot.free or slot.mocaps)
             ]
     keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
     if linking.asked is None and not keeping and not keys_of(linking.base):
@@ -39,7 +40,7 @@ def layouts(linking: Linking) -> None:
 
 def keys_of(unit: Unit) -> list[Node]:
     """The `<key>` elements of a unit."""
-    return [key for section in unit.root.iterchildren("keyframe") for key in section.iterchildren("key")]
+    return unit.root.findall("keyframe/key")
 
 
 def remove_keys(unit: Unit) -> None:
@@ -122,6 +123,7 @@ def final_layout(linking: Linking) -> Layout | None:
     known = {**linking.measured, **_slots(linking)}
     for node in linking.reshaped:
         known.pop(node, None)
+        linking.measured.pop(node, None)
     try:
         return lay_out(linking.base, known)
     except Unknown as unknown:

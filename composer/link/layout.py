@@ -47,8 +47,8 @@ class Unknown(Exception):
 class Slot(NamedTuple):
     """What a joint, an actuator or a block of them holds: how many numbers in each vector of a key.
 
-    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin. `controls`, `mocaps` and `keys` are
-    what a model that MuJoCo attaches brings besides: the widths of all its actuators together, and how many mocap
+    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin. `controls` and the rest are what a
+    model that MuJoCo attaches brings besides: the widths of all its actuators together, and how many actuators, mocap
     bodies and keys.
     """
 
@@ -56,6 +56,7 @@ class Slot(NamedTuple):
     widths: tuple[int, int]
     free: tuple[tuple[int, int], ...] = ()
     controls: tuple[int, int] = (0, 0)
+    actuators: int = 0
     mocaps: int = 0
     keys: int = 0
 

@@ -40,7 +40,8 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     arrays = linking.measure(unit, _ARRAYS) if linking.measure else None
     if not arrays:
         return None
-    found, brought = attached(linking, unit)
+    found = attached(linking, unit)
+    brought = sum(slot.actuators for slot in found.values())
     actuators = list(map(element_of, actuators_in_order(unit.root)))
     slots = list(map(actuator_slot, _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")))
     if len(slots) - brought == len(actuators):
@@ -68,21 +69,31 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     return found
 
 
-def attached(linking: Linking, unit: Unit) -> tuple[dict[Node, Slot], int]:
-    """What each `<attach>` brings, measured by itself in an empty world, and how many actuators all together."""
+def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
+    """What each `<attach>` brings, measured by itself in an empty world; `linking.measured` keeps it."""
     found: dict[Node, Slot] = {}
-    brought = 0
     for attach in unit.root.iter("attach"):
-        arrays = linking.measure(_by_itself(unit, attach), _ARRAYS, attempt=True) if linking.measure else None
-        if arrays:
-            acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
-            mocaps = sum(number >= 0 for number in arrays["body_mocapid"])
-            size = int(arrays["nq"][0]), int(arrays["nv"][0])
-            free = tuple(_free_joints(arrays))
-            keys = len(arrays["key_time"])
-            found[attach] = Slot(BLOCK, size, free, (sum(controls), sum(acts)), mocaps, keys)
-            brought += len(acts)
-    return found, brought
+        slot = linking.measured.get(attach) or _measured(linking, unit, attach)
+        if slot is not None:
+            found[attach] = linking.measured[attach] = slot
+    return found
+
+
+def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
+    arrays = linking.measure(_by_itself(unit, attach), _ARRAYS, attempt=True) if linking.measure else None
+    if not arrays:
+        return None
+    acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
+    size = int(arrays["nq"][0]), int(arrays["nv"][0])
+    return Slot(
+        BLOCK,
+        size,
+        tuple(_free_joints(arrays)),
+        (sum(controls), sum(acts)),
+        len(acts),
+        sum(number >= 0 for number in arrays["body_mocapid"]),
+        len(arrays["key_time"]),
+    )
 
 
 def _by_itself(unit: Unit, attach: Node) -> Unit:
