@@ -67,43 +67,42 @@ def label(model: Model) -> str:
     return re.sub(r"[^\w.-]+", "_", model.name) if known == UNNAMED or not known else known
 
 
-def flatten(
-    model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied, *, check_keys: bool = True
-) -> Flat:
+def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied) -> Flat:
     """The composition below a model, linked. Raises `MjcfError` with what is wrong with it.
 
-    `copy` makes the units that are linked, of every model one. With `check_keys` the keys of a model that nothing
-    hangs on are laid out, too, only to tell those that do not fit.
+    `copy` makes the units that are linked, of every model one.
     """
-    with ExitStack() as ending:
-        return _flatten(model, conflict, copy, ending, check_keys=check_keys)
-
-
-def _flatten(
-    model: Model, conflict: Policy, copy: Callable[[Model], Unit], ending: ExitStack, *, check_keys: bool
-) -> Flat:
     _check(model, conflict)
+    return linked(model, conflict, copy, check_keys=True)
+
+
+def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, check_keys: bool) -> Flat:
+    """The same of a model that was checked.
+
+    With `check_keys` the keys of a model that nothing hangs on are laid out, too, only to tell those that do not fit.
+    """
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
     prefixes = tuple(part.prefix for part in mounting.parts)
-    measure = _measure(sink, prefixes, ending) if mounting.parts else None
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         prune(unit)
-    linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
-    if not mounting.parts:
-        if check_keys:
-            layouts(linking)
-        link_alone(linking)
-        if check_keys:
-            finish(linking)
-    else:
-        choose_classes(linking)
-        mounting.add_joints(linking)
-        link(linking)
-        if not sink.has_errors:
-            finish(linking)
-        mounting.clear_up()
-        prune(linking.base)
+    with ExitStack() as ending:
+        measure = _measure(sink, prefixes, ending) if mounting.parts else None
+        linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
+        if not mounting.parts:
+            if check_keys:
+                layouts(linking)
+            link_alone(linking)
+            if check_keys:
+                finish(linking)
+        else:
+            choose_classes(linking)
+            mounting.add_joints(linking)
+            link(linking)
+            if not sink.has_errors:
+                finish(linking)
+            mounting.clear_up()
+            prune(linking.base)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
     return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)))
@@ -132,7 +131,7 @@ def text(model: Model, conflict: Policy) -> str:
     known = relocated_text(model, label(model))
     if known is not None:
         return known
-    flat = flatten(model, conflict, check_keys=False)
+    flat = linked(model, conflict, copied, check_keys=False)
     name_files(flat)
     tell(flat)
     return to_text(flat.unit.root)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from composer import mjcf
-from composer.mjcf.flat import flatten, label, name_files
+from composer.mjcf.flat import copied, label, linked, name_files
 from composer.mjcf.relocated import relocated_text
 from composer.tree.write import to_text
 
@@ -38,7 +38,7 @@ _LEFT = {
 
 
 def by_linker(root: mjcf.RootElement) -> str:
-    flat = flatten(root._model, "error", check_keys=False)
+    flat = linked(root._model, "error", copied, check_keys=False)
     name_files(flat)
     return to_text(flat.unit.root)
 
