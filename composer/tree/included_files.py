@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from lxml.etree import _Element as Node
 
-from composer.tree.files import CUBE, is_absolute, join, written_path
+from composer.tree.files import file_attributes, is_absolute, join, written_path
 from composer.tree.unit import Unit
 
-_NAMING = ("mesh", "texture", "hfield", "skin", "flexcomp", "model")
 _BESIDE_FIRST = ("flexcomp", "model")
-
-
-def naming_files(tree: Node) -> Iterator[Node]:
-    """The elements of a tree that may name files."""
-    return tree.iter(*_NAMING)
 
 
 def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
@@ -25,17 +19,18 @@ def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
 
     That is what it does where the path of the main file is absolute; with a relative one it does not find them.
     """
-    settings = unit.settings
-    for element, folder in included.items() if settings.strippath != "true" else ():
-        for attribute in ("file", *CUBE) if element.tag == "texture" else ("file",):
-            name = str(element.get(attribute) or "")
-            usual = name if element.tag == "model" else written_path(settings, element, name)
-            if not name or is_absolute(name) or name in unit.contents or usual in unit.contents:
-                continue
-            there, beside = join(str(unit.directory), usual), join(str(folder), name)
-            wins = element.tag in _BESIDE_FIRST or not os.path.exists(there)
-            if there != beside and wins and os.path.exists(beside):
-                element.set(attribute, _from(_folder(unit, element), beside))
+    if unit.settings.strippath == "true":
+        return
+    models = [(each, "file", str(each.get("file") or "")) for each in unit.root.iterfind("asset/model")]
+    for element, attribute, name in [*file_attributes(unit.root), *models]:
+        folder = included.get(element)
+        usual = name if element.tag == "model" else written_path(unit.settings, element, name)
+        if folder is None or not name or is_absolute(name) or name in unit.contents or usual in unit.contents:
+            continue
+        there, beside = join(str(unit.directory), usual), join(str(folder), name)
+        wins = element.tag in _BESIDE_FIRST or not os.path.exists(there)
+        if there != beside and wins and os.path.exists(beside):
+            element.set(attribute, _from(_folder(unit, element), beside))
 
 
 def _folder(unit: Unit, element: Node) -> str:

@@ -21,7 +21,6 @@ from composer.tree import xml_fault
 from composer.tree.cdata import take_cdata_in
 from composer.tree.comments import take_header_in
 from composer.tree.files import join
-from composer.tree.included_files import find_beside, naming_files
 from composer.tree.unit import Unit
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
@@ -91,9 +90,11 @@ def parse_text(
         )
         return None
     if next(root.iter("include"), None) is not None:
+        from composer.tree.included_files import find_beside  # few models include any
+
         includes = _Includes(unit, sink)
         includes.expand(root, file, directory)
-        find_beside(unit, includes.naming)
+        find_beside(unit, includes.folders)
     for section in root.iterchildren("*") if sink.error_count == before else ():
         if section.tag not in _sections():
             _unknown_section(section, unit, sink)
@@ -125,7 +126,7 @@ class _Includes:
     def __init__(self, unit: Unit, sink: Sink) -> None:
         self.unit, self.sink = unit, sink
         self.seen: dict[str, tuple[Node, str]] = {}
-        self.naming: dict[Node, Path] = {}
+        self.folders: dict[Node, Path] = {}
 
     def expand(self, tree: Node, file: str, folder: Path) -> None:
         for element in list(tree.iter("include")):
@@ -167,8 +168,8 @@ class _Includes:
             return
         take_header_in(included)
         self.expand(included, shown, path.parent)
-        for each in naming_files(included):
-            self.naming.setdefault(each, path.parent)
+        for each in included.iter("*"):
+            self.folders.setdefault(each, path.parent)
         parent = element.getparent()
         assert parent is not None
         at = parent.index(element)
