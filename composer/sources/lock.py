@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -11,9 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document import Mapping, Scalar, load, locate, to_python
-from composer.sources.lock_merge import BEGINS, disputed, joined, sides
 
 FORMAT = 1
+_MERGE = re.compile(r"^<<<<<<<( |$)", re.MULTILINE)
 SourceKind = Literal["path", "package", "menagerie", "descriptions", "git", "archive"]
 _Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 _GitHash = Annotated[str, StringConstraints(pattern=r"^([0-9a-f]{40}|[0-9a-f]{64})$")]
@@ -103,23 +104,8 @@ def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = No
 def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
     """The lock that a text is; one fault of it at its place goes to `sink`. No I/O."""
     plain = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
-    if mark := BEGINS.search(plain):
-        if disputes is not None:
-            ours, theirs = (from_text(side, shown, Sink()) for side in sides(plain))
-            if ours is not None and theirs is not None:
-                disputes.update(disputed(ours, theirs))
-                return joined(ours, theirs)
-        line = plain.count("\n", 0, mark.start()) + 1
-        help = "run `mjcompose lock`, which keeps what both sides pin"
-        if disputes is not None:
-            help = "take one side of the merge, and run `mjcompose lock`"
-        sink.error(
-            "lock-invalid",
-            f"`{shown}` has the marks of a merge in it",
-            Span(shown, line, 1, line, 8),
-            help=help,
-        )
-        return None
+    if (mark := _MERGE.search(plain)) is not None:
+        return _in_a_merge(plain, mark.start(), shown, sink, disputes)
     own = Sink()
     node = load(text, shown, own)
     if own.errors:
@@ -144,6 +130,24 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
     except ValidationError as error:
         _tell(error.errors()[0], node, shown, sink)
         return None
+
+
+def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Disputed | None) -> Lock | None:
+    """What both sides pin, where that is asked for; else the fault, at the first mark."""
+    from composer.sources.lock_merge import disputed, joined, sides
+
+    if disputes is not None:
+        ours, theirs = (from_text(side, shown, Sink()) for side in sides(text))
+        if ours is not None and theirs is not None:
+            disputes.update(disputed(ours, theirs))
+            return joined(ours, theirs)
+    line = text.count("\n", 0, start) + 1
+    help = "run `mjcompose lock`, which keeps what both sides pin"
+    if disputes is not None:
+        help = "take one side of the merge, and run `mjcompose lock`"
+    message = f"`{shown}` has the marks of a merge in it"
+    sink.error("lock-invalid", message, Span(shown, line, 1, line, 8), help=help)
+    return None
 
 
 _HELP = "take the lock from version control, or remove it and run `mjcompose lock`"

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from composer.sources.lock import Lock, Locked
-
-BEGINS = re.compile(r"^<<<<<<<( |$)", re.MULTILINE)
 
 
 def sides(text: str) -> tuple[str, str]:
