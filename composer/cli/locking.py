@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from composer.sources.fetching import Fetching
     from composer.sources.lock import Disputed, Lock
 
-_OUT_OF_REACH = ("source-", "archive-", "store-", "lock-", "file-")
-
 
 def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str) -> None:
     """Make the lock anew; `names` are what is to be updated: nothing for None, everything for `()`."""
@@ -123,6 +121,7 @@ def _draws_may_choose(recipe: Path, context: Context) -> bool:
 def _plans_of_variants(recipe: Path, context: Context) -> Iterator[Plan]:
     """What `--variant` may choose; where that does not go together or is out of reach, a warning says so."""
     from composer.build.choices import choices_of
+    from composer.diagnostics.codes import OF_FILES
     from composer.diagnostics.diagnostic import Severity
     from composer.diagnostics.sink import Sink
     from composer.plan.make import make_plan
@@ -133,7 +132,7 @@ def _plans_of_variants(recipe: Path, context: Context) -> Iterator[Plan]:
         if plan is not None:
             yield plan
         for each in own.sink.errors:
-            if each.code.startswith(_OUT_OF_REACH):
+            if each.code.startswith(OF_FILES):  # out of reach
                 context.sink.add(replace(each, severity=Severity.WARNING))
 
 

@@ -86,3 +86,6 @@ CODES: dict[str, str] = {
     "yaml-too-deep": "a file is nested too deeply",
     "yaml-too-large": "a file is too large",
 }
+
+OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
+"""How the codes of faults begin that are about files and addresses: what is not there, or out of reach."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from composer.diagnostics.codes import CODES
+from composer.diagnostics.codes import CODES, OF_FILES
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
 
 _QUOTED = re.compile(r"`([^`]*)`")
 _STEP = re.compile(r"[/:.\s]")
-_OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
-"""What these codes name are files and addresses, in which any word may stand."""
 
 
 class Sink:
@@ -48,7 +46,7 @@ class Sink:
     def _is_forgiven(self, diagnostic: Diagnostic) -> bool:
         if diagnostic.severity is not Severity.ERROR:
             return True
-        if diagnostic.code.startswith(_OF_FILES):
+        if diagnostic.code.startswith(OF_FILES):  # in files and addresses any word may stand
             return False
         return any(map(self.forgives, _QUOTED.findall(diagnostic.message)))
 
