@@ -53,9 +53,8 @@ def write_packed(
     with staged_file(out) as stage, zipfile.ZipFile(stage, "w") as archive:
         for path in sorted(paths, key=lambda path: _rank(path, model)):
             info = zipfile.ZipInfo(path, moment)
-            info.flag_bits = (
-                0 if path.isascii() else _UTF8
-            )  # or Python 3.14 writes what it can in code page 437
+            # Or Python 3.14 writes what it can in code page 437.
+            info.flag_bits = 0 if path.isascii() else _UTF8
             info.create_system = _UNIX
             info.external_attr = _MODE << 16
             info.compress_type = zipfile.ZIP_DEFLATED if level_of(path) else zipfile.ZIP_STORED

@@ -18,7 +18,6 @@ from yaml.events import (
 
 from composer.diagnostics import Diagnostic, Note, Sink, Span
 from composer.document.fault import MAX_KEY
-from composer.document.lone import advice
 from composer.document.marks import Marks
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.document.quote import quoted
@@ -307,6 +306,8 @@ class Builder:
             return
         if ":" in self._text[end : event.start_mark.index] or len(key.name) > MAX_KEY:
             return
+        from composer.document.lone import advice
+
         before = next(reversed(frame.entries or {}), None)
         frame.key, frame.has_lone = _DROPPED, True
         text = " ".join(key.name.split())  # it may have several lines

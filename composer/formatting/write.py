@@ -184,6 +184,8 @@ def _inline_entry(entry: Entry) -> str | None:
     elif value is not None:
         first, *others = lines_of(value, 0)
         text = None if others else first
-    if text is None or value is None:
-        return None if text is None else _start(entry)  # the space keeps the colon apart from what follows
+    if text is None:
+        return None
+    if value is None:
+        return _start(entry)  # the space keeps the colon apart from what follows
     return (_start(entry) + text).rstrip(" ")

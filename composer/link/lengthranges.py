@@ -25,9 +25,7 @@ def lengthranges(linking: Linking) -> None:
             if hanging and linking.measure is not None and _has_muscles(unit):
                 _write_found(unit, linking.measure(unit, _ARRAYS).get(_ARRAYS[0], []))
             continue
-        actuators = [
-            each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")
-        ]
+        actuators = unit.root.findall("actuator/*")
         if actuators:
             found = survey(linking, unit, "`lengthrange`", _ARRAYS)
             if found is None:
@@ -56,7 +54,7 @@ def _has_muscles(unit: Unit) -> bool:
 
 def _write_found(unit: Unit, measured: list[float]) -> None:
     """Write the ranges that MuJoCo has found, unless it has made copies of actuators."""
-    actuators = [each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")]
+    actuators = unit.root.findall("actuator/*")
     if len(measured) != 2 * len(actuators):
         return
     for at, actuator in enumerate(actuators):

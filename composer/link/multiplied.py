@@ -52,12 +52,11 @@ class _Thing:
 
 def actuators_in_order(root: Node) -> list[Node | Copy]:
     """Every actuator of a model in the order of its controls; a multiplied one as its copies."""
-    actuators = [each for section in root.iterchildren("actuator") for each in section.iterchildren("*")]
+    actuators = root.findall("actuator/*")
     if not actuators or next(root.iter("replicate"), None) is None:
         return list(actuators)
     replicates = [each for world in root.iterchildren("worldbody") for each in inner_first(world)]
-    tendons = [each for section in root.iterchildren("tendon") for each in section.iterchildren("*")]
-    hanging = [_thing(each, "tendon") for each in tendons]
+    hanging = [_thing(each, "tendon") for each in root.iterfind("tendon/*")]
     driving = [_thing(each, "actuator") for each in actuators]
     made: dict[Node, list[Name]] = {}
     for replicate in replicates:

@@ -18,7 +18,7 @@ def roots(linking: Linking) -> None:
     for part in linking.parts:
         if part.by_itself:
             continue
-        for body in list(_at_the_root(part.unit.root, "body")):
+        for body in list(_bodies_at_the_root(part.unit.root)):
             for joint in list(_own_joints(body)):
                 if joint.tag != "freejoint" and joint_type(joint, part.unit.classes) != "free":
                     continue
@@ -69,9 +69,9 @@ def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
     return any(joint_type(joint, unit.classes) == "free" for joint in _own_joints(top[0]))
 
 
-def _at_the_root(root: Node, tag: str) -> Iterator[Node]:
+def _bodies_at_the_root(root: Node) -> Iterator[Node]:
     for worldbody in root.iterchildren("worldbody"):
-        yield from (child for child in through_frames(worldbody) if child.tag == tag)
+        yield from (child for child in through_frames(worldbody) if child.tag == "body")
 
 
 def _own_joints(body: Node) -> Iterator[Node]:

@@ -81,16 +81,15 @@ def _suspects(unit: Unit) -> Iterator[_Suspect]:
     if not setting or setting == [0]:
         return
     classes = _read_all(sections)
-    for section in unit.root.iterchildren("actuator"):
-        for actuator in section.iterchildren("*"):
-            found = classes.get(str(actuator.get("class") or MAIN))
-            if found is None or (len(setting) == 1 and setting[0] <= found.section):
-                continue
-            fine = _OF_NONE if found.kind == _MIXED else (found.kind, *_OF_ANY_KIND)
-            if actuator.tag not in fine:
-                later = _actuators(sections[setting[-1]])[0]
-                written = {str(name): str(value) for name, value in actuator.items()}
-                yield _Suspect(actuator, written, found.kind, later)
+    for actuator in unit.root.findall("actuator/*"):
+        found = classes.get(str(actuator.get("class") or MAIN))
+        if found is None or (len(setting) == 1 and setting[0] <= found.section):
+            continue
+        fine = _OF_NONE if found.kind == _MIXED else (found.kind, *_OF_ANY_KIND)
+        if actuator.tag not in fine:
+            later = _actuators(sections[setting[-1]])[0]
+            written = {str(name): str(value) for name, value in actuator.items()}
+            yield _Suspect(actuator, written, found.kind, later)
 
 
 def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
@@ -134,9 +133,8 @@ def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None
         defaults(Linking(copy, [], Sink(), linking.separator, base_class=f"top{linking.separator}"))
     arrays = tuple(f"actuator_{name}" for name in _GAINS)
     measured = linking.measure(copy, arrays, attempt=wrap)
-    own = [each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")]
-    copied = [each for section in copy.root.iterchildren("actuator") for each in section.iterchildren("*")]
-    element = dict(zip(copied, own, strict=True))
+    own = unit.root.findall("actuator/*")
+    element = dict(zip(copy.root.findall("actuator/*"), own, strict=True))
     rows = [element[element_of(each)] for each in actuators_in_order(copy.root)]
     if not measured or len(measured[arrays[0]]) != len(rows):
         return None

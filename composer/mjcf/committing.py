@@ -120,9 +120,8 @@ def _commit(model: Model, node: Node, found: DefaultClass) -> None:
         if whole != own:
             changes[name] = whole
     if node.tag == "camera" and (changes.get("sensorsize") or node.get("sensorsize")):
-        changes.pop(
-            "fovy", None
-        )  # MuJoCo takes one of the two, and looks at the other only where this is not there
+        # MuJoCo takes one of the two, and looks at the other only where this is not there.
+        changes.pop("fovy", None)
         if node.get("fovy"):
             changes["fovy"] = None
     if default_tag(node) in ACTUATORS and not is_plain(found, node):

@@ -328,9 +328,7 @@ def _laws(editing: Editing, found: list[Node]) -> dict[Node, Law] | None:
         return None
     unit = linking.flat()
     marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}
-    everything = [
-        each for section in unit.root.iterchildren("actuator") for each in section.iterchildren("*")
-    ]
+    everything = unit.root.findall("actuator/*")
     users = {node: node.get("user") for node in everything}
     sizes = [(size, size.attrib.pop("nuser_actuator", "")) for size in unit.root.iterchildren("size")]
     try:

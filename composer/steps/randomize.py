@@ -137,6 +137,9 @@ class _Draws:
     def _reading(self) -> Reading:
         return self.editing.making.readings.at(self.step.field.drawn_at)
 
+    def _values(self, node: Node) -> Values:
+        return Values(self.editing, node, 0, self.step.field.drawn_at)
+
     # -- what is drawn -----------------------------------------------------------------------------------------
 
     def _drawn(self, node: Node, sample: int) -> Any:
@@ -160,7 +163,7 @@ class _Draws:
         attribute = kind.attributes.get(entry.attr)
         if attribute is None or not attribute.is_number or attribute.max_length == 1:
             return None  # what no such element has is told where it is written
-        now = Values(self.editing, node, 0, self.step.field.drawn_at).now(attribute)
+        now = self._values(node).now(attribute)
         wanted = entry.drawing.components
         have = len(now) if isinstance(now, tuple) else None
         if now is None:
@@ -189,7 +192,7 @@ class _Draws:
         attribute = kind.attributes.get(name)
         is_mass = kind.path == "body" and name == MASS
         self._check_unit(node)
-        values = Values(self.editing, node, 0, self.step.field.drawn_at)
+        values = self._values(node)
         now = values.now(attribute, subscript) if attribute is not None and not is_mass else None
         if attribute is not None and now is None and entry.operation != "set" and not is_mass:
             message = (
@@ -252,7 +255,7 @@ class _Draws:
         if attribute is None or attribute.angle is None:
             return []
         count = max(attribute.max_length or 4, 1 + (subscript or 0))
-        angles = set(Values(self.editing, node, 0, self.step.field.drawn_at).angles(attribute, count))
+        angles = set(self._values(node).angles(attribute, count))
         return [n in angles for n in (range(count) if subscript is None else (subscript,))]
 
     def _in_radians(self, node: Node, drawn: Any) -> Value:

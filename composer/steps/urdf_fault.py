@@ -24,7 +24,7 @@ _ADVICE = (
     (r"A \+ B >= C", 'correct it, or write `<mujoco><compiler balanceinertia="true"/></mujoco>` into the URDF'),
     (r"mass and inertia of moving bodies", "give the link an `<inertial>`"),
     (r"no decoder found", "MuJoCo reads meshes as STL, OBJ and MSH: convert the file"),
-    (r"^size \d must be positive", _SIZES),
+    (_NO_SIZE.pattern, _SIZES),
     (r"geometry specification", "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`"),
 )  # fmt: skip
 _ELSE = "MuJoCo must be able to load the file by itself: mend it there"
