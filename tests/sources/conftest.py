@@ -12,6 +12,10 @@ from typing import Any
 
 import pytest
 
+from composer.sources import SourceError
+from composer.sources.fetching import Fetching
+from composer.sources.resolve import resolve
+
 MODEL = (
     '<mujoco model="{name}"><worldbody><body name="{name}"><geom size="0.1"/></body></worldbody></mujoco>\n'
 )
@@ -65,6 +69,28 @@ def robots(tmp_path: Path) -> Repository:
 def own_environment(tmp_path: Path) -> dict[str, str]:
     """An environment with a store of its own."""
     return {"MJCOMPOSE_CACHE": str(tmp_path / "store"), "MJCOMPOSE_TIMEOUT": "2"}
+
+
+@pytest.fixture
+def take(own_environment: dict[str, str]) -> Callable[..., Any]:
+    """Fetches what a reference names: `take(reference, offline=True)` and the other rules of `Fetching`."""
+
+    def take(reference: str, **rules: Any) -> Any:
+        return resolve(reference, relative_to=Path(), environment=own_environment, fetching=Fetching(**rules))
+
+    return take
+
+
+@pytest.fixture
+def refused(take: Callable[..., Any]) -> Callable[..., SourceError]:
+    """The error with which the same is refused."""
+
+    def refused(reference: str, **rules: Any) -> SourceError:
+        with pytest.raises(SourceError) as caught:
+            take(reference, **rules)
+        return caught.value
+
+    return refused
 
 
 Answer = Callable[[BaseHTTPRequestHandler], None]

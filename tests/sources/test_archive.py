@@ -11,9 +11,7 @@ from typing import Any
 import pytest
 
 from composer.sources import SourceError
-from composer.sources.fetching import Fetching
 from composer.sources.lock import Lock, Locked
-from composer.sources.resolve import resolve
 
 MODEL = b"<mujoco/>\n"
 
@@ -28,20 +26,6 @@ def zipped(**files: bytes) -> bytes:
 
 ROBOTS = zipped(**{"robots/arm.xml": MODEL, "robots/LICENSE": b"As you like."})
 SHA256 = hashlib.sha256(ROBOTS).hexdigest()
-
-
-@pytest.fixture
-def take(own_environment: dict[str, str]) -> Callable[..., Any]:
-    def take(reference: str, **rules: Any) -> Any:
-        return resolve(reference, relative_to=Path(), environment=own_environment, fetching=Fetching(**rules))
-
-    return take
-
-
-def refused(take: Callable[..., Any], reference: str, **rules: Any) -> SourceError:
-    with pytest.raises(SourceError) as caught:
-        take(reference, **rules)
-    return caught.value
 
 
 @pytest.mark.parametrize("mode", ["w", "w:gz", "w:bz2", "w:xz"])
@@ -82,15 +66,15 @@ def test_what_is_not_pinned_is_asked_for_again(
     assert [headers.get("If-None-Match") for _, headers in web.asked] == [None, '"one"']
 
 
-def test_another_archive_than_the_reference_pins(web: Any, take: Callable[..., Any]) -> None:
+def test_another_archive_than_the_reference_pins(web: Any, refused: Callable[..., SourceError]) -> None:
     web.pages["/robots.zip"] = zipped(**{"robots/arm.xml": b"<mujoco model='other'/>"})
-    error = refused(take, f"{web.url}/robots.zip@sha256:{SHA256}#robots/arm.xml")
+    error = refused(f"{web.url}/robots.zip@sha256:{SHA256}#robots/arm.xml")
     assert error.code == "source-changed"
     assert SHA256 in error.notes[0]
 
 
 def test_another_archive_than_the_lock_pins_says_which_files_changed(
-    web: Any, take: Callable[..., Any]
+    web: Any, take: Callable[..., Any], refused: Callable[..., SourceError]
 ) -> None:
     web.pages["/robots.zip"] = zipped(
         **{"robots/arm.xml": b"<mujoco model='other'/>", "robots/new.xml": MODEL}
@@ -98,7 +82,7 @@ def test_another_archive_than_the_lock_pins_says_which_files_changed(
     files = {"robots/arm.xml": hashlib.sha256(MODEL).hexdigest(), "robots/LICENSE": "1" * 64}
     locked = Locked(kind="archive", sha256=SHA256, files=files)
     lock = Lock(mjcompose="0", mujoco=None, sources={f"{web.url}/robots.zip": locked})
-    error = refused(take, f"{web.url}/robots.zip#robots/arm.xml", lock=lock)
+    error = refused(f"{web.url}/robots.zip#robots/arm.xml", lock=lock)
     assert error.code == "source-changed"
     assert [note.split(":")[0] for note in error.notes[1:]] == [
         "`robots/LICENSE` is gone",
@@ -107,39 +91,39 @@ def test_another_archive_than_the_lock_pins_says_which_files_changed(
     assert take(f"{web.url}/robots.zip#robots/arm.xml", lock=lock, fresh=None).version != SHA256
 
 
-def test_what_is_not_there(web: Any, take: Callable[..., Any]) -> None:
-    assert refused(take, f"{web.url}/gone.zip#arm.xml").code == "source-not-found"
+def test_what_is_not_there(web: Any, refused: Callable[..., SourceError]) -> None:
+    assert refused(f"{web.url}/gone.zip#arm.xml").code == "source-not-found"
 
 
-def test_a_page_instead_of_an_archive(web: Any, take: Callable[..., Any]) -> None:
+def test_a_page_instead_of_an_archive(web: Any, refused: Callable[..., SourceError]) -> None:
     web.pages["/robots.zip"] = b"<!DOCTYPE html><html>log in</html>"
-    error = refused(take, f"{web.url}/robots.zip#arm.xml")
+    error = refused(f"{web.url}/robots.zip#arm.xml")
     assert error.code == "archive-refused"
     assert "web page" in error.message
 
 
-def test_a_file_that_is_not_in_it(web: Any, take: Callable[..., Any]) -> None:
+def test_a_file_that_is_not_in_it(web: Any, refused: Callable[..., SourceError]) -> None:
     web.pages["/robots.zip"] = ROBOTS
-    error = refused(take, f"{web.url}/robots.zip#robots/amr.xml")
+    error = refused(f"{web.url}/robots.zip#robots/amr.xml")
     assert error.code == "source-not-found"
     assert error.help == f"write `{web.url}/robots.zip#robots/arm.xml`"
 
 
-def test_offline_and_locked(web: Any, take: Callable[..., Any]) -> None:
+def test_offline_and_locked(web: Any, take: Callable[..., Any], refused: Callable[..., SourceError]) -> None:
     web.pages["/robots.zip"] = ROBOTS
     reference = f"{web.url}/robots.zip#robots/arm.xml"
-    assert refused(take, reference, offline=True).code == "source-offline"
-    assert refused(take, reference, locked=True).code == "lock-stale"
+    assert refused(reference, offline=True).code == "source-offline"
+    assert refused(reference, locked=True).code == "lock-stale"
     assert web.asked == []
     take(reference)
     assert take(reference, offline=True).version == SHA256
 
 
 def test_a_refused_archive_leaves_nothing_in_the_store(
-    web: Any, take: Callable[..., Any], own_environment: dict[str, str]
+    web: Any, refused: Callable[..., SourceError], own_environment: dict[str, str]
 ) -> None:
     web.pages["/robots.zip"] = zipped(**{"robots/arm.xml": MODEL, "../../out.xml": MODEL})
-    error = refused(take, f"{web.url}/robots.zip#robots/arm.xml")
+    error = refused(f"{web.url}/robots.zip#robots/arm.xml")
     assert error.code == "archive-refused"
     store = Path(own_environment["MJCOMPOSE_CACHE"])
     assert list(store.rglob("*.xml")) == []

@@ -12,20 +12,6 @@ from composer.sources.lock import Lock, Locked
 from composer.sources.resolve import resolve
 
 
-@pytest.fixture
-def take(own_environment: dict[str, str]) -> Callable[..., Any]:
-    def take(reference: str, **rules: Any) -> Any:
-        return resolve(reference, relative_to=Path(), environment=own_environment, fetching=Fetching(**rules))
-
-    return take
-
-
-def refused(take: Callable[..., Any], reference: str, **rules: Any) -> SourceError:
-    with pytest.raises(SourceError) as caught:
-        take(reference, **rules)
-    return caught.value
-
-
 def lock_with(id: str, commit: str) -> Lock:
     return Lock(mjcompose="0", mujoco=None, sources={id: Locked(kind="git", commit=commit, files={})})
 
@@ -71,41 +57,45 @@ def test_one_run_sees_one_commit_of_a_branch(robots: Any, own_environment: dict[
     assert again.version == first.version
 
 
-def test_a_missing_tag_names_those_that_exist(robots: Any, take: Callable[..., Any]) -> None:
-    error = refused(take, robots.reference("v11"))
+def test_a_missing_tag_names_those_that_exist(robots: Any, refused: Callable[..., SourceError]) -> None:
+    error = refused(robots.reference("v11"))
     assert error.code == "source-revision"
     assert "tags that exist: v1" in error.notes
     assert error.help == f"write `{robots.reference('v1')}`"
 
 
-def test_a_repository_without_the_file_names_its_models(robots: Any, take: Callable[..., Any]) -> None:
-    error = refused(take, robots.reference("v1", "arm/amr.xml"))
+def test_a_repository_without_the_file_names_its_models(
+    robots: Any, refused: Callable[..., SourceError]
+) -> None:
+    error = refused(robots.reference("v1", "arm/amr.xml"))
     assert error.code == "source-not-found"
     assert error.help == f"write `{robots.reference('v1')}`"
 
 
-def test_a_repository_that_is_gone(tmp_path: Path, take: Callable[..., Any]) -> None:
-    error = refused(take, f"git+file://{tmp_path}/gone@v1#arm.xml")
+def test_a_repository_that_is_gone(tmp_path: Path, refused: Callable[..., SourceError]) -> None:
+    error = refused(f"git+file://{tmp_path}/gone@v1#arm.xml")
     assert error.code == "source-fetch"
     assert any("git said" in note for note in error.notes)
 
 
-def test_a_commit_that_was_thrown_away(robots: Any, take: Callable[..., Any]) -> None:
+def test_a_commit_that_was_thrown_away(robots: Any, refused: Callable[..., SourceError]) -> None:
     lock = lock_with(f"git+file://{robots.folder}@main", "1" * 40)
-    error = refused(take, robots.reference("main"), lock=lock)
+    error = refused(robots.reference("main"), lock=lock)
     assert error.code == "source-revision"
     assert "no longer has the commit" in error.message
 
 
-def test_offline_is_what_was_fetched_last(robots: Any, take: Callable[..., Any]) -> None:
-    assert refused(take, robots.reference("main"), offline=True).code == "source-offline"
+def test_offline_is_what_was_fetched_last(
+    robots: Any, take: Callable[..., Any], refused: Callable[..., SourceError]
+) -> None:
+    assert refused(robots.reference("main"), offline=True).code == "source-offline"
     first = take(robots.reference("main"))
     robots.git("commit", "--allow-empty", "-q", "-m", "more")
     assert take(robots.reference("main"), offline=True).path == first.path
 
 
-def test_locked_asks_nobody(robots: Any, take: Callable[..., Any]) -> None:
-    assert refused(take, robots.reference("main"), locked=True).code == "lock-stale"
+def test_locked_asks_nobody(robots: Any, refused: Callable[..., SourceError]) -> None:
+    assert refused(robots.reference("main"), locked=True).code == "lock-stale"
 
 
 def test_the_bytes_are_those_of_the_commit(robots: Any, take: Callable[..., Any]) -> None:
@@ -130,7 +120,7 @@ def test_links_inside_become_what_they_lead_to(robots: Any, take: Callable[..., 
     assert (path.parent / "mesh.obj").is_file()
 
 
-def test_what_is_left_out_is_told(robots: Any, take: Callable[..., Any]) -> None:
+def test_what_is_left_out_is_told(robots: Any, refused: Callable[..., SourceError]) -> None:
     (robots.folder / "arm" / "out.xml").symlink_to("/etc/hostname")
     (robots.folder / "arm" / "above.xml").symlink_to("../../../etc/hostname")
     (robots.folder / "arm" / "round.xml").symlink_to("round.xml")
@@ -147,7 +137,7 @@ def test_what_is_left_out_is_told(robots: Any, take: Callable[..., Any]) -> None
         "gone/arm.xml": "`gone` is a link to what is not in the commit, `nowhere`",
         "other/arm.xml": "`other` is a submodule, which is not fetched",
     }.items():
-        error = refused(take, robots.reference("main", name))
+        error = refused(robots.reference("main", name))
         assert error.code == "source-not-found"
         assert why in error.message
         assert "model files that exist" in error.notes[0]
