@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from composer.cli.built_words import remarks, said
 from composer.cli.caching import caching, caching_options
 from composer.cli.choices import choice_options, chosen_values, named_choices
 from composer.cli.fetching import fetching, fetching_options
@@ -25,12 +25,12 @@ from composer.cli.reporting import (
     reporting_options,
     told_by_report,
 )  # fmt: skip
+from composer.cli.wanted import Wanted, for_shared_assets, kind_of_output
 
 if TYPE_CHECKING:
     from composer.build.made import Made
     from composer.build.maker import Maker
     from composer.bundle.bundle import Bundle
-    from composer.bundle.form import Form
     from composer.context import Context
     from composer.document import Node
     from composer.engine import Session
@@ -100,7 +100,7 @@ def command(
     context = Context(fetching=how)
     try:
         if shared_assets:
-            out, kind = _for_shared_assets(out, one=not every and not picks)
+            out, kind = for_shared_assets(out, one=not every and not picks)
         else:
             kind = kind_of_output(out, many=every or len(picks) > 1)
     except OutputError as error:
@@ -136,77 +136,6 @@ def command(
             sys.exit(build_one(maker, wanted, given, context, session, reasons, set_files))
 
 
-@dataclass(frozen=True, slots=True)
-class Wanted:
-    """What is built of a recipe, where it goes, and how it is told."""
-
-    out: str
-    kind: Form
-    verified: bool
-    deduplicated: bool
-    form: str
-    why: bool = False
-    licenses: bool = False
-
-    def target(self, name: str, mujoco: str | None) -> str:
-        """Where a model goes, by its name and the version of MuJoCo that compiled it."""
-        target = self.out.replace("{name}", _file_name(name))
-        if self.kind != "mjb":
-            return target
-        from composer.bundle.mjb import with_version
-
-        return with_version(target, mujoco)
-
-    def place(self, folder: Path, name: str, mujoco: str | None) -> Path | None:
-        """The same as a path; None for standard output."""
-        return None if self.out == "-" else Path(os.path.abspath(folder / self.target(name, mujoco)))
-
-    def text_beside(self, folder: Path) -> Path | None:
-        """The folder from which text alone names its files, where that is wanted."""
-        if self.kind != "text":
-            return None
-        return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
-
-
-def kind_of_output(out: str | None, many: bool) -> Form:
-    """What OUT asks for; raises OutputError where that cannot be told, or `many` models would go to one place."""
-    from composer.bundle.form import Form, form_of
-    from composer.bundle.output_error import OutputError
-
-    if out is None:
-        return Form.ARCHIVE
-    if many and "{name}" not in out:
-        folder = out if out.endswith("/") else f"{out}/"
-        help = f"write for instance `-o '{folder}{{name}}/'` or `-o '{folder}{{name}}.zip'`"
-        raise OutputError("output-kind", f"several models cannot all be `{out}`", help)
-    return Form.TEXT if out == "-" else form_of(out)
-
-
-_NO_SHARING = {
-    "archive": "a zip cannot refer to files outside of it",
-    "text": "text alone names the sources' own files, and none is copied",
-    "mjb": "MuJoCo's binary form has its assets in it",
-    "usd": "USD has meshes in its layers",
-}
-
-
-def _for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
-    """The output of models that share their assets, and its form; raises OutputError for what cannot be."""
-    from composer.bundle.form import Form
-    from composer.bundle.output_error import OutputError
-
-    out = "build/{name}/" if out is None else out
-    help = "write `--all -o 'build/{name}/'`"
-    if one:
-        raise OutputError("output-kind", "one model has nobody to share its assets with", help)
-    kind = kind_of_output(out, many=True)
-    if kind is not Form.FOLDER:
-        raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
-    if "{name}" in os.path.dirname(out.rstrip("/")):
-        raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
-    return out, Form.SHARED
-
-
 def build_one(
     maker: Maker,
     wanted: Wanted,
@@ -236,7 +165,7 @@ def finish(
     if made is None or context.sink.has_errors:
         return FINDINGS
     if wanted.out == "-":
-        for line in _remarks(made, wanted):
+        for line in remarks(made, wanted):
             click.echo(line, err=True)
         return 0
     click.echo(said(made, wanted))
@@ -282,11 +211,6 @@ def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Ses
         return None
     tell_unlicensed(made.licences, context)
     return made
-
-
-def _file_name(name: str) -> str:
-    """A model's name as that of a file, which stays in its folder."""
-    return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"
 
 
 def _write(
@@ -348,63 +272,3 @@ def _check_holds_all(bundle: Bundle, out: str) -> None:
     if DRAWS in bundle.files:
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
         raise OutputError("output-kind", f"`{out}` has no room for the table of draws", help)
-
-
-def said(made: Made, wanted: Wanted) -> str:
-    """What is told of a model that is where it is wanted, several lines."""
-    import json
-
-    out, sizes = wanted.target(made.name, made.mujoco), made.sizes or {}
-    if wanted.form == "json":
-        told: dict[str, object] = {
-            "output": out,
-            "name": made.name,
-            "sha256": made.sha256,
-            "sizes": dict(sizes),
-        }
-        if made.merged:
-            told["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
-        if wanted.licenses:
-            told["licences"] = [asdict(row) for row in made.licences]
-        if wanted.why:
-            told["built"] = made.built is not None
-            told["why"] = list(made.why)
-        return json.dumps(told)
-    lines = [f"{out} is up to date" if made.is_written else f"wrote {out}"]
-    if sizes:
-        counted = ", ".join(_count(*each) for each in (
-            (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
-        ))  # fmt: skip
-        lines.append(f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
-    else:
-        lines.append("  not verified: MuJoCo has not compiled it")
-    lines += [*_remarks(made, wanted), f"  contents sha256 {made.sha256}"]
-    if wanted.licenses and made.licences:
-        from composer.bundle.licence_table import licence_table
-
-        lines.append(licence_table(made.licences))
-    return "\n".join(lines)
-
-
-def _remarks(made: Made, wanted: Wanted) -> Iterator[str]:
-    if made.merged:
-        yield _merging(made)
-    if wanted.why:
-        if made.built is not None:
-            yield from (f"  built: {line}" for line in made.why)
-        else:
-            yield from (
-                f"  not built again: {line}" for line in made.why or ("nothing that it depends on changed",)
-            )
-
-
-def _merging(made: Made) -> str:
-    plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
-    counts = ", ".join(
-        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in made.merged.items()
-    )
-    return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
-
-
-def _count(number: int, noun: str, plural: str | None = None) -> str:
-    return f"{number} {noun if number == 1 else plural or noun + 's'}"

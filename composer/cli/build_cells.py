@@ -11,9 +11,11 @@ from composer.build.cells import build_cells as built_cells
 from composer.build.cells import cells_of, picked
 from composer.build.sample_table import FILE, SampleTable
 from composer.bundle.output_error import OutputError
-from composer.cli.build import Wanted, build_one, finish, kind_of_output, put, said
+from composer.cli.build import build_one, finish, put
+from composer.cli.built_words import said
 from composer.cli.counting import counting
 from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report
+from composer.cli.wanted import Wanted, kind_of_output
 
 if TYPE_CHECKING:
     from composer.build.maker import Maker

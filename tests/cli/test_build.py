@@ -119,6 +119,12 @@ def test_licences_are_shown(folder: Path) -> None:
     assert rows[1][1:] == ["./models/arm.xml", "unknown", "models/LICENSE"]
 
 
+def test_a_recipe_without_parts_has_no_licences_to_show(folder: Path) -> None:
+    (folder / "scene.yaml").write_text("recipe: 1\nname: scene\n")
+    for _ in "ab":  # built, and found built
+        assert "no licences" in run("build", "scene.yaml", "--licenses").stdout
+
+
 def test_parts_without_a_licence_are_told_at_once(folder: Path) -> None:
     (folder / "models" / "LICENSE").unlink()
     done = run("build", "cell.yaml")

@@ -1,0 +1,75 @@
+"""What `mjcompose build` says of a model that it made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from composer.cli.wanted import Wanted
+
+if TYPE_CHECKING:
+    from composer.build.made import Made
+
+
+def said(made: Made, wanted: Wanted) -> str:
+    """What is told of a model that is where it is wanted, several lines."""
+    import json
+
+    out, sizes = wanted.target(made.name, made.mujoco), made.sizes or {}
+    if wanted.form == "json":
+        told: dict[str, object] = {
+            "output": out,
+            "name": made.name,
+            "sha256": made.sha256,
+            "sizes": dict(sizes),
+        }
+        if made.merged:
+            told["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
+        if wanted.licenses:
+            told["licences"] = [asdict(row) for row in made.licences]
+        if wanted.why:
+            told["built"] = made.built is not None
+            told["why"] = list(made.why)
+        return json.dumps(told)
+    lines = [f"{out} is up to date" if made.is_written else f"wrote {out}"]
+    if sizes:
+        counted = ", ".join(_count(*each) for each in (
+            (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
+        ))  # fmt: skip
+        lines.append(f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
+    else:
+        lines.append("  not verified: MuJoCo has not compiled it")
+    lines += [*remarks(made, wanted), f"  contents sha256 {made.sha256}"]
+    if wanted.licenses and not made.licences:
+        lines.append("  no licences: it takes nothing from other models")
+    elif wanted.licenses:
+        from composer.bundle.licence_table import licence_table
+
+        lines.append(licence_table(made.licences))
+    return "\n".join(lines)
+
+
+def remarks(made: Made, wanted: Wanted) -> Iterator[str]:
+    """What was merged, and why it was built or not, a line each."""
+    if made.merged:
+        yield _merging(made)
+    if wanted.why:
+        if made.built is not None:
+            yield from (f"  built: {line}" for line in made.why)
+        else:
+            yield from (
+                f"  not built again: {line}" for line in made.why or ("nothing that it depends on changed",)
+            )
+
+
+def _merging(made: Made) -> str:
+    plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
+    counts = ", ".join(
+        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in made.merged.items()
+    )
+    return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
+
+
+def _count(number: int, noun: str, plural: str | None = None) -> str:
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"

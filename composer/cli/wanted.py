@@ -1,0 +1,88 @@
+"""What is built, where it goes, and in which form."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from composer.bundle.form import Form
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is built of a recipe, where it goes, and how it is told."""
+
+    out: str
+    kind: Form
+    verified: bool
+    deduplicated: bool
+    form: str
+    why: bool = False
+    licenses: bool = False
+
+    def target(self, name: str, mujoco: str | None) -> str:
+        """Where a model goes, by its name and the version of MuJoCo that compiled it."""
+        target = self.out.replace("{name}", _file_name(name))
+        if self.kind != "mjb":
+            return target
+        from composer.bundle.mjb import with_version
+
+        return with_version(target, mujoco)
+
+    def place(self, folder: Path, name: str, mujoco: str | None) -> Path | None:
+        """The same as a path; None for standard output."""
+        return None if self.out == "-" else Path(os.path.abspath(folder / self.target(name, mujoco)))
+
+    def text_beside(self, folder: Path) -> Path | None:
+        """The folder from which text alone names its files, where that is wanted."""
+        if self.kind != "text":
+            return None
+        return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
+
+
+def kind_of_output(out: str | None, many: bool) -> Form:
+    """What OUT asks for; raises OutputError where that cannot be told, or `many` models would go to one place."""
+    from composer.bundle.form import Form, form_of
+    from composer.bundle.output_error import OutputError
+
+    if out is None:
+        return Form.ARCHIVE
+    if many and "{name}" not in out:
+        folder = out if out.endswith("/") else f"{out}/"
+        help = f"write for instance `-o '{folder}{{name}}/'` or `-o '{folder}{{name}}.zip'`"
+        raise OutputError("output-kind", f"several models cannot all be `{out}`", help)
+    return Form.TEXT if out == "-" else form_of(out)
+
+
+_NO_SHARING = {
+    "archive": "a zip cannot refer to files outside of it",
+    "text": "text alone names the sources' own files, and none is copied",
+    "mjb": "MuJoCo's binary form has its assets in it",
+    "usd": "USD has meshes in its layers",
+}
+
+
+def for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
+    """The output of models that share their assets, and its form; raises OutputError for what cannot be."""
+    from composer.bundle.form import Form
+    from composer.bundle.output_error import OutputError
+
+    out = "build/{name}/" if out is None else out
+    help = "write `--all -o 'build/{name}/'`"
+    if one:
+        raise OutputError("output-kind", "one model has nobody to share its assets with", help)
+    kind = kind_of_output(out, many=True)
+    if kind is not Form.FOLDER:
+        raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
+    if "{name}" in os.path.dirname(out.rstrip("/")):
+        raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
+    return out, Form.SHARED
+
+
+def _file_name(name: str) -> str:
+    """A model's name as that of a file, which stays in its folder."""
+    return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"
