@@ -56,6 +56,10 @@ def _to_dm_control(used: Models) -> Row:
     if mjcf is None:
         return Row(name, None, 1.0, "dm_control is not installed")
     arm, hand = str(used.arm), str(used.hand)
+    try:
+        peers.dm_control_attached(mjcf, arm, hand, SITE)
+    except ValueError as error:
+        return Row(name, None, 1.0, f"dm_control refuses it: {error}")
     best = best_times(
         {
             "dm_control": lambda: peers.dm_control_attached(mjcf, arm, hand, SITE),
