@@ -15,7 +15,7 @@ from composer.sources.fetching import Fetching
 from composer.sources.git_command import Git, GitFailure, words_of
 from composer.sources.git_tree import write_tree
 from composer.sources.origin import Origin
-from composer.sources.reference import Reference
+from composer.sources.reference import Reference, escaped
 from composer.sources.source import Source
 from composer.sources.store import Entry, Store
 
@@ -163,10 +163,13 @@ class _Repository:
                 "store-unusable", f"the store `{self.store.folder}` has no room for `{self.reference.name}`",
                 notes=words_of(failure), help="make room, or name another folder in `MJCOMPOSE_CACHE`",
             )  # fmt: skip
-        return SourceError(
-            "source-fetch", f"the repository `{self.reference.name}` cannot be fetched", notes=words_of(failure),
-            help="see that `git ls-remote` with that address works; with `--offline` what is in the store is used",
-        )  # fmt: skip
+        help = (
+            "see that `git ls-remote` with that address works; with `--offline` what is in the store is used"
+        )
+        if "@" in self.reference.name.rpartition("/")[2]:
+            help = "an `@` in the name of a branch or tag is written `%40`"
+        message = f"the repository `{self.reference.name}` cannot be fetched"
+        return SourceError("source-fetch", message, notes=words_of(failure), help=help)
 
     def _no_revision(self, refs: Mapping[str, str]) -> SourceError:
         wanted, url = self.reference.revision, self.reference.name
@@ -178,10 +181,12 @@ class _Repository:
             "source-revision",
             f"`{url}` has no branch, tag or commit `{wanted}`",
             notes=(exists_note("tag", tags, wanted).message, exists_note("branch", heads, wanted).message),
-            help=f"write `{self.reference.text.replace('@' + wanted + '#', '@' + near[0] + '#')}`"
-            if near
-            else None,
+            help=f"write `{self._with_revision(near[0])}`" if near else None,
         )
+
+    def _with_revision(self, name: str) -> str:
+        before, _, path = self.reference.text.partition("#")
+        return f"{before.rpartition('@')[0]}@{escaped(name)}#{path}"
 
     def _no_commit(self, commit: str, pinned: bool) -> SourceError:
         url, text = self.reference.name, self.reference.text

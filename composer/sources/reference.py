@@ -139,11 +139,30 @@ def _git(text: str, rest: str) -> Reference:
         repository, revision = tail, ""
     if not repository or bool(host) == (scheme == "git+file"):
         raise _malformed(text, scheme, "does not say the repository")
-    if not revision or revision.startswith("-"):
+    revision = _unescaped(revision)
+    if not revision or revision.startswith("-") or _CONTROL.search(revision):
         raise _malformed(text, scheme, "does not say the revision")
     if not path:
         raise _malformed(text, scheme, "does not say the file inside the repository")
     return Reference(text, Kind.GIT, f"{scheme.removeprefix('git+')}://{host}/{repository}", path, revision)
+
+
+def _unescaped(revision: str) -> str:
+    """An `@`, `#` or `%` in the name of a branch or tag is written as in any URL: `%40`, `%23`, `%25`."""
+    if "%" not in revision:
+        return revision
+    from urllib.parse import unquote
+
+    return unquote(revision)
+
+
+def escaped(revision: str) -> str:
+    """The name of a branch or tag as a reference writes it.
+
+    >>> escaped("robots@1.2")
+    'robots%401.2'
+    """
+    return revision.replace("%", "%25").replace("@", "%40").replace("#", "%23")
 
 
 def _archive(text: str, rest: str) -> Reference:

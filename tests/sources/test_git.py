@@ -27,6 +27,16 @@ def test_a_tag_a_branch_a_commit_and_its_beginning_are_the_same_file(
     assert found.pop().read_text() == (robots.folder / "arm" / "arm.xml").read_text()
 
 
+def test_names_with_characters_of_references_are_escaped(
+    robots: Any, take: Callable[..., Any], refused: Callable[..., SourceError]
+) -> None:
+    robots.git("tag", "arm@1.0")
+    robots.git("branch", "fix#7%")
+    assert take(robots.reference("arm%401.0")).path == take(robots.reference("fix%237%25")).path
+    assert "@arm%401.0#arm/arm.xml`" in str(refused(robots.reference("arm%401.1")).help)
+    assert "`%40`" in str(refused(robots.reference("arm@1.0")).help)
+
+
 def test_a_source_tells_commit_tree_and_licence(robots: Any, take: Callable[..., Any]) -> None:
     source = take(robots.reference("v1"))
     assert source.version == source.origin.commit == robots.git("rev-parse", "v1^{commit}")

@@ -56,6 +56,7 @@ def test_takes_apart(text: str, expected: tuple[Kind, str, str, str]) -> None:
         ("git+https://host/repo@v1", "the file inside the repository"),
         ("git+https://host@v1#x.xml", "the repository"),
         ("git+https://host/repo@--upload-pack=x#x.xml", "the revision"),
+        ("git+https://host/repo@v%001#x.xml", "the revision"),
         ("git+file://host/repo@v1#x.xml", "the repository"),
         ("https://host/b.zip@sha256:12#x.xml", "64 digits"),
         ("https://host/b.zip", "the file inside the archive"),
