@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import shutil
+import socket
 import ssl
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -123,3 +125,30 @@ def test_an_ssh_login_that_is_refused_is_told(tmp_path: Path, own_environment: d
         fetch("git+ssh://git@robots.example/arms@v1#arm.xml", environment)
     assert caught.value.code == "source-fetch"
     assert "Permission denied (publickey)" in " ".join(caught.value.notes), caught.value.notes
+
+
+@pytest.fixture
+def mute() -> Iterator[int]:
+    """The port of a server that takes every connection and never says a word."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        yield server.getsockname()[1]
+
+
+@pytest.mark.skipif(shutil.which("ssh") is None, reason="needs ssh")
+@pytest.mark.parametrize("command", ["", "ssh -F /dev/null"])
+def test_an_ssh_server_that_says_nothing_is_given_up(
+    mute: int, own_environment: dict[str, str], command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("composer.sources.git_command._TRIES", 1)
+    environment = {**own_environment, "MJCOMPOSE_TIMEOUT": "1", "GIT_SSH_COMMAND": command}
+    began = time.monotonic()
+    with pytest.raises(SourceError) as caught:
+        fetch(f"git+ssh://git@127.0.0.1:{mute}/arms@v1#arm.xml", environment)
+    assert time.monotonic() - began < 20
+    assert "timed out" in " ".join(caught.value.notes), caught.value.notes
+
+
+def test_a_part_of_a_second_is_one_for_git(mute: int, own_environment: dict[str, str]) -> None:
+    with pytest.raises(SourceError) as caught:
+        fetch(f"git+http://127.0.0.1:{mute}/arms@v1#arm.xml", {**own_environment, "MJCOMPOSE_TIMEOUT": "0.5"})
+    assert "too slow" in " ".join(caught.value.notes), caught.value.notes
