@@ -43,7 +43,24 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
         context.sink.error("lock-stale", f"there is no lock `{context.shown(path)}`", help=help)
         return None
     fetching.lock_file = path
+    if fetching.lock is not None and fetching.locked:
+        _tell_versions(fetching.lock, context.shown(path), fetching.recipe, context)
     return fetching
+
+
+def _tell_versions(lock: Lock, shown: str, recipe: str, context: Context) -> None:
+    """Who asks for what is locked is told that it may come out otherwise."""
+    here = {"mjcompose": __version__, "MuJoCo": _mujoco()}
+    made_with = {"mjcompose": lock.mjcompose, "MuJoCo": lock.mujoco}
+    others = [name for name, version in made_with.items() if version and version != here[name]]
+    if others:
+        was = " and ".join(f"{name} {made_with[name]}" for name in others)
+        now = " and ".join(f"{name} {here[name] or 'none'}" for name in others)
+        context.sink.warning(
+            "lock-stale",
+            f"`{shown}` was made with {was}, this is {now}: what is built may be other bytes",
+            help=f"install what it was made with, or run `mjcompose lock {recipe}`",
+        )
 
 
 @dataclass(slots=True)

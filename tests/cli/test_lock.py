@@ -393,6 +393,21 @@ def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value:
         assert f"  = note: its {key} is `" in result.stderr
 
 
+@pytest.mark.parametrize("command", [("build", "--no-verify"), ("build", "--all"), ("plan",), ("check",)])
+def test_a_lock_of_other_versions_is_told_to_who_asks_for_it(work: Path, command: tuple[str, ...]) -> None:
+    run("lock", "cell.yaml")
+    lock = json.loads((work / "cell.lock").read_text())
+    for changed in ({"mujoco": "2.3.7"}, {"mujoco": "2.3.7", "mjcompose": "0.0.9"}):
+        (work / "cell.lock").write_text(json.dumps({**lock, **changed}))
+        assert "lock-stale" not in run(*command, "cell.yaml").stderr
+        for _ in range(2):  # the second time it is told from what is kept
+            result = run(*command, "cell.yaml", "--locked")
+            assert result.exit_code == 0
+            assert result.stderr.count("warning[lock-stale]: `cell.lock` was made with ") == 1, result.stderr
+        assert "MuJoCo 2.3.7, this is " in result.stderr
+    assert "was made with mjcompose 0.0.9 and MuJoCo 2.3.7, this is mjcompose " in result.stderr
+
+
 @pytest.mark.parametrize("locked", [False, True])
 def test_what_is_fetched_reaches_no_file_of_this_machine(work: Path, locked: bool) -> None:
     """Neither by an absolute path nor by a way out of the repository: such a file is another one elsewhere."""
