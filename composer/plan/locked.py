@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -77,8 +78,13 @@ class _Use:
 
 
 def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Context) -> Lock:
-    """The lock of plans of one recipe, its variants; `folder` is where the lock will be. Reads every file."""
+    """The lock of plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
+
+    What is damaged in the store is told.
+    """
     uses = _Gathering(fetching, folder, context.folder).of(plans)
+    for id, use in uses.items():
+        _is_whole(id, use, context)
     return Lock(
         mjcompose=__version__,
         mujoco=_mujoco(),
@@ -89,7 +95,7 @@ def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Co
 def check_lock(plan: Plan, context: Context) -> None:
     """Tell what differs from the lock, if there is one: bytes that changed, sources that are not in it.
 
-    What was fetched and names files of this machine is told with or without a lock.
+    What was fetched and names files of this machine, or is no longer what was fetched, is told with or without a lock.
     """
     fetching = context.fetching
     if fetching is None or not (fetching.lock or any(each.is_fetched for each in fetching.origins.values())):
@@ -98,10 +104,11 @@ def check_lock(plan: Plan, context: Context) -> None:
     uses = _Gathering(fetching, lock_file.parent, context.folder).of([plan])
     for id, use in uses.items():
         _check_reach(id, use, context)
+    whole = {id: use for id, use in uses.items() if _is_whole(id, use, context)}
     if fetching.lock is None:
         return
     shown = context.shown(lock_file)
-    for id, use in uses.items():
+    for id, use in whole.items():
         now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
             continue
@@ -148,6 +155,29 @@ def _check_reach(id: str, use: _Use, context: Context) -> None:
             notes=[Note(f"`{context.shown(use.files[name])}`") for name in outside[:_SHOWN]] + _more(outside),
             help="a model that is fetched must hold all that it needs",
         )
+
+
+def _is_whole(id: str, use: _Use, context: Context) -> bool:
+    """Whether the files in the store that are used are those that were fetched; it is told that they are not."""
+    if use.origin is None or context.fetching is None:
+        return True
+    there = {}
+    for name, path in use.files.items():
+        if name in use.origin.stored:
+            with contextlib.suppress(OSError):  # told by those who need it
+                there[name] = context.fetching.digest(path)
+    stored = {name: digest for name, digest in use.origin.stored.items() if name in there}
+    changes = differences(stored, there)
+    if changes:
+        context.sink.error(
+            "source-changed",
+            f"`{id}` is not what was fetched: files in the store were changed",
+            use.span,
+            notes=[Note(each.replace("was locked", "was stored")) for each in changes[:_SHOWN]]
+            + _more(changes),
+            help="run `mjcompose cache verify --fix`; it is fetched again when it is needed",
+        )
+    return not changes
 
 
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:

@@ -70,6 +70,7 @@ class _Repository:
             commit=commit,
             tree=entry.about["tree"],
             without=(*without,),
+            stored=entry.files,
         )
 
     @property

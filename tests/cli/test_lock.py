@@ -151,10 +151,34 @@ def test_a_store_that_was_tampered_with_is_an_error_that_says_what_changed(work:
     assert result.exit_code == 1
     assert "error[source-changed]" in result.stderr
     assert "`arm/arm.xml` changed" in result.stderr
-    assert run("lock", "cell.yaml").exit_code == 1
+    assert "run `mjcompose cache verify --fix`" in result.stderr
+    before = (work / "cell.lock").read_text()
+    for command in ("lock", "update"):  # what is damaged is not locked, whatever is asked for
+        assert run(command, "cell.yaml").exit_code == 1
+    assert (work / "cell.lock").read_text() == before
     assert run("cache", "verify").exit_code == 1
     assert run("cache", "verify", "--fix").exit_code == 0
     assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
+
+
+@pytest.mark.parametrize("more", [(), ("--offline",)])
+def test_a_store_that_was_tampered_with_is_an_error_without_a_lock_too(
+    work: Path, more: tuple[str, ...]
+) -> None:
+    assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
+    before = snapshot(work / "out")
+    (file,) = (work.parent / "store" / "git").rglob("arm.xml")
+    file.chmod(0o644)
+    file.write_text(ARM.replace("0.02", "0.03"))
+    for command in (("build", "cell.yaml", "-o", "out/"), ("check", "cell.yaml")):
+        result = run(*command, *more)
+        assert result.exit_code == 1
+        assert result.stderr.count("error[source-changed]: `git+file:") == 1
+        assert "`arm/arm.xml` changed: " in result.stderr and "was stored" in result.stderr
+    assert run("lock", "cell.yaml").exit_code == 1 and not (work / "cell.lock").exists()
+    assert snapshot(work / "out") == before
+    assert run("cache", "verify", "--fix").exit_code == 0
+    assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
 
 
 def test_a_broken_lock_is_one_error_and_stays(work: Path) -> None:
