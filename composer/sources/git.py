@@ -49,7 +49,14 @@ class _Repository:
         if pinned is None and self.fetching.locked:
             raise unlocked(self.reference, self.fetching)
         revision = self.reference.revision
-        commit = pinned or (revision if _COMMIT.fullmatch(revision) else None)
+        written = revision if _COMMIT.fullmatch(revision) else None
+        if written and pinned and written != pinned:
+            raise SourceError(
+                "lock-invalid",
+                f"`{self.reference.text}` says another commit than the lock, which has {pinned[:12]}…",
+                help="take the lock from version control, or remove it and run `mjcompose lock`",
+            )
+        commit = pinned or written
         if commit is None:
             if self.fetching.offline:
                 commit = self.store.recall(self.id).get("commit")

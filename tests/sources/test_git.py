@@ -98,6 +98,18 @@ def test_locked_asks_nobody(robots: Any, refused: Callable[..., SourceError]) ->
     assert refused(robots.reference("main"), locked=True).code == "lock-stale"
 
 
+def test_a_lock_that_has_another_commit_than_the_reference_says(
+    robots: Any, refused: Callable[..., SourceError]
+) -> None:
+    """As somebody may write by hand: the recipe would name one commit, and the model be made of another."""
+    first = robots.git("rev-parse", "HEAD")
+    second = robots.commit(**{"arm/arm.xml": "<mujoco/>"})
+    reference = robots.reference(first)
+    error = refused(reference, lock=lock_with(reference.partition("#")[0], second))
+    assert error.code == "lock-invalid"
+    assert f"has {second[:12]}…" in error.message
+
+
 def test_the_bytes_are_those_of_the_commit(robots: Any, take: Callable[..., Any]) -> None:
     robots.commit(
         **{".gitattributes": "*.xml text eol=crlf ident\n", "arm/arm.xml": "<mujoco/>\n<!-- $Id$ -->\n"}
