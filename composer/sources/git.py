@@ -14,12 +14,11 @@ from composer.sources.fetched import not_at_hand, source_in, unlocked
 from composer.sources.fetching import Fetching
 from composer.sources.git_command import Git, GitFailure, words_of
 from composer.sources.git_tree import write_tree
-from composer.sources.origin import Origin
+from composer.sources.origin import Origin, is_commit
 from composer.sources.reference import Reference
 from composer.sources.source import Source
 from composer.sources.store import Entry, Store
 
-_COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
 _NO_ROOM = re.compile("No space left|File too large|quota exceeded|signal 25", re.IGNORECASE)
 _WITHOUT = "without "
 """Before the path of what was left out of an entry, in what it says about itself."""
@@ -49,7 +48,7 @@ class _Repository:
         if pinned is None and self.fetching.locked:
             raise unlocked(self.reference, self.fetching)
         revision = self.reference.revision
-        written = revision if _COMMIT.fullmatch(revision) else None
+        written = revision if is_commit(revision) else None
         if written and pinned and written != pinned:
             raise SourceError(
                 "lock-invalid",

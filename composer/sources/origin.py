@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,3 +36,11 @@ class Origin:
     def pin(self) -> str | None:
         """What fetches the same bytes again; None for what somebody else installed."""
         return self.commit or self.sha256
+
+
+_COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
+
+
+def is_commit(text: str) -> bool:
+    """Whether a text is the whole hash of a commit. No I/O."""
+    return _COMMIT.fullmatch(text) is not None
