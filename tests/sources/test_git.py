@@ -155,6 +155,22 @@ def test_what_is_left_out_is_told(robots: Any, refused: Callable[..., SourceErro
         assert "model files that exist" in error.notes[0]
 
 
+def test_what_is_left_out_is_told_to_a_recipe_beside_it(robots: Any, own_environment: dict[str, str]) -> None:
+    robots.commit(**{"arm/cell.yaml": "recipe: 1\nbase: ../other/arm.xml\n"})
+    robots.git("update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},other")
+    robots.git("commit", "-q", "-m", "a submodule")
+    fetching = Fetching()
+    cell = resolve(
+        robots.reference("main", "arm/cell.yaml"),
+        relative_to=Path(), environment=own_environment, fetching=fetching,
+    )  # fmt: skip
+    with pytest.raises(SourceError, match="`other` of `git.*@main` is a submodule, which is not fetched"):
+        resolve(
+            "../other/arm.xml",
+            relative_to=cell.path.parent, environment=own_environment, fetching=fetching,
+        )  # fmt: skip
+
+
 def test_the_repository_that_the_user_stands_in_is_not_asked(
     robots: Any, own_environment: dict[str, str], tmp_path: Path
 ) -> None:
