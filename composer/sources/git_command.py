@@ -78,7 +78,7 @@ class Git:
             command.append(f"--git-dir={folder}")
         # A repository that the user stands in is none of ours, nor what a hook says of it.
         own = {name: value for name, value in self.environment.items() if name not in _OF_A_REPOSITORY}
-        own = {**os.environ, **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C", "GIT_ASKPASS": ""}
+        own = {**os.environ, "GIT_ASKPASS": "", **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C"}
         for name in _OF_A_REPOSITORY:
             own.pop(name, None)
         if any(each.startswith("ssh://") for each in arguments):

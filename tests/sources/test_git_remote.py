@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import shutil
 import socket
@@ -32,8 +33,15 @@ class _GitHandler(BaseHTTPRequestHandler):
     """Hands what is asked to `git http-backend`, as web servers do."""
 
     root: Path
+    login = ""
 
     def _answer(self) -> None:
+        if self.login and self.headers.get("Authorization") != self.login:
+            self.send_response(401)
+            self.send_header("WWW-Authenticate", 'Basic realm="robots"')
+            self.send_header("Content-Length", "0")
+            self.end_headers()
+            return
         path, _, query = self.path.partition("?")
         length = int(self.headers.get("Content-Length", 0))
         own = {
@@ -92,6 +100,24 @@ def test_https(
     source = fetch(f"git+{url}@{revision}#arm/arm.xml", {**own_environment, **trust})
     assert source.version == robots.git("rev-parse", f"{revision}^{{commit}}")
     assert source.path.read_text() == (robots.folder / "arm" / "arm.xml").read_text()
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_login_that_git_is_given(
+    https: tuple[str, dict[str, str]], own_environment: dict[str, str], tmp_path: Path, known: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(_GitHandler, "login", f"Basic {base64.b64encode(b'robot:secret').decode()}")
+    ask = tmp_path / "ask"
+    ask.write_text('#!/bin/sh\ncase "$1" in Username*) echo robot;; *) echo secret;; esac\n')
+    ask.chmod(0o755)
+    environment = {**own_environment, **https[1], **({"GIT_ASKPASS": str(ask)} if known else {})}
+    if known:
+        assert fetch(f"git+{https[0]}@v1#arm/arm.xml", environment).path.is_file()
+        return
+    with pytest.raises(SourceError) as caught:
+        fetch(f"git+{https[0]}@v1#arm/arm.xml", environment)
+    assert caught.value.code == "source-fetch"
 
 
 def test_a_certificate_that_nobody_trusts_is_refused(
