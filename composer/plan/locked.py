@@ -5,15 +5,17 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import cast
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
+from composer.plan.choosing import is_one_choice
 from composer.plan.plan import Plan
-from composer.plan.read import EXTENDS
+from composer.plan.read import EXTENDS, read_recipe
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
@@ -108,6 +110,8 @@ def check_lock(plan: Plan, context: Context) -> None:
     if fetching.lock is None:
         return
     shown = context.shown(lock_file)
+    if fetching.locked and is_one_choice(read_recipe(plan.path, replace(context, sink=Sink()))):
+        _tell_unused(fetching.lock.sources.keys() - uses.keys(), shown, plan, context)
     for id, use in whole.items():
         now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
@@ -141,6 +145,12 @@ def check_lock(plan: Plan, context: Context) -> None:
                 notes=[Note(each) for each in wrong],
                 help="take the lock from version control, or remove it and run `mjcompose lock`",
             )
+
+
+def _tell_unused(unused: Iterable[str], shown: str, plan: Plan, context: Context) -> None:
+    for id in sorted(unused):
+        context.sink.error("lock-stale", f"`{id}` is in the lock `{shown}`, and nothing uses it",
+                           help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
 
 
 def _check_reach(id: str, use: _Use, context: Context) -> None:

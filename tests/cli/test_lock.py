@@ -129,6 +129,39 @@ def test_a_stale_lock_is_a_warning_and_locked_an_error(work: Path) -> None:
     assert "./more.xml: locked" in run("lock", "cell.yaml").stdout
 
 
+def test_what_nothing_uses_any_more_makes_a_lock_stale(work: Path) -> None:
+    run("lock", "cell.yaml")
+    whole = (work / "cell.yaml").read_text()
+    lines = [line for line in whole.splitlines(keepends=True) if "./tool.xml" not in line]
+    (work / "cell.yaml").write_text("".join(lines))
+    assert run("build", "cell.yaml", "--no-verify").exit_code == 0
+    for command in (("build", "--no-verify"), ("check",), ("build", "--frozen", "--all")):
+        result = run(*command, "cell.yaml", "--locked")
+        assert result.exit_code == 1
+        assert (
+            "error[lock-stale]: `./tool.xml` is in the lock `cell.lock`, and nothing uses it" in result.stderr
+        )
+    run("lock", "cell.yaml")
+    assert run("build", "cell.yaml", "--no-verify", "--locked").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        "variants: {arm: {yes: {}, no: {name: other}}}\n",
+        "params: {n: 1}\nadd:\n  - {to: world, site: {name: s}, when: '${n == 2}'}\n",
+        "params: {n: 1}\nmatrix: {axes: {n: [1, 2]}}\n",
+    ],
+)
+def test_what_another_choice_may_use_does_not_make_a_lock_stale(work: Path, choice: str) -> None:
+    run("lock", "cell.yaml")
+    lines = [
+        line for line in (work / "cell.yaml").read_text().splitlines(keepends=True) if "tool" not in line
+    ]
+    (work / "cell.yaml").write_text("".join(lines) + choice)
+    assert run("build", "cell.yaml", "--no-verify", "--locked").exit_code == 0
+
+
 def test_own_files_that_changed_are_a_warning_and_locked_an_error(work: Path) -> None:
     run("lock", "cell.yaml")
     (work / "tool.xml").write_text(TOOL.replace("0.01", "0.02"))
