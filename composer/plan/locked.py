@@ -145,6 +145,22 @@ def check_lock(plan: Plan, context: Context) -> None:
                 notes=[Note(each) for each in wrong],
                 help="take the lock from version control, or remove it and run `mjcompose lock`",
             )
+        elif fetching.locked and (others := [*_of_another_version(before, now)]):
+            context.sink.warning(
+                "lock-stale",
+                f"`{id}` has the bytes that `{shown}` pins, and is of another version, which the manifest names",
+                use.span,
+                notes=[Note(each) for each in others],
+                help=f"install that version, or run `mjcompose update {plan.file} {name}` and commit the lock",
+            )
+
+
+def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
+    """What else a manifest has of a source and is not as it was locked."""
+    for what in ("version", "commit"):
+        was, there = getattr(before, what), getattr(now, what)
+        if was and there and was != there:
+            yield f"{what} {was} was locked, {there} is there"
 
 
 def _tell_unused(unused: Iterable[str], shown: str, plan: Plan, context: Context) -> None:

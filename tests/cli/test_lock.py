@@ -465,6 +465,28 @@ def test_a_lock_of_other_versions_is_told_to_who_asks_for_it(work: Path, command
     assert "was made with mjcompose 0.0.9 and MuJoCo 2.3.7, this is mjcompose " in result.stderr
 
 
+def test_another_version_of_a_package_with_the_same_bytes(
+    work: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site = work.parent / "site"
+    (site / "arms").mkdir(parents=True)
+    (site / "arms" / "tool.xml").write_text(TOOL)
+    (site / "arms-1.0.dist-info").mkdir()
+    (site / "arms-1.0.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: arms\nVersion: 1.0\n")
+    (site / "arms-1.0.dist-info" / "RECORD").write_text("arms/tool.xml,,\n")
+    monkeypatch.syspath_prepend(str(site))
+    (work / "cell.yaml").write_text("recipe: 1\nbase: package:arms/tool.xml\n")
+    run("lock", "cell.yaml")
+    lock = (work / "cell.lock").read_text()
+    assert '"version": "1.0"' in lock
+    (work / "cell.lock").write_text(lock.replace('"version": "1.0"', '"version": "0.9"'))
+    assert "lock-stale" not in run("build", "cell.yaml", "--no-verify").stderr
+    result = run("build", "cell.yaml", "--no-verify", "--locked")
+    assert result.exit_code == 0
+    assert "cell.yaml:2:7: warning[lock-stale]: `package:arms` has the bytes" in result.stderr
+    assert "  = note: version 0.9 was locked, 1.0 is there" in result.stderr
+
+
 @pytest.mark.parametrize("locked", [False, True])
 def test_what_is_fetched_reaches_no_file_of_this_machine(work: Path, locked: bool) -> None:
     """Neither by an absolute path nor by a way out of the repository: such a file is another one elsewhere."""
