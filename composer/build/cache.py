@@ -239,13 +239,14 @@ def packed_key(sha256: str, level: int) -> str:
 
 
 def _change(before: Seen, now: Seen) -> str:
-    name = os.path.relpath(before.path) if before.path.startswith(os.getcwd() + os.sep) else before.path
+    below = f"{before.path}{os.sep}".startswith(os.getcwd() + os.sep)
+    name = os.path.relpath(before.path) if below else before.path
+    if os.path.isdir(before.path):
+        return f"the licences in `{name}` are others"
     if not before.state:
         return f"`{name}` is new"
     if not now.state:
         return f"`{name}` is gone"
-    if os.path.isdir(before.path):
-        return f"the licences in `{name}` are others"
     return f"`{name}` changed"
 
 

@@ -6,18 +6,16 @@ The same bundle gives the same bytes, whatever the clock, the time zone, the uma
 
 from __future__ import annotations
 
-import time
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
 from composer.bundle.bundle import MODEL, Bundle
+from composer.bundle.moment import moment_of
 from composer.bundle.output_error import OutputError
 from composer.bundle.packing import Packed, Packing, level_of, packed_now
 from composer.bundle.staging import staged_file
 
-_FIRST_SECOND = 315532800  # 1980-01-01, the first day a zip can tell
-_LAST_SECOND = 4354819198  # 2107-12-31 23:59:58, the last
 _UNIX = 3
 _UTF8 = 0x800
 _MODE = 0o100644
@@ -49,7 +47,7 @@ def write_packed(
             f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`",
             f"name the archive `{PurePosixPath(model).stem}{out.suffix}`",
         )
-    moment = _moment(environment.get("SOURCE_DATE_EPOCH"))
+    moment = moment_of(environment)
     with staged_file(out) as stage, zipfile.ZipFile(stage, "w") as archive:
         for path in sorted(paths, key=lambda path: _rank(path, model)):
             info = zipfile.ZipInfo(path, moment)
@@ -77,18 +75,3 @@ def _rank(path: str, model: str) -> tuple[int, str]:
     if path == model:
         return 1, path
     return (0 if path.endswith(".xml") else 2), path
-
-
-def _moment(epoch: str | None) -> tuple[int, int, int, int, int, int]:
-    """The one time all files of an archive carry."""
-    seconds = _FIRST_SECOND
-    if epoch:
-        if not (epoch.isascii() and epoch.removeprefix("-").isdigit()):
-            raise OutputError(
-                "output-unwritable",
-                f"the environment variable `SOURCE_DATE_EPOCH` is `{epoch}`, no whole number of seconds",
-                "unset it, or give it the seconds since 1970-01-01",
-            )
-        seconds = min(max(int(epoch[:20]), _FIRST_SECOND), _LAST_SECOND)
-    moment = time.gmtime(seconds)
-    return moment.tm_year, moment.tm_mon, moment.tm_mday, moment.tm_hour, moment.tm_min, moment.tm_sec

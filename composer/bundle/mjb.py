@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import tempfile
 from importlib import metadata
 from pathlib import Path
@@ -60,9 +61,12 @@ def with_version(out: str, version: str | None = None) -> str:
 
     >>> with_version("build/arm.mjb", "4.0.0"), with_version("{mujoco}/arm.mjb", "4.0.0")
     ('build/arm.mujoco-4.0.0.mjb', '4.0.0/arm.mjb')
+    >>> with_version("v14.0.0/arm.mjb", "4.0.0"), with_version("arm-4.0.0.mjb", "4.0.0")
+    ('v14.0.0/arm.mujoco-4.0.0.mjb', 'arm-4.0.0.mjb')
     """
     version = version or metadata.version("mujoco")
-    if "{mujoco}" in out or version in out:
+    says = re.compile(rf"(?<![0-9.]){re.escape(version)}(?![0-9])")
+    if "{mujoco}" in out or says.search(Path(out).name):
         return out.replace("{mujoco}", version)
     return f"{out[: -len('.mjb')]}.mujoco-{version}{out[-len('.mjb') :]}"
 

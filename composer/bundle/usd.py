@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from composer import engine
 from composer.bundle.bundle import Bundle
+from composer.bundle.moment import moment_of, with_moment
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import staged_file, write_files
 
@@ -15,6 +16,7 @@ from composer.bundle.staging import staged_file, write_files
 def write_usd(
     bundle: Bundle,
     out: Path,
+    environment: Mapping[str, str],
     tell: Callable[[str], None],
     *,
     limits: engine.Limits | None = None,
@@ -22,15 +24,17 @@ def write_usd(
 ) -> None:
     """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
 
-    `tell` hears what the converter warns about, such as elements that USD has no place for. Raises OutputError; then an
-    older `out` is untouched.
+    `tell` hears what the converter warns about, such as elements that USD has no place for. The same model gives the
+    same bytes; the files of a package are from SOURCE_DATE_EPOCH, as those of an archive are. Raises OutputError; then
+    an older `out` is untouched.
     """
     if session is None:
         with engine.Session(limits) as own:
-            write_usd(bundle, out, tell, session=own)
+            write_usd(bundle, out, environment, tell, session=own)
             return
     from composer.engine.usd import export_usd
 
+    moment = moment_of(environment)
     with staged_file(out) as stage:
         try:
             with tempfile.TemporaryDirectory(prefix="mjcompose-", ignore_cleanup_errors=True) as folder:
@@ -38,7 +42,8 @@ def write_usd(
                 target = Path(folder) / f"usd-output{out.suffix.lower()}"
                 exported = export_usd(Path(folder) / bundle.model, target, session)
                 if target.is_file():
-                    stage.write_bytes(target.read_bytes())
+                    content = target.read_bytes()
+                    stage.write_bytes(with_moment(content, moment) if target.suffix == ".usdz" else content)
         except OSError as error:
             raise unwritable("a temporary folder", error) from error
         if exported.missing is not None:

@@ -45,5 +45,5 @@ def write(
         case Form.MJB:
             write_mjb(bundle, path, limits=limits, session=session)
         case Form.USD:
-            write_usd(bundle, path, tell, limits=limits, session=session)
+            write_usd(bundle, path, environment, tell, limits=limits, session=session)
     return form

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from composer.sources.store import Store
 
 
+_FIX = "run `mjcompose cache verify --fix`, which removes it; it is fetched again when it is needed"
+
+
 @click.group()
 def command() -> None:
     """Look after the store of what was fetched and built.
@@ -110,6 +113,16 @@ def verify(fix: bool) -> None:
         if blob.is_damaged:
             blob.path.unlink(missing_ok=True)
             click.echo(f"removed {blob.path}: it was damaged")
+    for folder in (headless := store.headless(entries)):
+        if fix:
+            store.remove_headless(folder)
+            click.echo(f"removed {folder}: it was damaged")
+        else:
+            context.sink.error(
+                "store-unusable",
+                f"`{folder}` is damaged: nothing says what it is",
+                help=_FIX,
+            )
     for entry in entries:
         if not (damage := store.damage(entry)):
             continue
@@ -124,12 +137,12 @@ def verify(fix: bool) -> None:
             "store-unusable",
             f"`{entry.folder}`, from `{entry.origin}`, is damaged",
             notes=[Note(line.replace("was locked", "was stored")) for line in damage[:8]],
-            help="run `mjcompose cache verify --fix`, which removes it; it is fetched again when it is needed",
+            help=_FIX,
         )
     report(context, "text")
     if context.sink.has_errors:
         sys.exit(FINDINGS)
-    click.echo(f"looked at {_count([*entries, *built])}")
+    click.echo(f"looked at {_count([*entries, *headless, *built])}")
 
 
 def _store() -> tuple[Store, Context]:

@@ -73,6 +73,8 @@ def named_choices(
         with contextlib.suppress(OSError):
             digest = sha256((context.folder / file).read_bytes()).hexdigest()
         found[f"`--set-file {file}`"] = digest
+    if len(set_files) > 1:  # a value of a later file counts
+        found["the order of `--set-file`"] = ", ".join(map(str, set_files))
     for what, written in [*(("", each) for each in sets), *(("variant ", each) for each in variants)]:
         name, equals, value = written.partition("=")
         found[f"{what}`{name}`"] = value if equals else "nothing"

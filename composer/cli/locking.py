@@ -88,34 +88,17 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
 def _plans_of_cells(recipe: Path, context: Context) -> Iterator[Plan]:
     """The matrix may choose sources that the recipe alone does not name."""
     from composer.build.cells import cells_of
+    from composer.plan.choosing import parameters_choose
     from composer.plan.make import plan_what_remains
+    from composer.plan.read import read_recipe
 
-    drawn = _draws_may_choose(recipe, context)
+    drawn = parameters_choose(read_recipe(context.folder / recipe, context))  # each sample takes its time
     for cell in cells_of(recipe, context):
         if cell.sample and not drawn:
             continue  # its sources are those of the nominal model
         plan = plan_what_remains(recipe, context, cell.given, cell.name, cell.sample)
         if plan is not None:
             yield plan
-
-
-def _draws_may_choose(recipe: Path, context: Context) -> bool:
-    """Whether it depends on parameters which models there are; planning every sample takes its time."""
-    from composer.document.node import Mapping, Scalar, Sequence
-    from composer.plan.read import read_recipe
-
-    waiting = [read_recipe(context.folder / recipe, context)]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, Sequence):
-            waiting += node.items
-        elif isinstance(node, Mapping):
-            for name, (_, value) in node.entries.items():
-                written = value.text if isinstance(value, Scalar) else ""
-                if name == "when" or (name in ("base", "model") and "${" in written):
-                    return True
-                waiting.append(value)
-    return False
 
 
 def _plans_of_variants(recipe: Path, context: Context) -> Iterator[Plan]:

@@ -320,9 +320,13 @@ def _base(side: Side) -> Span | None:
 
 
 def _file(side: Side, file: str | None) -> str:
-    """A file as it lies from A or B itself, so that two folders that are laid out alike have the same."""
+    """A file as it lies from A or B itself, so that two folders that are laid out alike have the same.
+
+    What was fetched lies in the reference that names it, whatever commit or archive that is.
+    """
     operand = side.operand
-    return os.path.relpath(operand.context.folder / (file or ""), operand.path.parent)
+    path = operand.context.folder / (file or "")
+    return operand.fetched(path) or os.path.relpath(path, operand.path.parent)
 
 
 def _parts(side: Side) -> dict[str, tuple[Span | None, str]]:

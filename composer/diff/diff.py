@@ -14,7 +14,7 @@ from composer.diff.cause import Causes
 from composer.diff.change import Change, Contrast, Diff
 from composer.diff.grouping import grouped
 from composer.diff.models import contrast, told
-from composer.diff.operand import read_operand
+from composer.diff.operand import Kind, read_operand
 from composer.diff.renders import render_views
 from composer.diff.side import Side, load
 from composer.plan.make import Given
@@ -47,6 +47,12 @@ def diff(
     """
     with ExitStack() as opened:
         operands = [read_operand(text, context, opened) for text in (a, b)]
+        known = [operand.kind for operand in operands if operand is not None]
+        if (given or pick is not None) and len(known) == 2 and Kind.RECIPE not in known:
+            what = f"the cell `{pick}`" if pick is not None else f"a value for `{next(iter(given or ()))}`"
+            context.sink.error("unknown-name", f"{what} is asked for, and neither `{a}` nor `{b}` is a recipe",
+                               help="compare the recipe, or the bundle that it gives with these options")  # fmt: skip
+            return None
         sides: list[Side] = []
         for operand, kept in zip(operands, ("diff a", "diff b"), strict=True):
             if operand is None:

@@ -10,9 +10,9 @@ from composer.verify.rows import Array, unequal
 
 _PARTS = ("opt", "vis", "stat")
 _OF_THE_PLACE = frozenset(
-    {"paths", "npaths", "mesh_pathadr", "hfield_pathadr", "skin_pathadr", "tex_pathadr"}
+    {"paths", "npaths", "nbuffer", "mesh_pathadr", "hfield_pathadr", "skin_pathadr", "tex_pathadr"}
 )
-"""Where files lay when the model was compiled: nothing of the model itself."""
+"""Where files lay when the model was compiled, and the memory for it: nothing of the model itself."""
 
 
 def unequal_arrays(a: Model, b: Model) -> list[str]:

@@ -23,27 +23,45 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """A or B. `context` has a sink of its own and the folder that its paths are shown from."""
+    """A or B. `context` has a sink of its own and the folder that its paths are shown from.
+
+    Of a git revision `files` is the folder that has them.
+    """
 
     label: str
     kind: Kind
     path: Path
     context: Context
     revision: str | None = None
+    files: Path | None = None
 
     def located(self, span: Span) -> Span:
-        """A place as the user may look it up: in a revision behind its name."""
-        return span if self.revision is None else replace(span, file=f"{self.revision}:{span.file}")
+        """A place as anybody may look it up: in what was fetched, or in a revision behind its name."""
+        name = self.fetched(self.context.folder / span.file)
+        return self._in_revision(span) if name is None else replace(span, file=name)
+
+    def fetched(self, path: Path) -> str | None:
+        """A file by the reference that it was fetched with; None for any other."""
+        origin = self.context.fetching.around(path) if self.context.fetching is not None else None
+        if origin is None or not origin.is_fetched:
+            return None
+        return f"{origin.id}#{os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root))}"
 
     def tell(self, sink: Sink) -> None:
         """Hand on what its own sink has been told."""
         for diagnostic in self.context.sink.sorted():
             span = diagnostic.span
             notes = tuple(
-                note if note.span is None else replace(note, span=self.located(note.span))
+                note if note.span is None else replace(note, span=self._in_revision(note.span))
                 for note in diagnostic.notes
             )
-            sink.add(replace(diagnostic, span=None if span is None else self.located(span), notes=notes))
+            sink.add(replace(diagnostic, span=None if span is None else self._in_revision(span), notes=notes))
+
+    def _in_revision(self, span: Span) -> Span:
+        path = self.context.folder / span.file
+        if self.files is None or not path.is_relative_to(self.files):
+            return span
+        return replace(span, file=f"{self.revision}:{os.path.relpath(path, self.context.folder)}")
 
 
 def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | None:
@@ -51,11 +69,11 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
 
     Temporary folders live as long as `opened`.
     """
-    path, revision, own = context.folder / text, None, replace(context, sink=Sink())
+    path, revision, files, own = context.folder / text, None, None, replace(context, sink=Sink())
     if not path.exists() and (parts := split(text)) is not None:
         revision = parts[0]
         try:
-            path, own = _of_revision(revision, parts[1], own, opened)
+            path, files, own = _of_revision(revision, parts[1], own, opened)
         except RevisionError as error:
             context.sink.error(error.code, error.message, help=error.help)
             return None
@@ -72,18 +90,18 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
             help="name a .yaml, .xml, .zip, .mjz or a folder, or one of a git revision as `REV:path`",
         )  # fmt: skip
         return None
-    return Operand(text, kind, path, own, revision)
+    return Operand(text, kind, path, own, revision, files)
 
 
-def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Context]:
-    """The path below a folder that has the files of the revision, and the folder that stands for the user's."""
+def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
+    """The path below a folder that has the files of the revision, that, and the folder that stands for the user's."""
     made = opened.enter_context(tempfile.TemporaryDirectory(prefix="mjcompose-revision-"))
     tree = check_out(revision, context.folder / path, Path(made).resolve(), context.environment)
     inside = os.path.relpath(tree.path, tree.root)
     if Path(path).is_absolute() or ".." in Path(path).parts or not inside.endswith(os.path.normpath(path)):
-        return tree.path, replace(context, folder=tree.root)
+        return tree.path, tree.root, replace(context, folder=tree.root)
     here = tree.root / inside.removesuffix(os.path.normpath(path))
-    return tree.path, replace(context, folder=here)
+    return tree.path, tree.root, replace(context, folder=here)
 
 
 def _kind(path: Path) -> Kind | None:

@@ -58,12 +58,30 @@ def main() -> None:
 def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
     answer: dict[str, Any] = {"ok": False, "crash": None}
     try:
-        model = _spec(request, mujoco).compile()
+        model = (_compiled_there if request["mjb"] else _compiled)(request, mujoco)
         if request["keep"] is not None:
             kept[request["keep"]] = model
         return answer | _described(request, mujoco, model) | {"ok": True}
     except Exception as error:  # ValueError, RuntimeError, FatalError and what pybind11 makes of C++
         return answer | _fault(error)
+
+
+def _compiled(request: dict[str, Any], mujoco: Any) -> Any:
+    return _spec(request, mujoco).compile()
+
+
+def _compiled_there(request: dict[str, Any], mujoco: Any) -> Any:
+    """Compiled in the model's own folder: an MJB holds the paths of its assets, which are no business of others."""
+    log = Path(LOG_FILE).absolute()
+    with contextlib.chdir(request["folder"]):
+        try:
+            return _compiled({**request, "folder": ""}, mujoco)
+        finally:
+            with contextlib.suppress(OSError):
+                told = Path(LOG_FILE).read_bytes()
+                Path(LOG_FILE).unlink()
+                with log.open("ab") as file:
+                    file.write(told)
 
 
 def _spec(request: dict[str, Any], mujoco: Any) -> Any:

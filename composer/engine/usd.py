@@ -50,25 +50,69 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     told: dict[str, Any] = {"missing": None, "textures": [], "warnings": []}
     try:
         converter = import_module("mujoco_usd_converter")
-        usd, packing = import_module("pxr.Usd"), import_module("pxr.UsdUtils")
+        sdf, packing = import_module("pxr.Sdf"), import_module("pxr.UsdUtils")
     except ImportError as error:
         return told | {"missing": str(error)}
     out = Path(argument["out"])
     with tempfile.TemporaryDirectory(prefix="mjcompose-usd-") as folder, _standard_error() as log:
         layer = converter.Converter(layer_structure=False).convert(argument["model"], folder).path
+        settled = _settled(sdf.Layer.FindOrOpen(layer), sdf)
         textures = sorted(path.name for path in Path(folder).glob("*/*"))
         suffix = out.suffix.lower()
         if suffix == ".usdz":
-            if not packing.CreateNewUsdzPackage(layer, str(out)):
+            beside = Path(layer).with_name("settled.usdc")  # from where it finds its textures
+            settled.Export(str(beside))
+            if not packing.CreateNewUsdzPackage(str(beside), str(out), Path(layer).name):
                 raise OSError(f"USD could not pack {out.name}")
         elif not textures:
-            stage = usd.Stage.Open(layer)  # kept, for its layer dies with it
-            stage.GetRootLayer().Export(str(out))
+            settled.Export(str(out))
         warnings = [text for text in _WARNING.findall(log()) if not _OWN_AFFAIRS.search(text)]
     return told | {
         "textures": textures if suffix != ".usdz" else [],
         "warnings": list(dict.fromkeys(warnings)),
     }
+
+
+_SHARED = "Flattened_Prototype_"
+
+
+def _settled(layer: Any, sdf: Any) -> Any:
+    """The layer without what is another in each run: where it was made, and how what it has several times is numbered.
+
+    These are numbered as they are first referred to.
+    """
+    numbered: dict[Any, Any] = {}
+    waiting = [each for each in layer.rootPrims if not each.name.startswith(_SHARED)][::-1]
+    while waiting:
+        prim = waiting.pop()
+        for each in _shared(prim):
+            if each.primPath not in numbered:
+                numbered[each.primPath] = sdf.Path(f"/{_SHARED}{len(numbered) + 1}")
+                waiting.insert(0, layer.GetPrimAtPath(each.primPath))
+        waiting += list(prim.nameChildren)[::-1]
+    settled = sdf.Layer.CreateAnonymous(".usda")
+    settled.TransferContent(layer)
+    settled.documentation = ""
+    for each in list(settled.rootPrims):
+        if each.path in numbered:
+            del settled.rootPrims[each.name]
+    for each, name in numbered.items():
+        sdf.CopySpec(layer, each, settled, name)
+    waiting = list(settled.rootPrims)
+    while waiting:
+        prim = waiting.pop()
+        for each in _shared(prim):
+            prim.referenceList.ReplaceItemEdits(
+                each, sdf.Reference("", numbered[each.primPath], each.layerOffset)
+            )
+        waiting += prim.nameChildren
+    return settled
+
+
+def _shared(prim: Any) -> list[Any]:
+    """The references to what a prim has in common with others."""
+    referred = prim.referenceList.GetAddedOrExplicitItems()
+    return [each for each in referred if not each.assetPath and each.primPath.name.startswith(_SHARED)]
 
 
 @contextlib.contextmanager

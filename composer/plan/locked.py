@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import cast
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
+from composer.plan.choosing import is_one_choice
 from composer.plan.plan import Plan
-from composer.plan.read import EXTENDS
+from composer.plan.read import EXTENDS, read_recipe
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
@@ -43,7 +46,24 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
         context.sink.error("lock-stale", f"there is no lock `{context.shown(path)}`", help=help)
         return None
     fetching.lock_file = path
+    if fetching.lock is not None and fetching.locked:
+        _tell_versions(fetching.lock, context.shown(path), fetching.recipe, context)
     return fetching
+
+
+def _tell_versions(lock: Lock, shown: str, recipe: str, context: Context) -> None:
+    """Who asks for what is locked is told that it may come out otherwise."""
+    here = {"mjcompose": __version__, "MuJoCo": _mujoco()}
+    made_with = {"mjcompose": lock.mjcompose, "MuJoCo": lock.mujoco}
+    others = [name for name, version in made_with.items() if version and version != here[name]]
+    if others:
+        was = " and ".join(f"{name} {made_with[name]}" for name in others)
+        now = " and ".join(f"{name} {here[name] or 'none'}" for name in others)
+        context.sink.warning(
+            "lock-stale",
+            f"`{shown}` was made with {was}, this is {now}: what is built may be other bytes",
+            help=f"install what it was made with, or run `mjcompose lock {recipe}`",
+        )
 
 
 @dataclass(slots=True)
@@ -60,8 +80,13 @@ class _Use:
 
 
 def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Context) -> Lock:
-    """The lock of plans of one recipe, its variants; `folder` is where the lock will be. Reads every file."""
+    """The lock of plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
+
+    What is damaged in the store is told.
+    """
     uses = _Gathering(fetching, folder, context.folder).of(plans)
+    for id, use in uses.items():
+        _is_whole(id, use, context)
     return Lock(
         mjcompose=__version__,
         mujoco=_mujoco(),
@@ -72,7 +97,7 @@ def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Co
 def check_lock(plan: Plan, context: Context) -> None:
     """Tell what differs from the lock, if there is one: bytes that changed, sources that are not in it.
 
-    What was fetched and names files of this machine is told with or without a lock.
+    What was fetched and names files of this machine, or is no longer what was fetched, is told with or without a lock.
     """
     fetching = context.fetching
     if fetching is None or not (fetching.lock or any(each.is_fetched for each in fetching.origins.values())):
@@ -81,10 +106,13 @@ def check_lock(plan: Plan, context: Context) -> None:
     uses = _Gathering(fetching, lock_file.parent, context.folder).of([plan])
     for id, use in uses.items():
         _check_reach(id, use, context)
+    whole = {id: use for id, use in uses.items() if _is_whole(id, use, context)}
     if fetching.lock is None:
         return
     shown = context.shown(lock_file)
-    for id, use in uses.items():
+    if fetching.locked and is_one_choice(read_recipe(plan.path, replace(context, sink=Sink()))):
+        _tell_unused(fetching.lock.sources.keys() - uses.keys(), shown, plan, context)
+    for id, use in whole.items():
         now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
             continue
@@ -117,6 +145,28 @@ def check_lock(plan: Plan, context: Context) -> None:
                 notes=[Note(each) for each in wrong],
                 help="take the lock from version control, or remove it and run `mjcompose lock`",
             )
+        elif fetching.locked and (others := [*_of_another_version(before, now)]):
+            context.sink.warning(
+                "lock-stale",
+                f"`{id}` has the bytes that `{shown}` pins, and is of another version, which the manifest names",
+                use.span,
+                notes=[Note(each) for each in others],
+                help=f"install that version, or run `mjcompose update {plan.file} {name}` and commit the lock",
+            )
+
+
+def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
+    """What else a manifest has of a source and is not as it was locked."""
+    for what in ("version", "commit"):
+        was, there = getattr(before, what), getattr(now, what)
+        if was and there and was != there:
+            yield f"{what} {was} was locked, {there} is there"
+
+
+def _tell_unused(unused: Iterable[str], shown: str, plan: Plan, context: Context) -> None:
+    for id in sorted(unused):
+        context.sink.error("lock-stale", f"`{id}` is in the lock `{shown}`, and nothing uses it",
+                           help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
 
 
 def _check_reach(id: str, use: _Use, context: Context) -> None:
@@ -131,6 +181,29 @@ def _check_reach(id: str, use: _Use, context: Context) -> None:
             notes=[Note(f"`{context.shown(use.files[name])}`") for name in outside[:_SHOWN]] + _more(outside),
             help="a model that is fetched must hold all that it needs",
         )
+
+
+def _is_whole(id: str, use: _Use, context: Context) -> bool:
+    """Whether the files in the store that are used are those that were fetched; it is told that they are not."""
+    if use.origin is None or context.fetching is None:
+        return True
+    there = {}
+    for name, path in use.files.items():
+        if name in use.origin.stored:
+            with contextlib.suppress(OSError):  # told by those who need it
+                there[name] = context.fetching.digest(path)
+    stored = {name: digest for name, digest in use.origin.stored.items() if name in there}
+    changes = differences(stored, there)
+    if changes:
+        context.sink.error(
+            "source-changed",
+            f"`{id}` is not what was fetched: files in the store were changed",
+            use.span,
+            notes=[Note(each.replace("was locked", "was stored")) for each in changes[:_SHOWN]]
+            + _more(changes),
+            help="run `mjcompose cache verify --fix`; it is fetched again when it is needed",
+        )
+    return not changes
 
 
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:

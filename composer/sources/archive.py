@@ -26,7 +26,7 @@ def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetc
     if id not in fetching.origins:
         archive = _Archive(reference, id, Store.of(environment), environment, fetching)
         entry = archive.entry()
-        fetching.origins[id] = Origin(id, reference.kind, entry.content, sha256=entry.key)
+        fetching.origins[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
     return source_in(fetching.origins[id], reference)
 
 

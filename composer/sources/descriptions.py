@@ -15,7 +15,7 @@ from composer.sources import licence
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand
 from composer.sources.fetching import Fetching
-from composer.sources.origin import Origin
+from composer.sources.origin import Origin, is_commit
 from composer.sources.package import distribution, folders
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
@@ -52,8 +52,20 @@ def resolve(reference: Reference, fetching: Fetching) -> Source:
         package=_PACKAGE,
         version=owner.version if owner is not None else None,
         licences=licence.find(path, Path(repository) if repository else None),
-        origin=Origin(reference.id, reference.kind, Path(repository) if repository else path.parent),
-    )
+        origin=Origin(
+            reference.id, reference.kind, Path(repository) if repository else path.parent,
+            commit=_commit(Path(repository)) if repository else None,
+        ),
+    )  # fmt: skip
+
+
+def _commit(repository: Path) -> str | None:
+    """The commit that the package has checked out, as it does by its hash; None for anything else."""
+    try:
+        head = (repository / ".git" / "HEAD").read_text(encoding="ascii").strip()
+    except (OSError, ValueError):
+        return None
+    return head if is_commit(head) else None
 
 
 def _load(reference: Reference, fetching: Fetching) -> Any:

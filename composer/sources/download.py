@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urljoin, urlsplit
 
 from composer.sources.error import SourceError
+from composer.sources.patience import patience
 from composer.sources.reference import is_this_machine
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ class _Download:
         import urllib3
 
         parts = urlsplit(url)
-        seconds = _seconds(self.environment)
+        seconds = patience(self.environment)
         timeout = urllib3.Timeout(connect=seconds, read=seconds)
         named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
         proxy = next((value for name in named if (value := self.environment.get(name))), None)
@@ -270,14 +271,6 @@ def _is_spared(host: str, spared: str) -> bool:
 
     bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs
     return bool(bypass(host, {"no": spared}))
-
-
-def _seconds(environment: Mapping[str, str]) -> float:
-    """How long a server may say nothing."""
-    try:
-        return max(0.1, float(environment.get("MJCOMPOSE_TIMEOUT", "30")))
-    except ValueError:
-        return 30.0
 
 
 _OBJECT = re.compile(r"<.*?>: |HTTPS?Connection(Pool)?\(.*?\): ")

@@ -14,12 +14,11 @@ from composer.sources.fetched import not_at_hand, source_in, unlocked
 from composer.sources.fetching import Fetching
 from composer.sources.git_command import Git, GitFailure, words_of
 from composer.sources.git_tree import write_tree
-from composer.sources.origin import Origin
+from composer.sources.origin import Origin, is_commit
 from composer.sources.reference import Reference, escaped
 from composer.sources.source import Source
 from composer.sources.store import Entry, Store
 
-_COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
 _NO_ROOM = re.compile("No space left|File too large|quota exceeded|signal 25", re.IGNORECASE)
 _WITHOUT = "without "
 """Before the path of what was left out of an entry, in what it says about itself."""
@@ -49,7 +48,14 @@ class _Repository:
         if pinned is None and self.fetching.locked:
             raise unlocked(self.reference, self.fetching)
         revision = self.reference.revision
-        commit = pinned or (revision if _COMMIT.fullmatch(revision) else None)
+        written = revision if is_commit(revision) else None
+        if written and pinned and written != pinned:
+            raise SourceError(
+                "lock-invalid",
+                f"`{self.reference.text}` says another commit than the lock, which has {pinned[:12]}…",
+                help="take the lock from version control, or remove it and run `mjcompose lock`",
+            )
+        commit = pinned or written
         if commit is None:
             if self.fetching.offline:
                 commit = self.store.recall(self.id).get("commit")
@@ -70,6 +76,7 @@ class _Repository:
             commit=commit,
             tree=entry.about["tree"],
             without=(*without,),
+            stored=entry.files,
         )
 
     @property

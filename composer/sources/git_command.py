@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import signal
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from composer.sources.error import SourceError
+from composer.sources.patience import patience
 
 _TRIES = 3
 _PAUSE = 0.5
@@ -37,11 +39,11 @@ class GitFailure(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Git:
-    """Runs git in one repository (or in none); `patience` is the seconds that one command may take."""
+    """Runs git in one repository (or in none); `limit` is the seconds that one command may take."""
 
     environment: Mapping[str, str]
     progress: Callable[[str], None]
-    patience: float = 1800.0
+    limit: float = 1800.0
 
     def run(
         self, *arguments: str, folder: Path | None = None, tries: int = 1, stdin: bytes | None = None
@@ -62,12 +64,12 @@ class Git:
         return self.run(*arguments, folder=folder, tries=_TRIES)
 
     def _once(self, arguments: tuple[str, ...], folder: Path | None, stdin: bytes | None) -> bytes:
-        timeout = self.environment.get("MJCOMPOSE_TIMEOUT", "30")
+        silence = str(math.ceil(patience(self.environment)))  # git takes whole seconds
         settings = {
             "core.hooksPath": os.devnull,  # nothing of a repository is ever run
             "protocol.ext.allow": "never",
             "http.lowSpeedLimit": "1",
-            "http.lowSpeedTime": timeout,
+            "http.lowSpeedTime": silence,
             "gc.auto": "0",
             "fetch.fsckObjects": "false",
         }
@@ -76,9 +78,11 @@ class Git:
             command.append(f"--git-dir={folder}")
         # A repository that the user stands in is none of ours, nor what a hook says of it.
         own = {name: value for name, value in self.environment.items() if name not in _OF_A_REPOSITORY}
-        own = {**os.environ, **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C", "GIT_ASKPASS": ""}
+        own = {**os.environ, "GIT_ASKPASS": "", **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C"}
         for name in _OF_A_REPOSITORY:
             own.pop(name, None)
+        if any(each.startswith("ssh://") for each in arguments):
+            own |= _impatient_ssh(own, silence)
         try:
             with subprocess.Popen(
                 [*command, *arguments],
@@ -89,10 +93,10 @@ class Git:
                 start_new_session=True,
             ) as process:
                 try:
-                    out, err = process.communicate(stdin, timeout=self.patience)
+                    out, err = process.communicate(stdin, timeout=self.limit)
                 except subprocess.TimeoutExpired:
                     _kill(process)
-                    raise GitFailure(f"git took longer than {self.patience:g} seconds") from None
+                    raise GitFailure(f"git took longer than {self.limit:g} seconds") from None
                 except BaseException:
                     _kill(process)
                     raise
@@ -110,6 +114,31 @@ _OF_A_REPOSITORY = (
     "GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_OBJECT_DIRECTORY", "GIT_ALTERNATE_OBJECT_DIRECTORIES",
     "GIT_COMMON_DIR", "GIT_NAMESPACE", "GIT_PREFIX",
 )  # fmt: skip
+
+
+def _impatient_ssh(own: Mapping[str, str], seconds: str) -> dict[str, str]:
+    """What has ssh give up on a machine that says nothing for so long; another program than ssh is left as it is."""
+    written = own.get("GIT_SSH_COMMAND", "")
+    if not written:
+        try:
+            done = subprocess.run(
+                ["git", "config", "--get", "core.sshCommand"], env=dict(own), stdin=subprocess.DEVNULL,
+                capture_output=True, check=False, timeout=30,
+            )  # fmt: skip
+        except (OSError, subprocess.TimeoutExpired):
+            return {}  # git itself is asked next, and its failure is told
+        written = done.stdout.decode("utf-8", "surrogateescape").strip()
+    if not written and own.get("GIT_SSH"):
+        return {}
+    command = written or "ssh"
+    if not _OPENSSH.match(command):
+        return {}
+    limits = {"ConnectTimeout": seconds, "ServerAliveInterval": seconds, "ServerAliveCountMax": "1"}
+    return {"GIT_SSH_COMMAND": " ".join([command, *(f"-o {name}={value}" for name, value in limits.items())])}
+
+
+_OPENSSH = re.compile(r"(\S*/)?ssh(\s|$)")
+"""The first option that ssh is given counts: what the user's command says itself stays in force."""
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:

@@ -44,16 +44,20 @@ def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetc
             f"`{folder}` has no `{entry.file}`, which `{reference.text}` stands for",
             notes=(exists_note("XML file", sorted(each.name for each in folder.glob("*.xml"))).message,),
         )
+    # The files of a folder that somebody else filled need not be those of the installed version.
+    is_own = not environment.get("MENAGERIE_ROOT")
     return Source(
         path,
         reference.kind,
         reference.text,
         package=_PACKAGE,
-        # The files of a folder that somebody else filled need not be those of the installed version.
-        version=None if environment.get("MENAGERIE_ROOT") else library.__version__,
+        version=library.__version__ if is_own else None,
         licences=licence.find(path, folder),
-        origin=Origin(reference.id, reference.kind, folder),
-    )
+        origin=Origin(
+            reference.id, reference.kind, folder,
+            commit=library.commit() if is_own else None, tree=robot.oid if is_own else None,
+        ),
+    )  # fmt: skip
 
 
 def _robot(library: Any, reference: Reference) -> Any:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 
@@ -12,7 +14,8 @@ class Origin:
 
     `id` is the model reference without the file in it (`git+https://host/repo@v1`); `root` the folder against
     which its files are named. `commit` and `tree` are git's hashes, `sha256` that of an archive. `without` has the
-    paths that were left out when it was fetched, and what they are in words.
+    paths that were left out when it was fetched, and what they are in words; `stored` the sha256 of every file as it
+    was put into the store.
     """
 
     id: str
@@ -22,6 +25,7 @@ class Origin:
     tree: str | None = None
     sha256: str | None = None
     without: tuple[tuple[str, str], ...] = ()
+    stored: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def is_fetched(self) -> bool:
@@ -32,3 +36,11 @@ class Origin:
     def pin(self) -> str | None:
         """What fetches the same bytes again; None for what somebody else installed."""
         return self.commit or self.sha256
+
+
+_COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
+
+
+def is_commit(text: str) -> bool:
+    """Whether a text is the whole hash of a commit. No I/O."""
+    return _COMMIT.fullmatch(text) is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -34,7 +35,11 @@ def _resolve(
 ) -> Source:
     match reference.kind:
         case Kind.PATH:
-            return _of_the_same(path.resolve(reference, relative_to), relative_to, fetching)
+            try:
+                found = path.resolve(reference, relative_to)
+            except SourceError as error:
+                raise _left_out(reference, relative_to, fetching) or error from None
+            return _of_the_same(found, relative_to, fetching)
         case Kind.PACKAGE:
             return package.resolve(reference)
         case Kind.MENAGERIE:
@@ -45,6 +50,23 @@ def _resolve(
             return git.resolve(reference, environment, fetching)
         case Kind.ARCHIVE:
             return archive.resolve(reference, environment, fetching)
+
+
+def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> SourceError | None:
+    """The error for a path in a recipe that was fetched, where it leads to what was left out when that was done."""
+    origin = fetching.around(relative_to)
+    if origin is None:
+        return None
+    inside = Path(
+        os.path.relpath(os.path.realpath(relative_to / reference.path), os.path.realpath(origin.root))
+    )
+    for name, why in origin.without:
+        if inside.is_relative_to(name):
+            return SourceError(
+                "source-not-found",
+                f"the model `{reference.text}` is not there: `{name}` of `{origin.id}` is {why}",
+            )
+    return None
 
 
 def _of_the_same(source: Source, relative_to: Path, fetching: Fetching) -> Source:

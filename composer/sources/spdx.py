@@ -14,7 +14,7 @@ UNKNOWN = "unknown"
 
 _LARGEST = 1 << 20
 _DECLARED = re.compile(
-    r"SPDX-License-Identifier:\s*([A-Za-z0-9.+() -]+?)\s*(?:-->|\*/|[\"'<]|$)", re.MULTILINE
+    r"SPDX-License-Identifier:[ \t]*([A-Za-z0-9(][A-Za-z0-9.+() -]*?)\s*(?:-->|\*/|[\"'<]|$)", re.MULTILINE
 )
 _HEAD = 4096
 

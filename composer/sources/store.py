@@ -18,7 +18,7 @@ import json
 import os
 import stat
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -178,7 +178,9 @@ class Store:
         Spares `keep`, and entries that were used in the last `grace` seconds. What was removed.
         """
         removed: list[Entry | Blob] = []
-        everything: list[Entry | Blob] = [*self.entries(), *blobs_in(self.folder)]
+        entries = self.entries()
+        headless = self.headless(entries)
+        everything: list[Entry | Blob] = [*entries, *blobs_in(self.folder)]
         everything.sort(key=lambda each: (each.used, each.key))
         size = sum(each.size for each in everything)
         for each in everything:
@@ -195,12 +197,34 @@ class Store:
             size -= each.size
         for left in self.unfinished():
             self._sweep_unless_busy(left)
+        for folder in headless:
+            self.remove_headless(folder)
         return removed
 
     def remove(self, entry: Entry) -> None:
         """Take an entry out of the store, in one step."""
         with self.usable():
             self._remove(entry.folder, entry.key)
+
+    def headless(self, entries: Iterable[Entry]) -> list[Path]:
+        """The folders of entries of which nothing can be read, and which no build sees; `entries` are all others."""
+        known = {entry.folder for entry in entries}
+        found: list[Path] = []
+        for kind in KINDS:
+            with contextlib.suppress(OSError):
+                found += (folder for folder in (self.folder / kind).iterdir() if folder not in known)
+        return sorted(found)
+
+    def remove_headless(self, folder: Path) -> None:
+        """Take such a folder away, unless another process makes it anew."""
+        from filelock import FileLock, Timeout
+
+        locks = self.folder / "locks"
+        with contextlib.suppress(OSError):
+            locks.mkdir(exist_ok=True)
+        with contextlib.suppress(Timeout, OSError), FileLock(locks / f"{folder.name}.lock", timeout=0):
+            if self._read(folder.parent.name, folder) is None:
+                self._remove(folder, folder.name)
 
     def unfinished(self) -> list[Path]:
         """What is being made or downloaded now, or was when its process was killed."""

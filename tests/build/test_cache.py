@@ -9,6 +9,7 @@ import stat
 import subprocess
 import sys
 import time
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -142,6 +143,29 @@ def test_why(store: Path, folder: Path) -> None:
     assert (
         run("build", *out, "--no-cache", "--why").stdout.splitlines()[2] == "  built: the cache is not used"
     )
+
+
+def test_why_of_the_first_licence_of_a_folder(store: Path, folder: Path) -> None:
+    (folder / "here").mkdir()
+    (folder / "here" / "cell.yaml").write_text("recipe: 1\nbase: ./arm.xml\n")
+    (folder / "here" / "arm.xml").write_text("<mujoco><worldbody/></mujoco>")
+    out = ("here/cell.yaml", "-o", "a.zip")
+    built(*out)
+    (folder / "LICENSE").write_text("Do as you please.\n")
+    assert built(*out)[0] == ["the licences in `.` are others"]
+    (folder / "LICENSE").rename(folder / "here" / "LICENSE")
+    assert built(*out)[0][1:] == ["the licences in `here` are others", "the licences in `.` are others"]
+
+
+def test_files_of_values_in_another_order_are_another_model(store: Path, folder: Path) -> None:
+    (folder / "two.yaml").write_text("load: 2\n")
+    (folder / "three.yaml").write_text("load: 3\n")
+    built("matrix.yaml", "-o", "a.zip", "--set-file", "two.yaml", "--set-file", "three.yaml")
+    why, _ = built("matrix.yaml", "-o", "b.zip", "--set-file", "three.yaml", "--set-file", "two.yaml")
+    assert why == ["the order of `--set-file` was two.yaml, three.yaml, is three.yaml, two.yaml"]
+    assert run("build", "matrix.yaml", "-o", "c.zip", "--no-cache", "--set", "load=2").exit_code == 0
+    models = [zipfile.ZipFile(folder / name).read("model.xml") for name in ("b.zip", "c.zip")]
+    assert models[0] == models[1]
 
 
 def test_why_of_a_parameter(store: Path) -> None:

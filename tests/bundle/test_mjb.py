@@ -22,6 +22,15 @@ def test_mujoco_opens_it_from_another_folder(tmp_path: Path, monkeypatch: pytest
     assert os.listdir(tmp_path / "new") == ["arm.mjb"]
 
 
+def test_the_same_model_is_the_same_bytes(tmp_path: Path) -> None:
+    """The paths of assets, which MuJoCo keeps in it, are those in the bundle and not those of a temporary folder."""
+    mujoco = pytest.importorskip("mujoco")
+    for name in ("one.mjb", "two.mjb"):
+        write_mjb(Bundle({"model.xml": MODEL, "assets/t.obj": TETRAHEDRON}), tmp_path / name)
+    assert (tmp_path / "one.mjb").read_bytes() == (tmp_path / "two.mjb").read_bytes()
+    assert mujoco.MjModel.from_binary_path(str(tmp_path / "one.mjb")).paths == b"assets/t.obj\0"
+
+
 def test_a_model_that_does_not_compile_leaves_the_old_file(tmp_path: Path) -> None:
     out = tmp_path / "arm.mjb"
     out.write_bytes(b"old")

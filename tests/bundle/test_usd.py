@@ -66,6 +66,23 @@ def test_the_demo_cell_is_exported_with_its_textures(tmp_path: Path) -> None:
 
 
 @needs_converter
+@pytest.mark.parametrize("name", ["cell.usdz", "cell.usda", "cell.usdc"])
+def test_the_same_model_is_the_same_bytes(tmp_path: Path, name: str) -> None:
+    """With meshes that are there several times, which USD shares and numbers in an order of its own."""
+    built = build(ROOT / "recipes" / "arm_gripper.yaml", Context(folder=tmp_path))
+    assert built is not None
+    for folder in ("one", "two"):
+        write(built.bundle, tmp_path / folder / name, environment={"SOURCE_DATE_EPOCH": "1700000000"})
+    one = (tmp_path / "one" / name).read_bytes()
+    assert one == (tmp_path / "two" / name).read_bytes()
+    assert b"/tmp" not in one
+    if name == "cell.usdz":
+        with zipfile.ZipFile(tmp_path / "one" / name) as package:
+            assert {info.date_time[:3] for info in package.infolist()} == {(2023, 11, 14)}
+            assert package.testzip() is None
+
+
+@needs_converter
 def test_a_layer_of_its_own(tmp_path: Path) -> None:
     write(BALL, tmp_path / "ball.usda", environment={})
     text = (tmp_path / "ball.usda").read_text()

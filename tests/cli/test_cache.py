@@ -64,6 +64,26 @@ def test_verify(store: Store) -> None:
     assert store.entries() == []
 
 
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [("", ("verify", "--fix")), ("{}", ("prune", "--all")), (None, ("prune",)), ("[", ("verify", "--fix"))],
+)
+def test_an_entry_that_nothing_can_be_read_of_is_found_and_removed(
+    store: Store, text: str | None, command: tuple[str, ...]
+) -> None:
+    """No build sees it, and its size is not known: it would stay for ever."""
+    (entry,) = store.entries()
+    (entry.folder / "entry.json").unlink()
+    if text is not None:
+        (entry.folder / "entry.json").write_text(text)
+    result = run("cache", "verify")
+    assert result.exit_code == 1
+    assert f"`{entry.folder}` is damaged: nothing says what it is" in result.stderr
+    assert run("cache", *command).exit_code == 0
+    assert not entry.folder.exists()
+    assert run("cache", "verify").exit_code == 0
+
+
 def test_a_bound_that_is_none(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MJCOMPOSE_CACHE_SIZE", "lots")
     result = run("cache", "info")

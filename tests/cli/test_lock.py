@@ -129,6 +129,39 @@ def test_a_stale_lock_is_a_warning_and_locked_an_error(work: Path) -> None:
     assert "./more.xml: locked" in run("lock", "cell.yaml").stdout
 
 
+def test_what_nothing_uses_any_more_makes_a_lock_stale(work: Path) -> None:
+    run("lock", "cell.yaml")
+    whole = (work / "cell.yaml").read_text()
+    lines = [line for line in whole.splitlines(keepends=True) if "./tool.xml" not in line]
+    (work / "cell.yaml").write_text("".join(lines))
+    assert run("build", "cell.yaml", "--no-verify").exit_code == 0
+    for command in (("build", "--no-verify"), ("check",), ("build", "--frozen", "--all")):
+        result = run(*command, "cell.yaml", "--locked")
+        assert result.exit_code == 1
+        assert (
+            "error[lock-stale]: `./tool.xml` is in the lock `cell.lock`, and nothing uses it" in result.stderr
+        )
+    run("lock", "cell.yaml")
+    assert run("build", "cell.yaml", "--no-verify", "--locked").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        "variants: {arm: {yes: {}, no: {name: other}}}\n",
+        "params: {n: 1}\nadd:\n  - {to: world, site: {name: s}, when: '${n == 2}'}\n",
+        "params: {n: 1}\nmatrix: {axes: {n: [1, 2]}}\n",
+    ],
+)
+def test_what_another_choice_may_use_does_not_make_a_lock_stale(work: Path, choice: str) -> None:
+    run("lock", "cell.yaml")
+    lines = [
+        line for line in (work / "cell.yaml").read_text().splitlines(keepends=True) if "tool" not in line
+    ]
+    (work / "cell.yaml").write_text("".join(lines) + choice)
+    assert run("build", "cell.yaml", "--no-verify", "--locked").exit_code == 0
+
+
 def test_own_files_that_changed_are_a_warning_and_locked_an_error(work: Path) -> None:
     run("lock", "cell.yaml")
     (work / "tool.xml").write_text(TOOL.replace("0.01", "0.02"))
@@ -151,10 +184,34 @@ def test_a_store_that_was_tampered_with_is_an_error_that_says_what_changed(work:
     assert result.exit_code == 1
     assert "error[source-changed]" in result.stderr
     assert "`arm/arm.xml` changed" in result.stderr
-    assert run("lock", "cell.yaml").exit_code == 1
+    assert "run `mjcompose cache verify --fix`" in result.stderr
+    before = (work / "cell.lock").read_text()
+    for command in ("lock", "update"):  # what is damaged is not locked, whatever is asked for
+        assert run(command, "cell.yaml").exit_code == 1
+    assert (work / "cell.lock").read_text() == before
     assert run("cache", "verify").exit_code == 1
     assert run("cache", "verify", "--fix").exit_code == 0
     assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
+
+
+@pytest.mark.parametrize("more", [(), ("--offline",)])
+def test_a_store_that_was_tampered_with_is_an_error_without_a_lock_too(
+    work: Path, more: tuple[str, ...]
+) -> None:
+    assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
+    before = snapshot(work / "out")
+    (file,) = (work.parent / "store" / "git").rglob("arm.xml")
+    file.chmod(0o644)
+    file.write_text(ARM.replace("0.02", "0.03"))
+    for command in (("build", "cell.yaml", "-o", "out/"), ("check", "cell.yaml")):
+        result = run(*command, *more)
+        assert result.exit_code == 1
+        assert result.stderr.count("error[source-changed]: `git+file:") == 1
+        assert "`arm/arm.xml` changed: " in result.stderr and "was stored" in result.stderr
+    assert run("lock", "cell.yaml").exit_code == 1 and not (work / "cell.lock").exists()
+    assert snapshot(work / "out") == before
+    assert run("cache", "verify", "--fix").exit_code == 0
+    assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
 
 
 def test_a_broken_lock_is_one_error_and_stays(work: Path) -> None:
@@ -391,6 +448,43 @@ def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value:
         assert result.exit_code == 1
         assert "cell.yaml:2:7: error[lock-invalid]: what `cell.lock` says of `git+file:" in result.stderr
         assert f"  = note: its {key} is `" in result.stderr
+
+
+@pytest.mark.parametrize("command", [("build", "--no-verify"), ("build", "--all"), ("plan",), ("check",)])
+def test_a_lock_of_other_versions_is_told_to_who_asks_for_it(work: Path, command: tuple[str, ...]) -> None:
+    run("lock", "cell.yaml")
+    lock = json.loads((work / "cell.lock").read_text())
+    for changed in ({"mujoco": "2.3.7"}, {"mujoco": "2.3.7", "mjcompose": "0.0.9"}):
+        (work / "cell.lock").write_text(json.dumps({**lock, **changed}))
+        assert "lock-stale" not in run(*command, "cell.yaml").stderr
+        for _ in range(2):  # the second time it is told from what is kept
+            result = run(*command, "cell.yaml", "--locked")
+            assert result.exit_code == 0
+            assert result.stderr.count("warning[lock-stale]: `cell.lock` was made with ") == 1, result.stderr
+        assert "MuJoCo 2.3.7, this is " in result.stderr
+    assert "was made with mjcompose 0.0.9 and MuJoCo 2.3.7, this is mjcompose " in result.stderr
+
+
+def test_another_version_of_a_package_with_the_same_bytes(
+    work: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site = work.parent / "site"
+    (site / "arms").mkdir(parents=True)
+    (site / "arms" / "tool.xml").write_text(TOOL)
+    (site / "arms-1.0.dist-info").mkdir()
+    (site / "arms-1.0.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: arms\nVersion: 1.0\n")
+    (site / "arms-1.0.dist-info" / "RECORD").write_text("arms/tool.xml,,\n")
+    monkeypatch.syspath_prepend(str(site))
+    (work / "cell.yaml").write_text("recipe: 1\nbase: package:arms/tool.xml\n")
+    run("lock", "cell.yaml")
+    lock = (work / "cell.lock").read_text()
+    assert '"version": "1.0"' in lock
+    (work / "cell.lock").write_text(lock.replace('"version": "1.0"', '"version": "0.9"'))
+    assert "lock-stale" not in run("build", "cell.yaml", "--no-verify").stderr
+    result = run("build", "cell.yaml", "--no-verify", "--locked")
+    assert result.exit_code == 0
+    assert "cell.yaml:2:7: warning[lock-stale]: `package:arms` has the bytes" in result.stderr
+    assert "  = note: version 0.9 was locked, 1.0 is there" in result.stderr
 
 
 @pytest.mark.parametrize("locked", [False, True])

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from composer.bundle.write import write
+from composer.cli.choices import chosen_values
 from composer.context import Context
 from composer.diff.change import Diff
 from composer.diff.data import as_data
@@ -169,3 +170,29 @@ def test_as_markdown(session: Session) -> None:
     )
     assert "- mass of body `gripper/palm`: 0.25 kg → 0.3 kg (+20 %)\n" in text
     assert "**The same" in in_markdown(_diff("same", session))
+
+
+def test_what_only_recipes_have_is_not_passed_over(tmp_path: Path, session: Session) -> None:
+    for name in ("a.xml", "b.xml"):
+        (tmp_path / name).write_text("<mujoco/>")
+    (tmp_path / "c.yaml").write_text("recipe: 1\nparams: {reach: 1}\n")
+    given = chosen_values(("reach=2",), (), (), Context(folder=tmp_path))
+    for wanted in ({"given": given}, {"pick": "cell"}):
+        context = Context(folder=tmp_path)
+        assert diff("a.xml", "b.xml", context, session, **wanted) is None  # type: ignore[arg-type]
+        assert "neither `a.xml` nor `b.xml` is a recipe" in context.sink.errors[0].message
+    assert diff("a.xml", "c.yaml", Context(folder=tmp_path), session, given=given) is not None
+
+
+def test_where_files_lie_is_no_difference(tmp_path: Path, session: Session) -> None:
+    """MuJoCo keeps their paths in the model, and the memory that it needs with them."""
+    for name in ("near", "far/" + "away/" * 40):
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / "t.obj").write_text(
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+        )
+        (tmp_path / name / "m.xml").write_text(
+            '<mujoco><asset><mesh file="t.obj"/></asset><worldbody><geom type="mesh" mesh="t"/></worldbody></mujoco>'
+        )
+    found = diff("near/m.xml", f"far/{'away/' * 40}m.xml", Context(folder=tmp_path), session)
+    assert found is not None and found.same and found.contrast.identical

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from composer.cli.locking import made_lock
 from composer.context import Context
 from composer.diff.diff import diff
 from composer.diff.revision import RevisionError, check_out, split
@@ -67,6 +68,44 @@ def test_the_path_is_that_of_the_folder_one_is_in(repository: Path) -> None:
     with Session() as session:
         found = diff("HEAD:recipe.yaml", "recipe.yaml", context, session)
     assert found is not None and "\narm.xml:13\n" in render(found)
+
+
+def test_a_part_beside_the_folder_one_is_in(repository: Path) -> None:
+    (repository / "recipes").mkdir()
+    (repository / "recipes" / "one.yaml").write_text("recipe: 1\nbase: ../cells/arm.xml\n")
+    _git(repository, "add", "recipes")
+    _git(repository, "commit", "-q", "-m", "two")
+    context = Context(folder=repository / "recipes")
+    with Session() as session:
+        found = diff("HEAD:one.yaml", "one.yaml", context, session)
+    assert found is not None
+    cause = found.groups[0].cause
+    assert cause is not None and cause.before is not None
+    assert cause.before.file == "HEAD:../cells/arm.xml"
+
+
+def test_a_source_that_is_locked_at_another_commit(repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lines of the source that differ, and not only the part whose commit is another."""
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(repository.parent / "store"))
+    source = f"git+file://{repository}@HEAD"
+    project = repository.parent / "project"
+    project.mkdir()
+    (project / "one.yaml").write_text(f"recipe: 1\nattach: {{arm: {{model: '{source}#cells/arm.xml'}}}}\n")
+    assert made_lock(Path("one.yaml"), None, Context(folder=project)) is not None
+    _git(project, "init", "-q")
+    _git(project, "add", ".")
+    _git(project, "commit", "-q", "-m", "one")
+    _git(repository, "commit", "-q", "-a", "-m", "two")
+    assert made_lock(Path("one.yaml"), (), Context(folder=project)) is not None
+    context = Context(folder=project)
+    with Session() as session:
+        found = diff("HEAD:one.yaml", "one.yaml", context, session)
+    assert found is not None, context.sink.diagnostics
+    assert f"\n{source}#cells/arm.xml:13\n" in render(found)
+    assert "mass of body `arm/upper`: 2 kg → 3 kg (+50 %)" in render(found)
+    cause = found.groups[0].cause
+    assert cause is not None and cause.before is not None and cause.after is not None
+    assert cause.before.file == cause.after.file == f"{source}#cells/arm.xml"
 
 
 def test_a_file_that_is_gone_from_the_folder(repository: Path, tmp_path: Path) -> None:

@@ -70,6 +70,16 @@ def test_finds_a_description(
     assert capsys.readouterr().out == ""
 
 
+@pytest.mark.parametrize(("head", "expected"), [("a" * 40, "a" * 40), ("ref: refs/heads/main", None)])
+def test_the_commit_is_the_one_that_is_checked_out(library: Path, head: str, expected: str | None) -> None:
+    origin = resolve("descriptions:arm_mj_description", relative_to=Path(), environment={}).origin
+    assert origin is not None and origin.commit is None
+    (library / ".git").mkdir()
+    (library / ".git" / "HEAD").write_text(f"{head}\n")
+    origin = resolve("descriptions:arm_mj_description", relative_to=Path(), environment={}).origin
+    assert origin is not None and origin.commit == expected
+
+
 @pytest.mark.parametrize(
     ("text", "code", "message", "fix"),
     [

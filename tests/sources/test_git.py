@@ -108,6 +108,18 @@ def test_locked_asks_nobody(robots: Any, refused: Callable[..., SourceError]) ->
     assert refused(robots.reference("main"), locked=True).code == "lock-stale"
 
 
+def test_a_lock_that_has_another_commit_than_the_reference_says(
+    robots: Any, refused: Callable[..., SourceError]
+) -> None:
+    """As somebody may write by hand: the recipe would name one commit, and the model be made of another."""
+    first = robots.git("rev-parse", "HEAD")
+    second = robots.commit(**{"arm/arm.xml": "<mujoco/>"})
+    reference = robots.reference(first)
+    error = refused(reference, lock=lock_with(reference.partition("#")[0], second))
+    assert error.code == "lock-invalid"
+    assert f"has {second[:12]}…" in error.message
+
+
 def test_the_bytes_are_those_of_the_commit(robots: Any, take: Callable[..., Any]) -> None:
     robots.commit(
         **{".gitattributes": "*.xml text eol=crlf ident\n", "arm/arm.xml": "<mujoco/>\n<!-- $Id$ -->\n"}
@@ -151,6 +163,22 @@ def test_what_is_left_out_is_told(robots: Any, refused: Callable[..., SourceErro
         assert error.code == "source-not-found"
         assert why in error.message
         assert "model files that exist" in error.notes[0]
+
+
+def test_what_is_left_out_is_told_to_a_recipe_beside_it(robots: Any, own_environment: dict[str, str]) -> None:
+    robots.commit(**{"arm/cell.yaml": "recipe: 1\nbase: ../other/arm.xml\n"})
+    robots.git("update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},other")
+    robots.git("commit", "-q", "-m", "a submodule")
+    fetching = Fetching()
+    cell = resolve(
+        robots.reference("main", "arm/cell.yaml"),
+        relative_to=Path(), environment=own_environment, fetching=fetching,
+    )  # fmt: skip
+    with pytest.raises(SourceError, match="`other` of `git.*@main` is a submodule, which is not fetched"):
+        resolve(
+            "../other/arm.xml",
+            relative_to=cell.path.parent, environment=own_environment, fetching=fetching,
+        )  # fmt: skip
 
 
 def test_the_repository_that_the_user_stands_in_is_not_asked(

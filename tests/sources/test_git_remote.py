@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import shutil
+import socket
 import ssl
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -30,8 +33,15 @@ class _GitHandler(BaseHTTPRequestHandler):
     """Hands what is asked to `git http-backend`, as web servers do."""
 
     root: Path
+    login = ""
 
     def _answer(self) -> None:
+        if self.login and self.headers.get("Authorization") != self.login:
+            self.send_response(401)
+            self.send_header("WWW-Authenticate", 'Basic realm="robots"')
+            self.send_header("Content-Length", "0")
+            self.end_headers()
+            return
         path, _, query = self.path.partition("?")
         length = int(self.headers.get("Content-Length", 0))
         own = {
@@ -92,6 +102,24 @@ def test_https(
     assert source.path.read_text() == (robots.folder / "arm" / "arm.xml").read_text()
 
 
+@pytest.mark.parametrize("known", [True, False])
+def test_a_login_that_git_is_given(
+    https: tuple[str, dict[str, str]], own_environment: dict[str, str], tmp_path: Path, known: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(_GitHandler, "login", f"Basic {base64.b64encode(b'robot:secret').decode()}")
+    ask = tmp_path / "ask"
+    ask.write_text('#!/bin/sh\ncase "$1" in Username*) echo robot;; *) echo secret;; esac\n')
+    ask.chmod(0o755)
+    environment = {**own_environment, **https[1], **({"GIT_ASKPASS": str(ask)} if known else {})}
+    if known:
+        assert fetch(f"git+{https[0]}@v1#arm/arm.xml", environment).path.is_file()
+        return
+    with pytest.raises(SourceError) as caught:
+        fetch(f"git+{https[0]}@v1#arm/arm.xml", environment)
+    assert caught.value.code == "source-fetch"
+
+
 def test_a_certificate_that_nobody_trusts_is_refused(
     https: tuple[str, dict[str, str]], own_environment: dict[str, str]
 ) -> None:
@@ -123,3 +151,30 @@ def test_an_ssh_login_that_is_refused_is_told(tmp_path: Path, own_environment: d
         fetch("git+ssh://git@robots.example/arms@v1#arm.xml", environment)
     assert caught.value.code == "source-fetch"
     assert "Permission denied (publickey)" in " ".join(caught.value.notes), caught.value.notes
+
+
+@pytest.fixture
+def mute() -> Iterator[int]:
+    """The port of a server that takes every connection and never says a word."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        yield server.getsockname()[1]
+
+
+@pytest.mark.skipif(shutil.which("ssh") is None, reason="needs ssh")
+@pytest.mark.parametrize("command", ["", "ssh -F /dev/null"])
+def test_an_ssh_server_that_says_nothing_is_given_up(
+    mute: int, own_environment: dict[str, str], command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("composer.sources.git_command._TRIES", 1)
+    environment = {**own_environment, "MJCOMPOSE_TIMEOUT": "1", "GIT_SSH_COMMAND": command}
+    began = time.monotonic()
+    with pytest.raises(SourceError) as caught:
+        fetch(f"git+ssh://git@127.0.0.1:{mute}/arms@v1#arm.xml", environment)
+    assert time.monotonic() - began < 20
+    assert "timed out" in " ".join(caught.value.notes), caught.value.notes
+
+
+def test_a_part_of_a_second_is_one_for_git(mute: int, own_environment: dict[str, str]) -> None:
+    with pytest.raises(SourceError) as caught:
+        fetch(f"git+http://127.0.0.1:{mute}/arms@v1#arm.xml", {**own_environment, "MJCOMPOSE_TIMEOUT": "0.5"})
+    assert "too slow" in " ".join(caught.value.notes), caught.value.notes

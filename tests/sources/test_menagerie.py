@@ -58,7 +58,9 @@ def test_entries_of_a_robot(root: Path, text: str, file: str) -> None:
 
 @needs_library
 def test_a_folder_of_ones_own_has_no_version(root: Path) -> None:
-    assert find("menagerie:robotiq_2f85", MENAGERIE_ROOT=root).version is None
+    source = find("menagerie:robotiq_2f85", MENAGERIE_ROOT=root)
+    assert source.version is None
+    assert source.origin is not None and source.origin.commit is source.origin.tree is None
 
 
 @needs_library
@@ -73,6 +75,8 @@ def test_the_cache_is_used_without_a_root(tmp_path: Path) -> None:
     source = find("menagerie:robotiq_2f85", MENAGERIE_CACHE_DIR=tmp_path)
     assert source.path == folder / "2f85.xml"
     assert source.version == mujoco_menagerie.__version__
+    assert source.origin is not None
+    assert (source.origin.commit, source.origin.tree) == (mujoco_menagerie.commit(), robot.oid)
 
 
 @needs_library

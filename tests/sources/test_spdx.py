@@ -28,6 +28,8 @@ CLAUSE_3 = """
         ("Mozilla Public License Version 2.0", "MPL-2.0"),
         ("SPDX-License-Identifier: MIT OR Apache-2.0\nApache License Version 2.0", "MIT OR Apache-2.0"),
         ("Do as you please.", None),
+        ("<!-- SPDX-License-Identifier: -->", None),
+        ("SPDX-License-Identifier:\nto be settled", None),
         ("", None),
     ],
 )  # fmt: skip

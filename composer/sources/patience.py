@@ -1,0 +1,32 @@
+"""How long another machine may say nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from composer.sources.error import SourceError
+
+DEFAULT = 30.0
+_SHORTEST, _LONGEST = 0.1, 24 * 3600.0
+
+
+def patience(environment: Mapping[str, str]) -> float:
+    """Seconds, as `MJCOMPOSE_TIMEOUT` says. Raises SourceError for what is none.
+
+    >>> patience({}), patience({"MJCOMPOSE_TIMEOUT": "2.5"})
+    (30.0, 2.5)
+    """
+    written = environment.get("MJCOMPOSE_TIMEOUT", "")
+    if not written:
+        return DEFAULT
+    try:
+        seconds = float(written)
+    except ValueError:
+        seconds = 0.0
+    if not _SHORTEST <= seconds <= _LONGEST:
+        raise SourceError(
+            "source-fetch",
+            f"`MJCOMPOSE_TIMEOUT` is no number of seconds from {_SHORTEST} to {_LONGEST:.0f}: `{written}`",
+            help="write it as `30`",
+        )
+    return seconds
