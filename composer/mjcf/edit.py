@@ -24,6 +24,7 @@ from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode, plain_text
 from composer.tree.classes import MAIN, ORIENTATIONS
+from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.kinds import attribute_of, kind_of, naming_attribute, section_of, spoken
 from composer.tree.name_index import MAY_REPEAT, is_list
 
@@ -221,9 +222,14 @@ def _check_name(
     if attribute is None or attribute.declares is None or attribute.declares in MAY_REPEAT:
         return
     namespace = attribute.declares
-    if node is not None and attribute.name not in edit.texts:
+    after_file = kind.path in NAMED_AFTER_FILE
+    if node is not None and edit.texts.keys().isdisjoint(
+        {attribute.name, "file"} if after_file else {attribute.name}
+    ):
         return
-    name = edit.texts.get(attribute.name)
+    name = _own(edit, node, attribute.name)
+    if not name and after_file and (file := _own(edit, node, "file")):
+        name = stem(file)
     if frame is not None:
         name = frame.child.prefix + (name or "")
     if not name:
@@ -246,6 +252,13 @@ def _check_name(
         notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
         help="give one of the two another name",
     )
+
+
+def _own(edit: Edit, node: Node | None, attribute: str) -> str | None:
+    """The text of an attribute once the edit is carried out."""
+    if attribute in edit.texts or node is None:
+        return edit.texts.get(attribute)
+    return node.get(attribute)
 
 
 def check_lists(model: Model, namespace: str, old: str, new: str) -> None:
