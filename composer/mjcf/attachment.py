@@ -12,6 +12,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf import edit
 from composer.mjcf.attributed import targets
+from composer.mjcf.bones import for_prefix, take
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import HOSTS, Element, checked
 from composer.mjcf.errors import failure
@@ -189,13 +190,16 @@ def set_model_name(model: Model, name: str | None) -> None:
         _check_prefix(attachment.parent, model, name or model.unit.label, itself=model)
     text = written.texts["model"]
     if attachment is not None:
-        _check_lists(attachment.parent, old, (text or model.unit.label) + SEPARATOR)
+        new = (text or model.unit.label) + SEPARATOR
+        _check_lists(attachment.parent, old, new)
+        skins = for_prefix(attachment.parent, old, new) if new != old else []
     if text is None:
         edit.drop(model.unit.root, "model")
     else:
         model.unit.root.set("model", text)
     if attachment is None or model.prefix == old:
         return
+    take(skins)
     parent = attachment.parent
     parent.attachments = {each.child.prefix: each for each in parent.attachments.values()}
     new = model.prefix
