@@ -17,6 +17,7 @@ from composer.mjcf.attachment import AttachmentFrame
 from composer.mjcf.call_site import call_site
 from composer.mjcf.duplicate import duplicate
 from composer.mjcf.errors import raise_errors
+from composer.mjcf.included_model import take_model
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
 from composer.tree.files import NAMED_AFTER_FILE, file_attributes
@@ -48,6 +49,7 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     _check_names(model, source, other, sink)
     raise_errors(sink)
     files = _files(source)
+    models = list(source.unit.root.iterfind("asset/model[@file]"))
     for setting in _settings(source.unit.root):
         if setting.attribute not in _FOLDERS or setting.path != ("compiler",):
             _place_for(model, setting.path).set(setting.attribute, setting.value)
@@ -57,6 +59,8 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
         node.set(attribute, place(model, str(node.tag), asset, contents))
     known = model.unit.contents
     model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(contents)
+    for node in models:
+        take_model(model, source.unit, node)
     for top in moved:
         for node in top.iter("*"):
             model.note(node)

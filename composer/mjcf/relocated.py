@@ -40,6 +40,10 @@ def _plain_files(unit: Unit) -> tuple[int, int] | None:
 
     None where a path has to be shortened, parted from another or looked into.
     """
+    if any(
+        next(section.iterchildren("model"), None) is not None for section in unit.root.iterchildren("asset")
+    ):
+        return None
     seen = set()
     moving = staying = 0
     for element, attribute, name in file_attributes(unit.root):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 import warnings
 from pathlib import Path
 from typing import Any
@@ -40,7 +41,10 @@ def from_spec(spec: Any) -> RootElement:
     except (ValueError, mujoco.FatalError) as error:
         raise refused(error) from None
     folder = getattr(spec, "modelfiledir", "")
-    return from_xml_string(text, assets=dict(spec.assets), base_dir=Path(folder) if folder else None)
+    assets = dict(spec.assets)
+    for name, data in spec.assets.items():  # MuJoCo goes by the last part of a path alone
+        assets.setdefault(posixpath.basename(name), data)
+    return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)
 
 
 def _text(compiled: Any) -> str:
