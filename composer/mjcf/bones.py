@@ -11,6 +11,7 @@ from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.model import Model
 from composer.tree.files import written_path
+from composer.tree.settings import read_settings
 from composer.tree.skin_file import BadBone, BadSkin, rename_bones
 
 Skins = list[tuple[Model, dict[str, bytes | Path]]]
@@ -36,20 +37,19 @@ def renamed(model: Model, rename: Callable[[str], str | None]) -> dict[str, byte
     `rename` gives None for what keeps its name. A file that cannot be read is told where all files are read.
     """
     found: dict[str, bytes | Path] = {}
-    for section in model.unit.root.iterchildren("asset", "deformable"):
-        for skin in section.iterchildren("skin"):
-            file = skin.get("file")
-            if not file:
-                continue
-            try:
-                before = asset_of(model, "skin", str(file)).contents
-                after = rename_bones(before, lambda name: rename(name) or name)
-            except BadBone as fault:
-                raise failure("bad-name", f"{fault}, `{file}`", call_site()) from None
-            except (MjcfError, BadSkin):
-                continue
-            if after != before:
-                found[written_path(model.unit.settings, skin, str(file))] = after
+    for skin in model.names.declared.get("skin", {}).values():
+        file = skin.get("file")
+        if not file:
+            continue
+        try:
+            before = asset_of(model, "skin", str(file)).contents
+            after = rename_bones(before, lambda name: rename(name) or name)
+        except BadBone as fault:
+            raise failure("bad-name", f"{fault}, `{file}`", call_site()) from None
+        except (MjcfError, BadSkin):
+            continue
+        if after != before:
+            found[written_path(read_settings(model.unit.root), skin, str(file))] = after
     return found
 
 
