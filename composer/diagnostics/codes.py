@@ -51,7 +51,7 @@ CODES: dict[str, str] = {
     "selector": "a selector means nothing, or another number of elements than expected",
     "separator-mismatch": "nested recipes use different prefix separators",
     "source-changed": "a source has other bytes than the lock pins",
-    "source-cycle": "a recipe uses itself, directly or through others",
+    "source-cycle": "a recipe or model uses itself, directly or through others",
     "source-fetch": "a repository or archive cannot be fetched",
     "source-kind": "a model reference has a form or file type that is not known",
     "source-not-found": "a model reference leads to nothing",

@@ -5,6 +5,8 @@ A sub-model keeps its own compiler settings, because MuJoCo reads it as a model 
 
 from __future__ import annotations
 
+import hashlib
+import posixpath
 from pathlib import Path
 
 from lxml.etree import _Element as Node
@@ -13,7 +15,8 @@ from composer.link.compiler import FOLDERS
 from composer.link.files import ASSETS, inside
 from composer.link.linking import FileUse, Linking
 from composer.tree.files import file_attributes, join, written_path
-from composer.tree.parse import parse_file
+from composer.tree.from_folder import FromFolder
+from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
 from composer.tree.write import write
 
@@ -28,14 +31,35 @@ def submodels(linking: Linking) -> None:
                 _bundle(linking, unit, element, str(file), f"{ASSETS}/{unit.label}/models", policy != "none")
 
 
-def _bundle(linking: Linking, unit: Unit, element: Node, file: str, folder: str, keyed: bool) -> None:
+def _bundle(
+    linking: Linking,
+    unit: Unit,
+    element: Node,
+    file: str,
+    folder: str,
+    keyed: bool,
+    above: tuple[str, ...] = (),
+) -> None:
+    """Take in a model that another one names; `above` are the models that lead to it."""
     known = unit.contents.get(file)
     source = str(known) if isinstance(known, Path) else join(str(unit.directory), file)
     if isinstance(known, bytes):
-        _bundled_before(linking, unit, element, file, known)
+        if _is_bundled(file):
+            _bundled_before(linking, unit, element, file, known)
+            return
+        source = f"{source}#{hashlib.sha256(known).hexdigest()}"  # two may have one path
+    if source in above:
+        linking.sink.error(
+            "source-cycle",
+            f"the model `{file}` is made of itself",
+            linking.span(unit, element, "file"),
+            help="MuJoCo attaches a copy of what is named here: take this `<model>` out, or name another file",
+        )
         return
     before = linking.sink.error_count
-    sub = parse_file(Path(source), linking.sink)
+    sub = _parse(linking, unit, file, known) if isinstance(known, bytes) else None
+    if not isinstance(known, bytes):
+        sub = parse_file(Path(source), linking.sink)
     if sub is None or linking.sink.error_count > before:
         return
     if not element.get("name"):
@@ -43,28 +67,60 @@ def _bundle(linking: Linking, unit: Unit, element: Node, file: str, folder: str,
     path = _free(linking, f"{folder}/{sub.label}" + ("" if keyed else "-without-keys"), source)
     for section in list(sub.root.iterchildren("keyframe")) if not keyed else ():
         sub.root.remove(section)
-    _own_files(linking, sub, path, keyed)
+    _own_files(linking, sub, path, keyed, (*above, source))
     element.set("file", f"{path}.xml")
     linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
 
 
+def _parse(linking: Linking, unit: Unit, file: str, data: bytes) -> Unit | None:
+    """A sub-model in memory; its files are there too, seen from its own folder."""
+    folder, _, name = join("", file).rpartition("/")
+    return parse_text(
+        data,
+        linking.sink,
+        file=file,
+        directory=Path(join(str(unit.directory), folder)) if folder else unit.directory,
+        label=posixpath.splitext(name)[0],
+        contents=FromFolder(unit.contents, folder),
+    )
+
+
+def _is_bundled(file: str) -> bool:
+    """Whether a sub-model stands where this pass puts them."""
+    steps = file.split("/")
+    return len(steps) == 4 and steps[0] == ASSETS and steps[2] == "models"
+
+
 def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, model: bytes) -> None:
     """The sub-model of a composition: its files stand beside it, in a folder of its name."""
-    taken = {use.path: use.content for use in linking.files}
-    folder, name = file.rsplit("/", 1)
+    taken = {use.path: use.content if use.content is not None else Path(use.source) for use in linking.files}
+    folder = file.rsplit("/", 1)[0]
+    start = file.removesuffix(".xml") + "/"
+    files = {path: content for path, content in unit.contents.items() if path.startswith(start)}
+    files = {path.removeprefix(folder): content for path, content in {file: model, **files}.items()}
     number, free = 1, folder
-    while taken.get(f"{free}/{name}", model) != model:
+    while any(not _alike(taken.get(free + path, content), content) for path, content in files.items()):
         number += 1
         free = f"{folder}-{number}"
-    element.set("file", f"{free}/{name}")
-    linking.files.append(FileUse(element, "file", f"{free}/{name}", file, model, shared=False))
-    for path, content in unit.contents.items():
-        if path.startswith(file.removesuffix(".xml") + "/"):
-            moved = free + path.removeprefix(folder)
-            data = content if isinstance(content, bytes) else None
-            linking.files.append(
-                FileUse(element, "file", moved, str(content if data is None else path), data, shared=False)
-            )
+    element.set("file", free + file.removeprefix(folder))
+    for path, content in files.items():
+        data = content if isinstance(content, bytes) else None
+        source = folder + path if data is not None else str(content)
+        linking.files.append(FileUse(element, "file", free + path, source, data, shared=False))
+
+
+def _alike(one: bytes | Path, other: bytes | Path) -> bool:
+    """Whether two files, in memory or on disk, have the same bytes."""
+    if one == other:
+        return True
+    try:
+        return _data(one) == _data(other)
+    except OSError:  # told where all files are read
+        return False
+
+
+def _data(file: bytes | Path) -> bytes:
+    return file if isinstance(file, bytes) else file.read_bytes()
 
 
 def _free(linking: Linking, path: str, source: str) -> str:
@@ -76,25 +132,27 @@ def _free(linking: Linking, path: str, source: str) -> str:
     return free
 
 
-def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool) -> None:
+def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple[str, ...]) -> None:
     """Files of a sub-model stand in a folder beside it, and it names them from where it is."""
     beside = path.rsplit("/", 1)[1]
     taken: dict[str, str] = {}
     for element, attribute, file in file_attributes(sub.root):
         written = written_path(sub.settings, element, file)
-        source = join(str(sub.directory), written)
+        known = sub.contents.get(written)
+        source = str(known) if isinstance(known, Path) else join(str(sub.directory), written)
         below = name = inside(sub.settings, written)
         number = 1
         while taken.setdefault(name.lower(), source) != source:
             number += 1
             name = f"{number}/{below}"
         element.set(attribute, f"{beside}/{name}")
-        linking.files.append(FileUse(element, attribute, f"{path}/{name}", source, None, shared=False))
+        content = known if isinstance(known, bytes) else None
+        linking.files.append(FileUse(element, attribute, f"{path}/{name}", source, content, shared=False))
     for nested in sub.root.findall("asset/model"):
         model_file = nested.get("file")
         if model_file:
             inner = f"{path}/models"
-            _bundle(linking, sub, nested, model_file, inner, keyed)
+            _bundle(linking, sub, nested, model_file, inner, keyed, above)
             nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
     for compiler in sub.root.iterchildren("compiler"):
         for name in FOLDERS:

@@ -166,4 +166,6 @@ def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path
 
 
 def _written(model: Model, tag: str, name: str) -> str:
+    if tag == "model":  # MuJoCo looks for it beside the main file
+        return join("", name)
     return written_path(read_settings(model.unit.root), etree.Element(tag), name)

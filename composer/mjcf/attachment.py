@@ -12,10 +12,11 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf import edit
 from composer.mjcf.attributed import targets
+from composer.mjcf.bones import for_prefix, take
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import HOSTS, Element, checked
 from composer.mjcf.errors import failure
-from composer.mjcf.model import Attachment, Model
+from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe
 from composer.mjcf.removal import release
 from composer.mjcf.views import view
@@ -84,6 +85,7 @@ class AttachmentFrame(Element):
                 notes=(Note(f"{describe(self._model, there)} is here", self._model.span(there)),),
             )
         kind = self._child_kind(tag)
+        self._check_body_name()
         checked = edit.check(self._model, kind, targets(attributes), frame=self._attachment)
         return view(self._model, edit.create(self._model, self._node, tag, checked, position))
 
@@ -96,7 +98,23 @@ class AttachmentFrame(Element):
                     call_site(),
                     help="it has `pos`, one orientation, and `mocap`; its name is the child's `model`",
                 )
+        if attributes.get("mocap") not in (None, False, "false"):
+            self._check_body_name()
         super()._write(attributes)
+
+    def _check_body_name(self) -> None:
+        """A frame that becomes a body takes the bare prefix as its name, which must be free."""
+        attachment, model = self._attachment, self._model
+        name = attachment.child.prefix
+        taken = None if attachment.is_body else model.top.lookup("body", model.full_prefix + name)
+        if taken is not None:
+            raise failure(
+                "name-clash",
+                f"another body is called `{name}` already, as the frame would be",
+                call_site(),
+                notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
+                help="give it another name, or the attached model: `other.model = '…'`",
+            )
 
     def remove(self, cascade: bool = False) -> None:
         """Not possible: `detach()` the child instead."""
@@ -172,13 +190,16 @@ def set_model_name(model: Model, name: str | None) -> None:
         _check_prefix(attachment.parent, model, name or model.unit.label, itself=model)
     text = written.texts["model"]
     if attachment is not None:
-        _check_lists(attachment.parent, old, (text or model.unit.label) + SEPARATOR)
+        new = (text or model.unit.label) + SEPARATOR
+        _check_lists(attachment.parent, old, new)
+        skins = for_prefix(attachment.parent, old, new) if new != old else []
     if text is None:
         edit.drop(model.unit.root, "model")
     else:
         model.unit.root.set("model", text)
     if attachment is None or model.prefix == old:
         return
+    take(skins)
     parent = attachment.parent
     parent.attachments = {each.child.prefix: each for each in parent.attachments.values()}
     new = model.prefix
@@ -216,7 +237,11 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
             for known, node in names.items():
                 if not known.startswith(full):
                     continue
-                found = child.lookup_attached(namespace, known[len(full) :])
+                rest = known[len(full) :]
+                found = child.lookup_attached(namespace, rest)
+                if found is None and child.hung is not None:
+                    between = child.hung.find(namespace, rest)
+                    found = None if between is None else Target(child.hung.parent, between)
                 if found is not None:
                     raise failure(
                         "name-clash",

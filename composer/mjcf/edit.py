@@ -17,6 +17,7 @@ from composer.diagnostics.suggest import closest
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
 from composer.mjcf.asset import Asset, Files, place
+from composer.mjcf.bones import Skins, for_body, take
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.misspelled import unknown_attribute
@@ -24,6 +25,7 @@ from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode, plain_text
 from composer.tree.classes import MAIN, ORIENTATIONS
+from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.kinds import attribute_of, kind_of, naming_attribute, section_of, spoken
 from composer.tree.name_index import MAY_REPEAT, is_list
 
@@ -36,6 +38,8 @@ class Edit:
     contents: dict[str, bytes | Path] = field(default_factory=dict)
     given: dict[Target, str] = field(default_factory=dict)
     """Names for what is referred to and has none."""
+    skins: Skins = field(default_factory=list)
+    """Skin files that have the name of a body which gets another one."""
     nameless: bool = False
     """Whether none of the attributes has to do with names."""
 
@@ -86,6 +90,8 @@ def check(
         both = " and ".join(f"`{name}`" for name in turned)
         raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}", call_site())
     _check_name(model, kind, edit, node, frame)
+    if node is not None and frame is None:
+        edit.skins = _skins(model, kind, edit, node)
     return edit
 
 
@@ -123,6 +129,7 @@ def _text(
 def write(model: Model, node: Node, edit: Edit) -> None:
     """Carry out an edit that has been checked."""
     _take_contents(model, edit)
+    take(edit.skins)
     _give_names(edit)
     before = None
     if not edit.nameless:
@@ -221,9 +228,14 @@ def _check_name(
     if attribute is None or attribute.declares is None or attribute.declares in MAY_REPEAT:
         return
     namespace = attribute.declares
-    if node is not None and attribute.name not in edit.texts:
+    after_file = kind.path in NAMED_AFTER_FILE
+    if node is not None and edit.texts.keys().isdisjoint(
+        {attribute.name, "file"} if after_file else {attribute.name}
+    ):
         return
-    name = edit.texts.get(attribute.name)
+    name = _own(edit, node, attribute.name)
+    if not name and after_file and (file := _own(edit, node, "file")):
+        name = stem(file)
     if frame is not None:
         name = frame.child.prefix + (name or "")
     if not name:
@@ -246,6 +258,22 @@ def _check_name(
         notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
         help="give one of the two another name",
     )
+
+
+def _own(edit: Edit, node: Node | None, attribute: str) -> str | None:
+    """The text of an attribute once the edit is carried out."""
+    if attribute in edit.texts or node is None:
+        return edit.texts.get(attribute)
+    return node.get(attribute)
+
+
+def _skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> Skins:
+    """What skin files are to be where a body is renamed."""
+    attribute = naming_attribute(kind)
+    if attribute is None or attribute.declares != "body" or attribute.name not in edit.texts:
+        return []
+    before, name = model.declared(node), edit.texts[attribute.name]
+    return for_body(model, before[1], name) if before and name and before[1] != name else []
 
 
 def check_lists(model: Model, namespace: str, old: str, new: str) -> None:

@@ -116,7 +116,7 @@ class Element(Attributed):
         >>> mjcf.from_xml_string(chr(10).join(lines)).find('geom', 'ball').origin.line
         2
         """
-        return self._model.span(self._node)
+        return self._alive()._model.span(self._node)
 
     # -- adding and removing ---------------------------------------------------------------------------------
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import posixpath
 import re
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import get_args
@@ -25,6 +24,7 @@ from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.mounting import Mounting
 from composer.mjcf.pruning import prune
 from composer.mjcf.relocated import relocated_text
+from composer.mjcf.told_apart import is_inner, rename_file, told_apart
 from composer.tree.unit import Unit
 from composer.tree.write import to_text
 
@@ -142,9 +142,9 @@ def name_files(flat: Flat) -> None:
     bases = {use.path[use.path.rfind("/") :].lower() for use in flat.files}
     if len(bases) == len(flat.files):
         return
-    for use, name in _told_apart(flat.files):
-        if name != use.path:
-            use.element.set(use.attribute, name)
+    for use, name in told_apart(flat.files):
+        if name != use.path and not is_inner(use, flat.files):
+            rename_file(use.element, use.attribute, name)
 
 
 def assets(model: Model) -> dict[str, bytes]:
@@ -158,7 +158,7 @@ def contents(flat: Flat) -> dict[str, bytes]:
 
     found: dict[str, bytes] = {}
     sink = Sink()
-    for use, name in _told_apart(flat.files):
+    for use, name in told_apart(flat.files):
         if name not in found:
             found[name] = read(flat.unit, use, sink) or b""
     raise_errors(sink)
@@ -191,22 +191,6 @@ def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measur
         return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
 
     return measure
-
-
-def _told_apart(files: Iterable[FileUse]) -> Iterator[tuple[FileUse, str]]:
-    """A path for each file such that no two have one file name; sub-models keep theirs."""
-    taken: dict[str, str] = {}
-    for use in files:
-        folder, _, base = use.path.rpartition("/")
-        if not use.shared or taken.setdefault(base.lower(), use.path) == use.path:
-            yield use, use.path
-            continue
-        stem, suffix = posixpath.splitext(base)
-        number, name = 1, base
-        while taken.setdefault(name.lower(), use.path) != use.path:
-            number += 1
-            name = f"{stem}-{number}{suffix}"
-        yield use, f"{folder}/{name}"
 
 
 def _for_python(diagnostic: Diagnostic) -> Diagnostic:

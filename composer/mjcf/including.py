@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import posixpath
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +17,8 @@ from composer.mjcf.asset import Asset, Files, asset_of, place
 from composer.mjcf.attachment import AttachmentFrame
 from composer.mjcf.call_site import call_site
 from composer.mjcf.duplicate import duplicate
-from composer.mjcf.errors import raise_errors
+from composer.mjcf.errors import MjcfWarning, raise_errors
+from composer.mjcf.included_model import take_model
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
 from composer.tree.files import NAMED_AFTER_FILE, file_attributes
@@ -43,11 +45,23 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     """See `RootElement.include_copy`."""
     source = duplicate(other)
     sink = Sink()
-    if not override:
-        _check_settings(model, source, other, sink)
+    settled: list[str] = []
+    for conflict in _conflicts(model, source):
+        if not override:
+            _refuse(conflict, model, source, other, sink)
+        elif conflict.path[0] in _READ_BY:
+            winner = model if conflict.theirs is None else other
+            settled.append(
+                f"{conflict} is not the same in `{model.name}` and `{other.name}`: that of `{winner.name}` now "
+                "counts for the elements of both"
+            )
     _check_names(model, source, other, sink)
     raise_errors(sink)
+    place_of_call = call_site()
+    for message in settled:
+        warnings.warn_explicit(message, MjcfWarning, place_of_call.file, place_of_call.line)
     files = _files(source)
+    models = list(source.unit.root.iterfind("asset/model[@file]"))
     for setting in _settings(source.unit.root):
         if setting.attribute not in _FOLDERS or setting.path != ("compiler",):
             _place_for(model, setting.path).set(setting.attribute, setting.value)
@@ -57,6 +71,8 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
         node.set(attribute, place(model, str(node.tag), asset, contents))
     known = model.unit.contents
     model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(contents)
+    for node in models:
+        take_model(model, source.unit, node)
     for top in moved:
         for node in top.iter("*"):
             model.note(node)
@@ -73,7 +89,19 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
             model.note(node)
 
 
-def _check_settings(model: Model, source: Model, other: Model, sink: Sink) -> None:
+class _Conflict(NamedTuple):
+    """A setting that two models do not have alike: where it stands in each, None where it is not written."""
+
+    path: tuple[str, ...]
+    attribute: str
+    mine: _Setting | None
+    theirs: _Setting | None
+
+    def __str__(self) -> str:
+        return f"`{self.attribute}` of `{'/'.join(self.path)}`"
+
+
+def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
     """Values that differ, and such that would give the other's elements or one's own another meaning."""
     mine = {(each.path, each.attribute): each for each in _settings(model.unit.root)}
     theirs = {(each.path, each.attribute): each for each in _settings(source.unit.root)}
@@ -91,18 +119,22 @@ def _check_settings(model: Model, source: Model, other: Model, sink: Sink) -> No
         elif None in values:
             continue
         if not _equal(values[0], values[1]):
-            notes = [
-                Note(f"`{where.name}` has {_shown(each)}", None if each is None else where.span(each.node))
-                for where, each in ((model, mine.get(key)), (source, theirs.get(key)))
-            ]
-            sink.error(
-                "option-conflict",
-                f"`{'/'.join(path)}` has `{attribute}`, which is not the same in `{model.name}` and `{other.name}`",
-                call_site(),
-                notes=notes,
-                help="make the two agree, pass `override=True`, which takes what the other has, or `attach` the "
-                "other: an attached model keeps its own",
-            )
+            yield _Conflict(path, attribute, mine.get(key), theirs.get(key))
+
+
+def _refuse(conflict: _Conflict, model: Model, source: Model, other: Model, sink: Sink) -> None:
+    path, attribute = "/".join(conflict.path), conflict.attribute
+    sink.error(
+        "option-conflict",
+        f"`{path}` has `{attribute}`, which is not the same in `{model.name}` and `{other.name}`",
+        call_site(),
+        notes=[
+            Note(f"`{where.name}` has {_shown(each)}", None if each is None else where.span(each.node))
+            for where, each in ((model, conflict.mine), (source, conflict.theirs))
+        ],
+        help="make the two agree, pass `override=True`, which takes what the other has, or `attach` the "
+        "other: an attached model keeps its own",
+    )
 
 
 def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:

@@ -40,13 +40,18 @@ def _plain_files(unit: Unit) -> tuple[int, int] | None:
 
     None where a path has to be shortened, parted from another or looked into.
     """
+    if any(
+        next(section.iterchildren("model"), None) is not None for section in unit.root.iterchildren("asset")
+    ):
+        return None
     seen = set()
     moving = staying = 0
     for element, attribute, name in file_attributes(unit.root):
-        if attribute != "file" or element.tag == "skin" or not is_plain(name):
+        tag = element.tag
+        if attribute != "file" or tag == "skin" or not is_plain(name):
             return None
         seen.add(name[name.rfind("/") + 1 :].lower())
-        if is_settled(unit, element.tag, name):
+        if name.startswith(ASSETS) and is_settled(unit, tag, name):
             staying += 1
         else:
             moving += 1

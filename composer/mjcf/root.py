@@ -164,7 +164,8 @@ class RootElement(Element):
         Raises `MjcfError` with everything that stands against it, and changes nothing, where names are
         taken, where the two have different settings, or where a compiler setting or top default class of
         one would give the elements of the other another meaning. With `override` the settings that the
-        other writes count. Keyframes come as they are: their lengths are those of the other alone.
+        other writes count; where elements get another meaning by it, an `MjcfWarning` tells. Keyframes
+        come as they are: their lengths are those of the other alone.
 
         >>> arm, tool = RootElement('arm'), RootElement('tool')
         >>> hammer = tool.worldbody.add('body', name='hammer')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
+from composer.mjcf.bones import renamed, take
 from composer.mjcf.errors import raise_errors
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
@@ -35,6 +36,7 @@ def escape_separators(model: Model) -> None:
                     help="rename one of the two, or read the model without `escape_separators`",
                 )
     raise_errors(sink)
+    take([(model, renamed(model, _escaped))])
     for names in declared.values():
         for name, node in names.items():
             attribute = naming_attribute(kind_of(node))

@@ -92,7 +92,7 @@ def own_name(node: Node, attribute: str) -> str | None:
     if attribute == "name" and node.tag in NAMED_AFTER_FILE:
         file = node.get("file")
         parent = node.getparent()
-        if file and parent is not None and parent.tag == "asset":
+        if file and parent is not None and parent.tag in ("asset", "deformable"):
             return stem(str(file))
     return None
 

@@ -14,6 +14,10 @@ class BadSkin(ValueError):
     """The bytes are no skin file, or a name does not fit into one."""
 
 
+class BadBone(BadSkin):
+    """A name does not fit into a skin file."""
+
+
 def rename_bones(data: bytes, rename: Callable[[str], str]) -> bytes:
     """The same skin with every bone's body renamed. A name has room for 39 bytes."""
     try:
@@ -24,7 +28,7 @@ def rename_bones(data: bytes, rename: Callable[[str], str]) -> bytes:
             name = data[at : at + _NAME_BYTES].split(b"\0", 1)[0].decode()
             new = rename(name).encode()
             if len(new) >= _NAME_BYTES:
-                raise BadSkin(f"the body name `{new.decode()}` is longer than the 39 bytes of a skin file")
+                raise BadBone(f"the body name `{new.decode()}` is longer than the 39 bytes of a skin file")
             (count,) = struct.unpack_from("<i", data, at + _NAME_BYTES + _BIND)
             end = at + _NAME_BYTES + _BIND + 4 + 8 * count
             pieces += [new.ljust(_NAME_BYTES, b"\0"), data[at + _NAME_BYTES : end]]

@@ -107,3 +107,18 @@ def test_sub_models_of_compositions_keep_their_files(workshop: Workshop) -> None
     assert model.geom_rgba[[0, 2, 4], :2].tolist() == [[1, 0], [0, 1], [1, 0]]
     assert len([path for path in both.bundled() if path.endswith("sub.xml")]) == 2
     assert collect(outer.base, outer.files, outer.sink) == both.bundled()
+
+
+def test_sub_models_of_compositions_that_differ_in_a_mesh_alone_stay_apart(workshop: Workshop) -> None:
+    parts, alone = [], []
+    for prefix, content in (("a/", SUB_FILES), ("b/", {**SUB_FILES, "s/m/a.obj": obj(0.7)})):
+        inner = workshop.link(BASE, Piece(HOLDER, "p/", files=content))
+        unit = composed(inner)
+        unit.contents = inner.bundled()
+        alone.append(inner.model().geom_rbound.tolist())
+        parts.append(Part(unit, prefix, placed()))
+    outer = Linking(workshop.unit("<mujoco/>"), parts, Sink())
+    assert link(outer)
+    finish(outer)
+    model = Linked(workshop, outer, [], []).model()
+    assert alone[0] != alone[1] and model.geom_rbound.tolist() == alone[0] + alone[1]

@@ -348,3 +348,29 @@ def test_a_frame_that_is_gone_is_shown_without_a_name(
     assert repr(frame) == '<body name="gripper/"/>'
     gripper.detach()
     assert repr(frame) == "<body/>"
+
+
+@pytest.mark.parametrize(
+    "become_body",
+    [lambda frame: frame.add("joint", name="turn"), lambda frame: setattr(frame, "mocap", True)],
+)
+def test_a_frame_that_becomes_a_body_needs_its_name(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, become_body: Callable[[mjcf.Element], object]
+) -> None:
+    arm.worldbody.add("body", name="gripper/")
+    frame = arm.attach(gripper)
+    before = str(arm)
+    with pytest.raises(mjcf.MjcfError, match="another body is called `gripper/` already"):
+        become_body(frame)
+    assert str(arm) == before and not frame.all_children()
+
+
+@pytest.mark.parametrize(("tag", "name"), [("body", "hand/"), ("joint", "hand/turn")])
+def test_a_new_model_name_must_leave_room_for_the_frame(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, tag: str, name: str
+) -> None:
+    arm.attach(gripper).add("joint", name="turn")
+    arm.find("body", "fore").add(tag, name=name)  # type: ignore[union-attr]
+    with pytest.raises(mjcf.MjcfError, match=f"there is a {tag} `{name}` in `arm`"):
+        gripper.model = "hand"
+    assert gripper.model == "gripper"

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -189,3 +190,31 @@ def test_the_top_class_keeps_its_name() -> None:
         model.default.dclass = "top"
     model.default.dclass = "main"
     assert model.find("default", "main") is model.default
+
+
+@pytest.mark.parametrize(
+    "clash",
+    [
+        lambda asset: asset.add("mesh", file="other/shell.obj"),
+        lambda asset: asset.add("mesh", name="shell", file="cube.stl"),
+        lambda asset: setattr(asset.mesh["cube"], "file", "other/shell.obj"),
+        lambda asset: setattr(asset.mesh["cup"], "name", None),
+    ],
+)
+def test_a_name_taken_from_a_file_is_a_name(clash: Callable[[mjcf.Element], None]) -> None:
+    model = mjcf.RootElement()
+    model.asset.add("mesh", file="shell.stl")
+    model.asset.add("mesh", file="cube.stl")
+    model.asset.add("mesh", name="cup", file="third/shell.stl")
+    before = str(model)
+    with pytest.raises(mjcf.MjcfError, match="another mesh is called `shell` already"):
+        clash(model.asset)
+    assert str(model) == before
+
+
+def test_a_skin_is_named_after_its_file_in_both_sections() -> None:
+    model = mjcf.RootElement()
+    skin = model.deformable.add("skin", file="coat.skn")
+    assert model.find("skin", "coat") is skin
+    with pytest.raises(mjcf.MjcfError, match="another skin is called `coat` already"):
+        model.asset.add("skin", file="old/coat.skn")

@@ -100,9 +100,11 @@ def test_a_setting_that_would_change_what_elements_mean(settings: str) -> None:
             model.include_copy(other)
         mjcf.RootElement().include_copy(other)
         _model(one).include_copy(other)
-    model = _model(geom)
-    model.include_copy(_model(geom + settings), override=True)
-    assert len(model.find_all("geom")) == 2
+    for winner, one, two in (("two", "", settings), ("one", settings, "")):
+        model = _model(geom + one, "one")
+        with pytest.warns(mjcf.MjcfWarning, match=f"that of `{winner}` now counts for the elements of both"):
+            model.include_copy(_model(geom + two, "two"), override=True)
+        assert len(model.find_all("geom")) == 2
 
 
 def test_attached_models_come_along(arm: RootElement, gripper: RootElement, compiled: Compiled) -> None:

@@ -6,7 +6,10 @@ from composer import mjcf
 
 
 def test_what_is_removed_is_gone(arm: mjcf.RootElement) -> None:
-    arm.find("exclude", "near").remove()  # type: ignore[union-attr]
+    near = arm.find("exclude", "near")
+    near.remove()  # type: ignore[union-attr]
+    with pytest.raises(mjcf.MjcfError, match="was removed from its model"):
+        near.origin  # type: ignore[union-attr]  # noqa: B018
     assert arm.find("exclude") is None and "exclude" not in arm.to_xml_string()
     arm.contact.add("exclude", name="near", body1="base", body2="fore")
 

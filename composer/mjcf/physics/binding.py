@@ -81,7 +81,7 @@ class Binding:
         if view is None:
             field = fields(self._kind).get(name)
             if field is None:
-                raise self._unknown(name)
+                raise self._numbered(name) if name in ("element_id", "id") else self._unknown(name)
             view = self._view(name, field)
         if value is None:
             raise self._cannot_take(name, value)
@@ -163,6 +163,10 @@ class Binding:
             shown = shorten(repr(value))
             return failure("wrong-type", f"{what} expects numbers, got `{shown}`", call_site())
         return failure("wrong-length", f"{what} has the shape {has.shape}, got {got.shape}", call_site())
+
+    def _numbered(self, name: str) -> Exception:
+        message = f"`{name}` is the number that MuJoCo has given and cannot be set"
+        return failure("wrong-type", message, call_site(), kind=MjcfAttributeError)
 
     def _unknown(self, name: str) -> Exception:
         known = sorted(fields(self._kind))

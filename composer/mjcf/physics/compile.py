@@ -21,6 +21,17 @@ from composer.verify.roster import Model as MjModel
 from composer.verify.roster import Roster
 from composer.verify.told import told
 
+# Advice to the writers of recipes, for those who write Python.
+_IN_PYTHON = {
+    "put a body with a free joint into the world: `to: world`": "put a body with a free joint into the worldbody",
+    "put a mocap body into the world, without joints: `to: world`": "put a mocap body into the worldbody, "
+    "without joints",
+    "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`": "say what it moves: `joint=…`, or `tendon`, "
+    "`site` or `body`",
+    "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out": "let an actuator "
+    "have it: `add('plugin', plugin=…, instance=…)`, or take the instance out",
+}
+
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
@@ -96,7 +107,8 @@ def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> Mj
     span = None
     if flat is not None and element is not None:
         span = flat.unit.origins.span(element, flat.unit.file, said.attribute, key=said.key)
-    return failure(said.code, said.message, span, notes=said.notes, help=said.help)
+    help = said.help and _IN_PYTHON.get(said.help, said.help)
+    return failure(said.code, said.message, span, notes=said.notes, help=help)
 
 
 def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: Roster) -> Snapshot:

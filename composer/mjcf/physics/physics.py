@@ -210,7 +210,8 @@ class Physics:
         `camera` is a camera's number, name or element; -1 is the free camera. Raises `MjcfError` where
         there is no OpenGL; without a display `MUJOCO_GL=egl` must be set before MuJoCo is imported.
         """
-        number = camera if isinstance(camera, int) and camera == -1 else self._row("camera", camera)
+        free = isinstance(camera, int | np.integer) and camera == -1
+        number = -1 if free else self._row("camera", camera)
         return self._rendering.picture(self._model, self._data, height, width, number)
 
     # Any: what the fields of a binding are is known when the program runs.
@@ -338,8 +339,9 @@ class Physics:
         names = self._roster.names[kind]
         if isinstance(given, str) and given in self._roster.ids[kind]:
             return self._roster.ids[kind][given]
-        if isinstance(given, int) and not isinstance(given, bool) and 0 <= given < len(names):
-            return given
+        number = int(given) if isinstance(given, int | np.integer) and not isinstance(given, bool) else -1
+        if 0 <= number < len(names):
+            return number
         near = closest(given, names) if isinstance(given, str) else []
         raise failure(
             "unknown-name" if isinstance(given, str) else "out-of-range",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import posixpath
+import warnings
 from pathlib import Path
 from typing import Any
 
 from composer.link.linking import Policy
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import failure
+from composer.mjcf.errors import MjcfWarning, failure
 from composer.mjcf.flat import contents, flatten, name_files, tell
 from composer.mjcf.model import Model
 from composer.mjcf.parse import from_xml_string
@@ -20,6 +22,8 @@ def from_spec(spec: Any) -> RootElement:
     """The model of a `mujoco.MjSpec`, as MuJoCo writes it out; files in its `assets` come along.
 
     MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
+    Numbers are those of the spec, to the last bit. MuJoCo before 3.16 writes six digits of each; a later one does
+    where models with different compiler settings are attached to each other, and an `MjcfWarning` tells.
 
     >>> import mujoco
     >>> spec = mujoco.MjSpec()
@@ -33,11 +37,29 @@ def from_spec(spec: Any) -> RootElement:
     try:
         copied = spec.copy()
         copied.compile()
-        text = copied.to_xml()
+        text = _text(copied)
     except (ValueError, mujoco.FatalError) as error:
         raise refused(error) from None
     folder = getattr(spec, "modelfiledir", "")
-    return from_xml_string(text, assets=dict(spec.assets), base_dir=Path(folder) if folder else None)
+    assets = dict(spec.assets)
+    for name, data in spec.assets.items():  # MuJoCo goes by the last part of a path alone
+        assets.setdefault(posixpath.basename(name), data)
+    return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)
+
+
+def _text(compiled: Any) -> str:
+    """What MuJoCo writes of a spec: as it was given where it can, else what it has compiled, in six digits."""
+    compiler = compiled.compiler
+    if hasattr(compiler, "savecompiled"):
+        compiler.savecompiled, compiler.savecanonical = False, True
+        try:
+            return str(compiled.to_xml())
+        except (ValueError, engine().FatalError) as error:
+            place, why = call_site(), " ".join(str(error).split())
+            message = f"MuJoCo writes the numbers of this spec in six digits only: {why}"
+            warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
+            compiler.savecompiled = True
+    return str(compiled.to_xml())
 
 
 def to_spec(model: Model, conflict: Policy) -> Any:

@@ -129,6 +129,8 @@ def test_a_field_that_does_not_exist_is_told_with_those_that_do(model: RootEleme
     assert caught.value.diagnostics[0].help == "did you mean `qpos`?"
     with pytest.raises(MjcfError, match="no field `sensordata`"):
         hinge.sensordata = 1
+    with pytest.raises(MjcfError, match="`id` is the number that MuJoCo has given and cannot be set"):
+        hinge.id = 1
     assert not hasattr(hinge, "xpos")
     assert {"qpos", "jnt_range", "range"} <= set(dir(hinge))
 

@@ -55,3 +55,29 @@ def test_options_that_disagree(arm: RootElement, gripper: RootElement) -> None:
         arm.compile_model()
     with pytest.warns(mjcf.MjcfWarning, match="timestep"):
         assert arm.compile_model(conflict="warning").timestep == 0.002
+
+
+def test_advice_is_for_those_who_write_python() -> None:
+    free, moved, nothing, instance = (mjcf.RootElement() for _ in range(4))
+    for model, attributes in ((free, {}), (moved, {"mocap": True})):
+        body = model.worldbody.add("body")
+        body.add("geom", size=[1])
+        inner = body.add("body", **attributes)
+        inner.add("geom", size=[1])
+        if model is free:
+            inner.add("freejoint")
+    nothing.actuator.add("motor")
+    plugin = instance.extension.add("plugin", plugin="mujoco.pid")
+    plugin.add("instance", name="i").add("config", key="kp", value="1")
+    helps = []
+    for model in (free, moved, nothing, instance):
+        with pytest.raises(MjcfError) as caught:
+            model.compile_model()
+        helps.append(str(caught.value.diagnostics[0].help))
+    assert [help.partition(":")[0] for help in helps] == [
+        "put a body with a free joint into the worldbody",
+        "put a mocap body into the worldbody, without joints",
+        "say what it moves",
+        "let an actuator have it",
+    ]
+    assert "joint=…" in helps[2] and "add('plugin'" in helps[3]

@@ -78,6 +78,14 @@ def test_a_keyframe_that_is_not_there(keyframe: object, swing: Physics) -> None:
     assert "keys that exist: up, 1" in str(caught.value)
 
 
+def test_a_keyframe_by_a_number_of_numpy(swing: Physics) -> None:
+    swing.reset("up")
+    expected = swing.data.qpos.copy()
+    swing.reset()
+    swing.reset(np.argmax([1, 0]))
+    assert swing.data.qpos.tolist() == expected.tolist()
+
+
 def test_an_element_that_is_no_keyframe(root: RootElement, swing: Physics) -> None:
     with pytest.raises(MjcfError, match="expects a key, got `<geom>` `bob`"):
         swing.reset(root.find("geom", "bob"))

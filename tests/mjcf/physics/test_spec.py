@@ -57,3 +57,33 @@ def test_a_model_with_models_in_it(tmp_path: Path) -> None:
         '<worldbody><attach model="tool" body="blade" prefix="t_"/></worldbody></mujoco>'
     )
     assert mjcf.from_path(tmp_path / "arm.xml").to_spec().compile().body("t_blade").id == 1
+
+
+_EXACT = pytest.mark.skipif(
+    not hasattr(mujoco.MjSpec().compiler, "savecompiled"), reason="this MuJoCo writes six digits"
+)
+
+
+@_EXACT
+def test_numbers_of_a_spec_are_kept_to_the_last_bit() -> None:
+    spec = mujoco.MjSpec()
+    body = spec.worldbody.add_body(name="b", pos=[1 / 3, 0, 0])
+    body.add_geom(name="g", size=[1 / 7, 0, 0], mass=1 / 9)
+    body.add_joint(name="j", range=[-(2**0.5), 90])
+    model = mjcf.from_spec(spec).compile_model().model
+    expected = spec.compile()
+    for field in ("body_pos", "body_mass", "geom_size", "jnt_range"):
+        assert getattr(model, field).tolist() == getattr(expected, field).tolist()
+    assert spec.compiler.savecompiled  # as it was
+
+
+@_EXACT
+def test_digits_that_mujoco_does_not_write_are_told() -> None:
+    body = '<worldbody><body name="b" pos="0.123456789 0 0">{}<geom size="1"/></body></worldbody>'
+    inertia = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    spec = mujoco.MjSpec.from_string(f'<mujoco><compiler inertiafromgeom="true"/>{body.format("")}</mujoco>')
+    other = mujoco.MjSpec.from_string(f"<mujoco>{body.format(inertia)}</mujoco>")
+    spec.attach(other, prefix="c/", frame=spec.worldbody.add_frame())
+    with pytest.warns(mjcf.MjcfWarning, match="in six digits only: .*inertiafromgeom"):
+        model = mjcf.from_spec(spec)
+    assert model.find("body", "c/b").pos.tolist() == [0.123457, 0, 0]
