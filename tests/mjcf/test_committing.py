@@ -205,6 +205,14 @@ def test_one_length_of_a_spring_stands_for_both() -> None:
     assert model.find("tendon", "te").springlength.tolist() == [0.3]
 
 
+def _class_wins_over_no_texture() -> bool:
+    compiled = mujoco.MjModel.from_xml_string(
+        '<mujoco><default><material texture="t"/></default><asset>'
+        '<texture name="t" type="2d" builtin="flat" width="8" height="8"/><material texture="" name="m"/></asset></mujoco>'
+    )
+    return bool(compiled.mat_texid.max() == 0)
+
+
 @pytest.mark.parametrize(
     ("classes", "material"),
     [
@@ -224,6 +232,8 @@ def test_textures_of_materials_by_role(classes: str, material: str, needs_no_cla
         f'<mujoco><default>{classes}</default><asset><texture name="t" {texture}/><texture name="u" {texture}/>'
         f"{material}</asset></mujoco>"
     )
+    if 'texture=""' in material and _class_wins_over_no_texture():
+        pytest.skip("this MuJoCo takes an empty texture for none given: 3.12 does")
     needs_no_class(model)
     model.find("texture", "t").name = "other"
     assert '"t"' not in model.to_xml_string()

@@ -22,8 +22,8 @@ def from_spec(spec: Any) -> RootElement:
     """The model of a `mujoco.MjSpec`, as MuJoCo writes it out; files in its `assets` come along.
 
     MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
-    Numbers are those of the spec, to the last bit. MuJoCo before 3.16 writes six digits of each; a later one does
-    where models with different compiler settings are attached to each other, and an `MjcfWarning` tells.
+    Numbers are those of the spec, to the last bit. MuJoCo before 3.16 writes six digits of each, and so does a later
+    one where models with different compiler settings are attached to each other: an `MjcfWarning` tells.
 
     >>> import mujoco
     >>> spec = mujoco.MjSpec()
@@ -49,16 +49,17 @@ def from_spec(spec: Any) -> RootElement:
 
 def _text(compiled: Any) -> str:
     """What MuJoCo writes of a spec: as it was given where it can, else what it has compiled, in six digits."""
-    compiler = compiled.compiler
+    compiler, why = compiled.compiler, "this MuJoCo cannot write more: 3.16 can"
     if hasattr(compiler, "savecompiled"):
         compiler.savecompiled, compiler.savecanonical = False, True
         try:
             return str(compiled.to_xml())
         except (ValueError, engine().FatalError) as error:
-            place, why = call_site(), " ".join(str(error).split())
-            message = f"MuJoCo writes the numbers of this spec in six digits only: {why}"
-            warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
             compiler.savecompiled = True
+            why = " ".join(str(error).split())
+    place = call_site()
+    message = f"MuJoCo writes the numbers of this spec in six digits only: {why}"
+    warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
     return str(compiled.to_xml())
 
 
