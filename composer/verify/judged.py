@@ -11,9 +11,11 @@ from composer.bundle.output_error import OutputError
 from composer.context import Context
 from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
+from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, crash_help, verify
+from composer.verify.culprit import culprit
 from composer.verify.told import Told, told, unknown_attribute
 from composer.verify.unread import unread
 
@@ -62,8 +64,11 @@ def judge(
 
 def tell(said: Told, element: Node | None, model: Unit, context: Context) -> None:
     """An error at the element, or at the attribute that it lies in."""
-    span = None if element is None else model.origins.span(element, model.file, said.attribute, key=said.key)
-    context.sink.error(said.code, said.message, span, notes=said.notes, help=said.help)
+    if element is None:
+        context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
+        return
+    found = culprit(said, element, model)
+    context.sink.error(said.code, said.message, found.span, notes=(*found.notes, *said.notes), help=said.help)
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
@@ -76,13 +81,26 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
         number = int(failed[1])
         return instances[number] if number < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
+    named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
     return named[0] if len(named) == 1 else None
+
+
+def _is_copy(name: str | None, element: Node) -> bool:
+    """Whether MuJoCo calls one of the copies of the element so."""
+    own = element.get("name")
+    return bool(name and own and name.startswith(own) and name.removeprefix(own)[-1:].isdigit())
 
 
 def _is_another(found: Node | None, fault: Fault) -> bool:
     """Whether what MuJoCo speaks of has another name than what stands there: the line is one of another file."""
-    name = None if found is None else found.get("name")
-    return bool(name and fault.name and not fault.name.startswith(name))
+    if found is None or not fault.name:
+        return False
+    if found.get("name"):
+        return not fault.name.startswith(str(found.get("name")))
+    around = [str(each.get("name")) for each in found.iterancestors() if each.get("name")]
+    if any(map(fault.name.startswith, around)) or found.tag in NAMED_AFTER_FILE:
+        return False
+    return _attaching(fault, found.getroottree().getroot()) is not None
 
 
 def _attaching(fault: Fault, root: Node) -> Node | None:
