@@ -20,6 +20,11 @@ from composer.verify.told import Told, told, unknown_attribute
 from composer.verify.unread import unread
 
 _PLUGIN = re.compile(r"failed for plugin id (\d+)")
+# What MuJoCo says of a setting of the whole model, of which it knows no line.
+_SETTINGS = {
+    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
+    "option": re.compile(r"\bintegrator='"),
+}
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -41,7 +46,8 @@ def judge(
         return None
     for warning in verified.warnings:
         element = _element(warning, bundle, model)
-        span = None if element is None else model.origins.span(element, model.file)
+        attribute = None if element is None else told(warning.message, element).attribute
+        span = None if element is None else model.origins.span(element, model.file, attribute)
         said = _with_sources(warning.message, model, context)
         context.sink.warning("mujoco-warning", f"MuJoCo warns: {said}", span)
     if verified.error is not None and verified.code is not None:
@@ -72,7 +78,7 @@ def tell(said: Told, element: Node | None, model: Unit, context: Context) -> Non
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
-    """The element that stands on that line of `model.xml`, the plugin's instance, or the only one of that name."""
+    """The element on that line of `model.xml`, the plugin's instance, the only one of that name, a setting."""
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
@@ -82,6 +88,9 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
         return instances[number] if number < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
     named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
+    for tag, said in _SETTINGS.items():
+        if not named and said.search(fault.message):
+            named = model.root.findall(tag)
     return named[0] if len(named) == 1 else None
 
 

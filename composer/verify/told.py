@@ -152,7 +152,7 @@ def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
     text = str(element.get(known.name))
     if (versions := known.keyword_versions.get(text)) is not None:
         return _versions(*versions)
-    return (exists_note("keyword", known.keywords, text),)
+    return () if text in known.keywords else (exists_note("keyword", known.keywords, text),)
 
 
 def _advice(message: str) -> str | None:

@@ -75,6 +75,7 @@ OF_THIS_MUJOCO = {
     "element_of_older_mujoco",
     "keyword_of_older_mujoco",
     "copies_warning",
+    "integrator_of_flex",
 }
 
 
