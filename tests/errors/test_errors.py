@@ -45,6 +45,7 @@ SEVERAL = {
 }
 # Not wrong: something is told, and the model is built.
 BUILT = {
+    "added_without_mass",
     "conflict_merge",
     "conflict_warning",
     "copies_warning",
