@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from composer import engine
 from composer.bundle.assemble import Checked, Making, assemble, described
 from composer.bundle.bundle import Bundle
+from composer.bundle.renamed import renamed_in
 from composer.context import Context
 from composer.document.node import locate
 from composer.plan.locked import check_lock
@@ -116,7 +117,8 @@ def _verified(
 
     compiled = judge(bundle, composed.model, context, session, keep=WHOLE)
     if compiled is not None:
-        run_checks(plan, composed.members, session, context, merged, hear)
+        renamed = renamed_in(composed.model, composed.members)
+        run_checks(plan, composed.members, session, context, merged, renamed, hear)
     return compiled
 
 

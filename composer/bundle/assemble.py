@@ -243,7 +243,7 @@ def _part(member: Member, number: int, renamed: Renamed) -> Part:
         welded=member.welded,
         stands=member.stands,
         changed=member.changed,
-        obscure=member.obscure,
+        obscure=member.obscure or member.cut,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
     )
 

@@ -53,6 +53,11 @@ def read(path: Path, limits: ReadLimits | None = None) -> Bundle:
                 f"`{path}` is MuJoCo's binary form, which has no files to be read:"
                 " `composer.load` holds it against its manifest",
             )
+        elif path.suffix.lower() == ".xml" and path.exists():
+            raise ReadError(
+                "file-unreadable",
+                f"`{path}` is text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`",
+            )
         elif path.exists():
             files = _read_archive(path, limits)
         else:

@@ -51,13 +51,19 @@ def kind_of_output(out: str | None, many: bool) -> Form:
 
     if out is None:
         return Form.ARCHIVE
+    kind = Form.TEXT if out == "-" else form_of(out)
+    known = {"{name}", "{mujoco}"} if kind == "mjb" else {"{name}"}
+    if unknown := next((word for word in _PLACEHOLDER.findall(out) if word not in known), None):
+        help = f"write {' or '.join(f'`{word}`' for word in sorted(known))}, or leave the braces out"
+        raise OutputError("output-kind", f"`{unknown}` stands for nothing in the output `{out}`", help)
     if many and "{name}" not in out:
         folder = out if out.endswith("/") else f"{out}/"
         help = f"write for instance `-o '{folder}{{name}}/'` or `-o '{folder}{{name}}.zip'`"
         raise OutputError("output-kind", f"several models cannot all be `{out}`", help)
-    return Form.TEXT if out == "-" else form_of(out)
+    return kind
 
 
+_PLACEHOLDER = re.compile(r"\{\w+\}")
 _NO_SHARING = {
     "archive": "a zip cannot refer to files outside of it",
     "text": "text alone names the sources' own files, and none is copied",

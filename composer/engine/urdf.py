@@ -97,7 +97,12 @@ def _told(error: Exception) -> str:
 
 def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
     """The spec of the file, its packages resolved."""
-    spec = mujoco.MjSpec.from_file(argument["path"])
+    path = Path(argument["path"])
+    if path.suffix == ".urdf":
+        spec = mujoco.MjSpec.from_file(argument["path"])
+    else:  # MuJoCo knows only that one
+        spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8"))
+        spec.modelfiledir = str(path.parent)
     for mesh in spec.meshes:
         mesh.file = _found(mesh.file, argument["packages"])
     return spec

@@ -21,7 +21,7 @@ _INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
 
 def alignment(linking: Linking) -> None:
     """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says."""
-    if not linking.parts:
+    if not linking.composed:
         return
     stubborn = [
         (unit, joint)

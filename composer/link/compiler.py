@@ -34,11 +34,12 @@ def compiler(linking: Linking) -> None:
         root.remove(element)
     for name in FOLDERS:
         written.pop(name, None)
-    if linking.parts:
+    if linking.composed:
         for name in (*_MADE_EXPLICIT, *_NO_EFFECT, *_WHOLE_MODEL, "alignfree", "fitaabb"):
             written.pop(name, None)
         if linking.aligned:
             written["alignfree"] = "true"
+    if linking.parts:
         written["angle"] = model_angle(linking)
         if model_autolimits(linking) == "true":
             written.pop("autolimits", None)

@@ -24,7 +24,7 @@ _RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 
 def inertia(linking: Linking) -> None:
     """Rewrite each unit whose rule differs; a model of one unit keeps its own rules."""
-    if not linking.parts:
+    if not linking.composed:
         return
     for unit in linking.units:
         settings = unit.settings
@@ -93,6 +93,7 @@ def _never_from_geoms(linking: Linking, unit: Unit) -> None:
                 if has_mass(geom, classes):
                     geom.set("mass", "0")
             body.insert(0, body.makeelement("inertial", {**_pose(body), "mass": "0", "diaginertia": "0 0 0"}))
+            linking.weighed.add(body)
 
 
 def _pose(body: Node) -> dict[str, str]:
@@ -143,6 +144,8 @@ def write_measured(
             holder = inertial.getparent()
             assert holder is not None
             holder.remove(inertial)
+        if not written:
+            linking.weighed.add(body)
         if any(mass) or any(moments) or written or own(body, "geom"):
             values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
             body.insert(

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import accumulate
 
 from lxml.etree import _Element as Node
@@ -127,26 +128,40 @@ def final_layout(linking: Linking) -> Layout | None:
     try:
         return lay_out(linking.base, known)
     except Unknown as unknown:
-        if unknown.element in linking.reshaped:
-            return _measured_anew(linking, known, unknown)
-        not_laid_out(linking, linking.base, unknown)
-        return None
+        return _measured_anew(linking, known, unknown)
 
 
-def _measured_anew(linking: Linking, known: dict[Node, Slot], unknown: Unknown) -> Layout | None:
-    """What an edit has changed, asked of MuJoCo on the finished model without its keys."""
+def refer_anew(linking: Linking, layout: Layout) -> None:
+    """Ask MuJoCo for the references that only it can tell, where the recipe has added or may have changed some."""
+    joints = (
+        linking.edited or joint not in linking.references
+        for joint, slot in layout.joints.items()
+        if is_measured(linking.base, joint, slot)
+    )
+    mocaps = (
+        linking.edited or element not in linking.mocap_references
+        for element in layout.mocaps
+        if element.tag != "body"
+    )
+    if any(joints) or any(mocaps):
+        _measured_anew(linking, {}, None)
+
+
+def _measured_anew(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> Layout | None:
+    """What the recipe has added or changed, asked of MuJoCo on the finished model without its keys."""
     unit = linking.flat()
     sections = list(unit.root.iterchildren("keyframe"))
     for section in sections:
         unit.root.remove(section)
-    found = widths(linking, unit)
-    for section in sections:
-        unit.root.append(section)
     try:
-        return lay_out(linking.base, {**(found or {}), **known})
-    except Unknown:
-        not_laid_out(linking, linking.base, unknown)
+        found = widths(linking, unit)
+        return None if found is None else lay_out(linking.base, {**found, **known})
+    except Unknown as still:
+        not_laid_out(linking, linking.base, unknown or still)
         return None
+    finally:
+        for section in sections:
+            unit.root.append(section)
 
 
 def _slots(linking: Linking) -> dict[Node, Slot]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
-from composer.link.key_layouts import VECTORS, final_layout, keys_of
+from composer.link.key_layouts import VECTORS, final_layout, keys_of, refer_anew
 from composer.link.layout import Layout
 from composer.link.linking import Linking, Part
 from composer.link.part_keys import called, part_keys
@@ -40,6 +40,8 @@ def keyframes(linking: Linking) -> None:
         section = key.getparent()
         assert section is not None
         section.remove(key)
+    if keys:
+        refer_anew(linking, final)
     reference = Reference(linking)
     for merged in keys.values():
         _write(linking, merged, final, reference)

@@ -139,11 +139,13 @@ class Linking:
     the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
     `alignfree`. `asked` are the parts, by path, of whose keys the recipe makes its own; None where it makes no key.
     `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
-    recipe's. Edits of what is linked note in `reshaped` whose numbers in a key may be more or
-    fewer now, and in `emptied` whose old numbers have no meaning any more. `references` and `mocap_references` have
-    what only MuJoCo can tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts
-    whose keys say where something is in the world. `coming` has where the recipe writes the places, by kind and name,
-    that it adds when all parts hang.
+    recipe's. Edits of what is linked note in `reshaped` whose numbers in a key may be more or fewer now, and in
+    `emptied` whose old numbers have no meaning any more; `edited` is that there may be edits. `grows` is
+    that the recipe adds what rules for a whole model would reach. `weighed` are the bodies whose inertia has been
+    written out, so that what is added to them adds no mass. `references` and `mocap_references` have what only MuJoCo
+    can tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts whose keys say
+    where something is in the world. `coming` has where the recipe writes the places, by kind and name, that it adds
+    when all parts hang.
     """
 
     base: Unit
@@ -174,9 +176,17 @@ class Linking:
     planes: list[tuple[Part, Node]] = field(default_factory=list)
     reshaped: set[Node] = field(default_factory=set)
     emptied: set[Node] = field(default_factory=set)
+    edited: bool = False
+    grows: bool = False
+    weighed: set[Node] = field(default_factory=set)
     flexes: list[Flex] = field(default_factory=list)
     replicates: list[tuple[Unit, Node]] = field(default_factory=list)
     main_joint: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def composed(self) -> bool:
+        """Whether there is more in the model than the base: its rules for a whole model are for the base alone."""
+        return bool(self.parts) or self.grows
 
     @property
     def units(self) -> list[Unit]:

@@ -13,6 +13,7 @@ from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, la
 from composer.link.linking import Linking
 from composer.link.multiplied import actuators_in_order, element_of
 from composer.pose import Pose
+from composer.tree.names import declaration
 from composer.tree.unit import Unit
 
 _ARRAYS = (
@@ -29,19 +30,22 @@ _ARRAYS = (
     "actuator_actnum",
     "actuator_ctrlnum",
 )
+_SIZES = ("nq", "nv")
 _FREE = 0  # of `mjtJoint`
 
 
 def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     """What the tree does not tell of a unit's keys, by element; None where MuJoCo does not tell either.
 
-    That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of one more block of unknown size.
+    That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of every flex and of one more
+    block of unknown size.
     """
     arrays = linking.measure(unit, _ARRAYS) if linking.measure else None
     if not arrays:
         return None
     found = attached(linking, unit)
     brought = sum(slot.actuators for slot in found.values())
+    found.update(_flexes(linking, unit))
     actuators = list(map(element_of, actuators_in_order(unit.root)))
     slots = list(map(actuator_slot, _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")))
     if len(slots) - brought == len(actuators):
@@ -77,6 +81,35 @@ def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
         if slot is not None:
             found[attach] = linking.measured[attach] = slot
     return found
+
+
+def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
+    """What each `<flexcomp>` brings, measured by itself, where the whole model does not tell them apart."""
+    flexes = list(unit.root.iter("flexcomp"))
+    if len(flexes) == 1 and next(flexes[0].iterancestors("replicate"), None) is None:
+        return
+    for flex in flexes:
+        arrays = linking.measure(_alone(unit, flex), _SIZES, attempt=True) if linking.measure else None
+        if arrays:
+            yield flex, Slot(BLOCK, (int(arrays["nq"][0]), int(arrays["nv"][0])))
+
+
+def _alone(unit: Unit, flex: Node) -> Unit:
+    """A model with nothing but a flex in its world, without what says nothing of how many joints it has."""
+    root = unit.root.makeelement("mujoco")
+    root.extend(copy.copy(compiler) for compiler in unit.root.iterchildren("compiler"))
+    own, name = copy.copy(flex), flex.get("mesh")
+    asset, worldbody = root.makeelement("asset"), root.makeelement("worldbody")
+    meshes = unit.root.iterfind("asset/mesh") if name else ()
+    asset.extend(copy.copy(mesh) for mesh in meshes if declaration(mesh, "asset") == ("mesh", name))
+    worldbody.append(own)
+    root.extend((asset, worldbody))
+    for element in (own, *asset):
+        for attribute in ("material", "class"):
+            element.attrib.pop(attribute, None)
+        for plugin in list(element.iterchildren("plugin")):
+            element.remove(plugin)
+    return replace(unit, root=root)
 
 
 def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:

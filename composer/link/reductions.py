@@ -18,7 +18,7 @@ _REDUCING = ("fusestatic", "discardvisual")
 
 def reductions(linking: Linking) -> None:
     """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo."""
-    if not linking.parts:
+    if not linking.composed:
         return
     _reduce(linking, linking.base, None)
     for part in linking.parts:

@@ -176,7 +176,7 @@ class _Planner:
         if recipe.base is None:
             return LoadBase(None, "merge", None)
         span = locate(document, ("base", "model"))
-        model = self._model(recipe.base, ("base",), document, inside)
+        model = self._model(recipe.base, ("base",), document, inside, recipe)
         if model is None:
             return None
         base = recipe.base
@@ -217,7 +217,7 @@ class _Planner:
         at: tuple[str | int, ...],
         document: Mapping,
         inside: tuple[tuple[Path, Span | None], ...],
-        outer: Recipe | None = None,
+        outer: Recipe,
     ) -> Source | Plan | None:
         """What the mapping at `at` asks for: a source, or the plan of a nested recipe."""
         span = locate(document, (*at, "model"))
@@ -243,7 +243,7 @@ class _Planner:
                 else {}
             )
             plan = self.plan(source.path, inside, span, given=values, source=source)
-            if plan is not None and outer is not None and plan.separator != outer.separator:
+            if plan is not None and plan.separator != outer.separator:
                 self.sink.error(
                     "separator-mismatch",
                     f"`{asked.model}` separates names with `{plan.separator}`, this recipe with `{outer.separator}`",

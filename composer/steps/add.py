@@ -6,6 +6,7 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
+from composer.link.inertia import has_mass, own
 from composer.link.linking import Linking
 from composer.plan.plan import AddElement
 from composer.steps.elements import Making, make
@@ -37,6 +38,24 @@ def add(step: AddElement, linking: Linking, making: Making) -> None:
         elif node.tag in ("geom", "site", "camera", "light") and node.get("class") is None:
             node.set("class", linking.base_class)
     holder.append(node)
+    _check_mass(step, node, linking, making)
+
+
+def _check_mass(step: AddElement, node: Node, linking: Linking, making: Making) -> None:
+    """Tell of a geom that adds no mass where it would have, had the rules of its model not to be written out."""
+    body: Node | None = node.getparent()
+    while body is not None and body.tag in ("frame", "replicate"):
+        body = body.getparent()
+    if body not in linking.weighed:
+        return
+    geoms = [node] if node.tag == "geom" else own(node, "geom") if node.tag in ("frame", "replicate") else []
+    if any(has_mass(geom, linking.base.classes) for geom in geoms):
+        making.sink.warning(
+            "compiler-setting",
+            f"what is added to `{step.to}` adds no mass: its inertia is what the compiler settings of its model give",
+            step.span,
+            help="put it into a `body` of its own, or write `mass: 0`",
+        )
 
 
 def _nowhere(step: AddElement, linking: Linking, making: Making) -> None:

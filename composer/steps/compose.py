@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from composer.steps.changes import Changes
 
 Result = TypeVar("Result")
+_WEIGHTLESS = ("site", "camera", "light")
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +162,7 @@ class Composer:
             base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
             isolate_base=frozenset(_top_tags(plan)),
             base_keyframes=plan.base.keyframes, asked=plan.asked if plan.keyframes else None,
-            measure=self.measure, watch=self.watch, coming=plan.added_places,
+            measure=self.measure, watch=self.watch, coming=plan.added_places, grows=_grows(plan),
         )  # fmt: skip
         self.watch(linking.units, linking)
         if self.selects_parts:
@@ -269,6 +270,18 @@ def _top_tags(plan: Plan) -> Iterator[str]:
 
 def _empty(plan: Plan) -> Unit:
     return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
+
+
+def _grows(plan: Plan) -> bool:
+    """Whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
+    if any(isinstance(step, SetSingleton) and step.section == "compiler" for step in plan.steps):
+        return False
+    return any(
+        step.section == "asset"
+        if isinstance(step, AppendElement)
+        else isinstance(step, AddElement) and step.element.tag not in _WEIGHTLESS
+        for step in plan.steps
+    )
 
 
 def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:

@@ -40,6 +40,9 @@ class Editing:
     parts: Mapping[Node, str] = field(default_factory=dict)
     own: bool = False
 
+    def __post_init__(self) -> None:
+        self.linking.edited = True
+
     @property
     def root(self) -> Node:
         return self.linking.base.root

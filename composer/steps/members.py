@@ -14,6 +14,7 @@ from composer.plan.parts import BASE, called
 from composer.plan.plan import DrawValues, Plan, SetDefault, SetSingleton
 from composer.pose import Pose
 from composer.recipe.checks.unchanged import Unchanged
+from composer.steps.edited import reaches, with_edits
 from composer.steps.subtree import Wanted
 from composer.tree.classes import MAIN
 from composer.tree.settings import read_settings
@@ -39,19 +40,28 @@ def hung(
     `wanted` and `inner`, the members of each that is a recipe itself, have the base first and then the parts.
     """
     base, *others = wanted
-    found = list(_of_base(plan, base, inner[0]))
+    found = [_own(each, base) for each in _of_base(plan, base, inner[0])]
     for step, each, part, below in zip(plan.parts, others, parts, inner[1:], strict=True):
         name = called(step, plan.separator)
         if isinstance(each.model, Plan):
-            found += [_moved(member, name, part, plan.separator, _cut(each)) for member in below]
+            moved = [_moved(member, name, part, plan.separator, _cut(each)) for member in below]
+            found += [_own(member, each) for member in moved]
         elif each.model is not None:
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = Member(
                 name, part.prefix, each.model,
                 keys=keys, welded=part.weld, stands=each.stands, obscure=_cut(each),
             )  # fmt: skip
-            found.append(Hung(member, part.content))
+            found.append(_own(Hung(member, part.content), each))
     return _changed(plan, found)
+
+
+def _own(each: Hung, wanted: Wanted) -> Hung:
+    """With what the edits of a part, and what is left out of it, change in its members."""
+    member = with_edits(each.member, wanted.edit)
+    if wanted.drop:
+        member = replace(member, cut="the recipe leaves out elements")
+    return Hung(member, each.content)
 
 
 def _cut(wanted: Wanted) -> str | None:
@@ -119,6 +129,14 @@ def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
             for name in sorted(_RESHAPING & written.keys()):
                 reason = f"the recipe sets `compiler.{name}`, which takes elements away"
                 found = [Hung(replace(each.member, obscure=reason), each.content) for each in found]
+    prefixes = {each.member.prefix for each in found}
+    for each_edit in (step.edit for step in plan.edits):
+        found = [
+            Hung(with_edits(each.member, [each_edit]), each.content)
+            if reaches(each_edit.select, each.member.prefix, prefixes)
+            else each
+            for each in found
+        ]
     for check in plan.checks:
         if not isinstance(check, Unchanged):
             continue

@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from composer import engine
+from composer.bundle.renamed import Renamed
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
@@ -34,13 +35,14 @@ def run_checks(
     session: engine.Session,
     context: Context,
     merged: Merged,
+    renamed: Renamed,
     hear: Hear | None = None,
 ) -> None:
     """Run every check on the model that the session keeps; what does not hold goes to the sink.
 
     `hear` is called with what came of each check, in the order of the recipe.
     """
-    judge, kept = Judge(session, merged), True
+    judge, kept = Judge(session, merged, renamed), True
     drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
     for recipe, check in Nested(plan).checks():
         own = replace(context, sink=Sink())

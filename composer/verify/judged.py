@@ -11,13 +11,20 @@ from composer.bundle.output_error import OutputError
 from composer.context import Context
 from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
+from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, crash_help, verify
+from composer.verify.culprit import culprit
 from composer.verify.told import Told, told, unknown_attribute
 from composer.verify.unread import unread
 
 _PLUGIN = re.compile(r"failed for plugin id (\d+)")
+# What MuJoCo says of a setting of the whole model, of which it knows no line.
+_SETTINGS = {
+    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
+    "option": re.compile(r"\bintegrator='"),
+}
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -39,7 +46,8 @@ def judge(
         return None
     for warning in verified.warnings:
         element = _element(warning, bundle, model)
-        span = None if element is None else model.origins.span(element, model.file)
+        attribute = None if element is None else told(warning.message, element).attribute
+        span = None if element is None else model.origins.span(element, model.file, attribute)
         said = _with_sources(warning.message, model, context)
         context.sink.warning("mujoco-warning", f"MuJoCo warns: {said}", span)
     if verified.error is not None and verified.code is not None:
@@ -62,12 +70,15 @@ def judge(
 
 def tell(said: Told, element: Node | None, model: Unit, context: Context) -> None:
     """An error at the element, or at the attribute that it lies in."""
-    span = None if element is None else model.origins.span(element, model.file, said.attribute, key=said.key)
-    context.sink.error(said.code, said.message, span, notes=said.notes, help=said.help)
+    if element is None:
+        context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
+        return
+    found = culprit(said, element, model)
+    context.sink.error(said.code, said.message, found.span, notes=(*found.notes, *said.notes), help=said.help)
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
-    """The element that stands on that line of `model.xml`, the plugin's instance, or the only one of that name."""
+    """The element on that line of `model.xml`, the plugin's instance, the only one of that name, a setting."""
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
@@ -76,13 +87,29 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
         number = int(failed[1])
         return instances[number] if number < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
+    named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
+    for tag, said in _SETTINGS.items():
+        if not named and said.search(fault.message):
+            named = model.root.findall(tag)
     return named[0] if len(named) == 1 else None
+
+
+def _is_copy(name: str | None, element: Node) -> bool:
+    """Whether MuJoCo calls one of the copies of the element so."""
+    own = element.get("name")
+    return bool(name and own and name.startswith(own) and name.removeprefix(own)[-1:].isdigit())
 
 
 def _is_another(found: Node | None, fault: Fault) -> bool:
     """Whether what MuJoCo speaks of has another name than what stands there: the line is one of another file."""
-    name = None if found is None else found.get("name")
-    return bool(name and fault.name and not fault.name.startswith(name))
+    if found is None or not fault.name:
+        return False
+    if found.get("name"):
+        return not fault.name.startswith(str(found.get("name")))
+    around = [str(each.get("name")) for each in found.iterancestors() if each.get("name")]
+    if any(map(fault.name.startswith, around)) or found.tag in NAMED_AFTER_FILE:
+        return False
+    return _attaching(fault, found.getroottree().getroot()) is not None
 
 
 def _attaching(fault: Fault, root: Node) -> Node | None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from composer import engine
+from composer.bundle.renamed import Renamed
 from composer.plan.member import Member
 from composer.pose import IDENTITY_QUAT, ORIGIN
 from composer.sources import ros_package
@@ -34,11 +35,13 @@ class Compared:
 class Judge:
     """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once.
 
-    `merged` has by kind the names of the composition for which another one stands.
+    `merged` has by kind the names of the composition for which another one stands, `renamed` by part and kind what
+    edits call its elements.
     """
 
     session: engine.Session
     merged: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    renamed: Renamed = field(default_factory=dict)
     alone: dict[str, str | None] = field(default_factory=dict)
 
     def compare(self, member: Member, excused: Iterable[str] = ()) -> Compared:
@@ -51,7 +54,7 @@ class Judge:
         fault = self.alone[name]
         if fault is not None:
             return Compared(member, obscure=fault)
-        question = _question(member, tuple(excused), self.merged)
+        question = _question(member, tuple(excused), self.merged, self.renamed.get(member.part, {}))
         answer = engine.call(self.session, ask, [name, WHOLE], question.to_json())
         if not answer.ok:
             return Compared(member, obscure=answer.error or answer.crash or "it cannot be compared")
@@ -84,7 +87,12 @@ def _kept(member: Member) -> str:
     return f"alone {'' if stands else 'and loose '}{member.source.path}"
 
 
-def _question(member: Member, excused: tuple[str, ...], merged: Mapping[str, Mapping[str, str]]) -> Question:
+def _question(
+    member: Member,
+    excused: tuple[str, ...],
+    merged: Mapping[str, Mapping[str, str]],
+    edited: Mapping[str, Mapping[str, str]],
+) -> Question:
     pose = member.pose
     renamed = {
         kind: {
@@ -94,6 +102,7 @@ def _question(member: Member, excused: tuple[str, ...], merged: Mapping[str, Map
         }
         for kind, names in merged.items()
     }
+    renamed |= {kind: {**names, **renamed.get(kind, {})} for kind, names in edited.items()}
     keys, key_prefix = Keys.MERGE, None
     if member.keys is None:
         keys = Keys.NONE

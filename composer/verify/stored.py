@@ -60,7 +60,8 @@ def verify_stored(
     if manifest.index is not None and compiled.index is not None:
         check_index(manifest.index, index_of(compiled.index), shown, context.sink)
     inputs = Inputs(manifest, recipe, context)
-    parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged)))
+    renamed = {part.part: part.renamed for part in manifest.parts}
+    parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged, renamed)))
     for compared in parts:
         _tell(compared, manifest, inputs, context)
     if manifest.inputs and not parts:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.grammar import GRAMMAR
-from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 
 if TYPE_CHECKING:
@@ -86,7 +85,8 @@ def unknown_attribute(element: Node, name: str) -> Told:
     known = list(kind.attributes) if kind is not None else []
     if kind is not None and name in known:
         message = f"this MuJoCo has no attribute `{name}` of `<{element.tag}>`"
-        return Told("unknown-attribute", message, name, _versions(kind.attributes[name]), key=True)
+        attribute = kind.attributes[name]
+        return Told("unknown-attribute", message, name, _versions(attribute.since, attribute.until), key=True)
     return Told(
         "unknown-attribute",
         f"`{name}` is no attribute of `<{element.tag}>`",
@@ -102,7 +102,8 @@ def _unknown_element(element: Node) -> Told:
     kind = kind_of(parent) if parent is not None else None
     known = list(kind.children) if kind is not None else []
     if kind is not None and element.tag in known:
-        notes = _versions(kind.children[str(element.tag)])
+        child = kind.children[str(element.tag)]
+        notes = _versions(child.since, child.until)
         return Told("unknown-element", f"this MuJoCo has no `<{element.tag}>`", None, notes)
     return Told(
         "unknown-element",
@@ -113,11 +114,11 @@ def _unknown_element(element: Node) -> Told:
     )
 
 
-def _versions(known: ElementType | Attribute) -> tuple[Note, ...]:
+def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
     """Which versions of MuJoCo have what this one has not."""
-    if known.until is not None:
-        return (Note(f"it was there up to MuJoCo {known.until}"),)
-    return (Note(f"it is there since MuJoCo {known.since}"),) if known.since is not None else ()
+    if until is not None:
+        return (Note(f"it was there up to MuJoCo {until}"),)
+    return (Note(f"it is there since MuJoCo {since}"),) if since is not None else ()
 
 
 def kind_of(element: Node) -> ElementType | None:
@@ -148,7 +149,10 @@ def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
     known = kind.attributes.get(attribute) if kind is not None and attribute is not None else None
     if known is None or known.type not in ("keyword", "keywords") or element.get(known.name) is None:
         return ()
-    return (exists_note("keyword", known.keywords, str(element.get(known.name))),)
+    text = str(element.get(known.name))
+    if (versions := known.keyword_versions.get(text)) is not None:
+        return _versions(*versions)
+    return () if text in known.keywords else (exists_note("keyword", known.keywords, text),)
 
 
 def _advice(message: str) -> str | None:

@@ -163,3 +163,8 @@ def test_the_one_model_that_no_other_names(tmp_path: Path) -> None:
     assert "several other models: `a.xml`, `b.xml`" in refusal(
         archive(tmp_path / "c.zip", {"a.xml": b"<mujoco/>", "b.xml": b"<mujoco/>"})
     )
+
+
+def test_text_is_told_to_be_no_bundle(tmp_path: Path) -> None:
+    (tmp_path / "a.xml").write_text("<mujoco/>")
+    assert "is text alone" in refusal(tmp_path / "a.xml")

@@ -173,6 +173,13 @@ def test_an_output_needs_a_name(folder: Path) -> None:
     assert not (folder / "build").exists()
 
 
+@pytest.mark.parametrize("out", ["{nam}.zip", "{names}/", "{mujoco}.zip", "{name}/{version}.mjb"])
+def test_braces_that_stand_for_nothing(folder: Path, out: str) -> None:
+    result = run("build", "cell.yaml", "-o", out)
+    assert result.exit_code == 2 and "stands for nothing in the output" in result.stderr
+    assert list(folder.glob("*{*")) == []
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file names are text")
 def test_a_path_that_is_not_text(folder: Path) -> None:
     odd = os.fsdecode(b"caf\xe9")

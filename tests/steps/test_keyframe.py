@@ -274,3 +274,76 @@ def test_a_key_after_faults_of_others_tells_its_own(compose: Compose) -> None:
         arm__xml=ARM,
     )
     assert found == ["4:10 unknown-name", "6:23 unknown-name"]
+
+
+def _is_the_reference(model: mujoco.MjModel, key: str, *but: str) -> None:
+    """What a key says nothing about is where MuJoCo has it."""
+    reset, reference = Reset(model, key), mujoco.MjData(model)
+    own = {int(model.joint(joint).qposadr[0]) for joint in but}
+    others = [at for at in range(model.nq) if at not in own]
+    assert np.allclose(reset.data.qpos[others], reference.qpos[others], atol=1e-12)
+    assert np.allclose(reset.data.mocap_pos, reference.mocap_pos, atol=1e-12)
+
+
+@pytest.mark.mujoco4("MuJoCo 3 refuses keys beside joints in a replicate")
+def test_the_reference_of_what_the_recipe_adds_and_mujoco_expands(built: Built) -> None:
+    model = built(
+        """
+base: ./loose.xml
+add:
+  - {to: world, body: {name: swing, joint: {name: swing}, geom: {size: [0.1]}}}
+  - to: world
+    replicate: {count: 2, offset: [1, 0, 0], body: {name: ball, pos: [0, 0, 1], freejoint: {}, geom: {size: [0.1]}}}
+  - to: world
+    replicate: {count: 2, offset: [1, 0, 0], body: {name: arm, joint: {name: arm, ref: 30deg}, geom: {size: [0.1]}}}
+  - to: world
+    replicate: {count: 2, offset: [1, 0, 0], body: {name: mark, mocap: true, pos: [0, 0, 3]}}
+  - to: world
+    body:
+      name: brick
+      pos: [0, 0, 2]
+      freejoint: {align: true}
+      geom: {type: box, size: [0.1, 0.2, 0.3], pos: [1, 2, 3]}
+keyframe: {k: {qpos: {swing: 0.3rad}, mquat: {goal: [1, 0, 0, 0]}, mpos: {goal: [0, 0, 0.4]}}}
+"""
+    )
+    assert model.nmocap == 3
+    _is_the_reference(model, "k", "swing")
+
+
+@pytest.mark.mujoco4("MuJoCo 3 refuses keys beside joints in a replicate")
+def test_the_reference_of_what_the_recipe_edits_and_mujoco_expands(built: Built) -> None:
+    parts = """
+<mujoco><worldbody><body name="swing"><joint name="swing"/><geom size=".1"/></body>
+  <replicate count="2" offset="1 0 0"><body name="ball" pos="0 0 1"><freejoint/><geom size=".1"/></body></replicate>
+  <replicate count="2" offset="1 0 0"><body name="arm"><joint name="arm" ref="10"/><geom size=".1"/></body></replicate>
+  <replicate count="2" offset="1 0 0"><body name="mark" mocap="true" pos="0 0 3"/></replicate>
+  <body name="brick" pos="0 0 2"><freejoint align="true"/><geom type="box" size=".1 .2 .3" pos="1 2 3"/></body>
+</worldbody><keyframe><key name="home" qpos="0.2"/></keyframe></mujoco>
+"""
+    model = built(
+        """
+base: ./parts.xml
+attach: {two: {model: ./parts.xml, pos: [0, 0, 10]}}
+edit:
+  - {select: {body: "**/{ball,mark,brick}"}, set: {pos: [0, 0, 5]}}
+  - {select: {joint: "**/arm"}, set: {ref: 30deg}}
+keyframe: {k: {qpos: {swing: 0.3rad}, mpos: {}}}
+""",
+        parts__xml=parts,
+    )
+    _is_the_reference(model, "home", "swing", "two/swing")
+    _is_the_reference(model, "k", "swing")
+
+
+def test_a_flex_that_the_recipe_adds(built: Built) -> None:
+    model = built(
+        """
+base: ./arm.xml
+add:
+  - to: world
+    flexcomp: {name: rope, type: grid, count: [3, 1, 1], spacing: [0.1, 0.1, 0.1], dim: 1, radius: 0.01}
+"""
+    )
+    assert Reset(model, "up").qpos("shoulder") == [1.0]
+    _is_the_reference(model, "up", "shoulder", "slide")

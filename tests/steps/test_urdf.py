@@ -201,3 +201,13 @@ def test_of_the_corpus(tmp_path: Path, path: Path) -> None:
     alone = mujoco.MjModel.from_xml_path(str(path))
     (tmp_path / "recipe.yaml").write_text(f"recipe: 1\nname: {names(alone)[0]}\nbase: {path}\n")
     assert_same(alone, built(tmp_path / "recipe.yaml"))
+
+
+def test_a_suffix_in_capitals(tmp_path: Path) -> None:
+    recipe = files(tmp_path, robot="base: ./robot.urdf", capitals="name: robot\nbase: ./robot.URDF")
+    expected = built(recipe)
+    (tmp_path / "robot.urdf").rename(tmp_path / "robot.URDF")
+    found = built(tmp_path / "capitals.yaml")
+    assert (found.nmesh, found.nbody) == (expected.nmesh, expected.nbody)
+    assert numpy.array_equal(found.mesh_vert, expected.mesh_vert)
+    assert numpy.array_equal(found.body_inertia, expected.body_inertia)

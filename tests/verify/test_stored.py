@@ -15,6 +15,8 @@ from composer.bundle.write import write
 from composer.context import Context
 from composer.engine import Session
 from composer.pipeline import build
+from composer.steps.edited import reaches
+from composer.tree.selector import Selector
 from composer.verify.stored import Stored, verify_stored
 
 PART = """
@@ -179,3 +181,70 @@ def test_nothing_there(folder: Path, check: Check) -> None:
     stored, told = check()
     assert stored is None
     assert told[0].startswith("error file-not-found")
+
+
+def _again(folder: Path, recipe: str) -> None:
+    """Another recipe in the place of the bundle."""
+    (folder / "recipe.yaml").write_text(recipe)
+    context = Context(folder=folder, environment={})
+    built = build(folder / "recipe.yaml", context)
+    assert built is not None, context.sink.diagnostics
+    write(built.bundle, f"{folder / 'out'}{os.sep}", environment={})
+
+
+OWN = "edit: [{select: {joint: j}, set: {damping: 3}}]"
+EDITED = {
+    "by the recipe": "edit: [{select: {joint: two/j}, set: {damping: 3}}, {select: {geom: '**'}, offset: {margin: 0.1}}]",
+    "a mass": "edit: [{select: {body: two/b}, scale: {mass: 2}}]",
+    "a class": "default: {two/: {joint: {damping: 1}}}\nedit: [{select: {default: two/}, set: {joint: {damping: 2}}}]",
+    "a name": "edit: [{select: {body: two/b}, rename: tool}, {select: {joint: two/j}, rename: wrist}]",
+}
+
+
+@pytest.mark.parametrize("edits", EDITED)
+def test_what_the_recipe_edits_is_no_change(folder: Path, check: Check, edits: str) -> None:
+    _again(folder, RECIPE.partition("default:")[0] + EDITED[edits])
+    stored, told = check()
+    assert told == []
+    assert stored is not None
+    assert all(part.ok for part in stored.parts)
+
+
+def test_what_a_part_edits_is_no_change_in_others(folder: Path, check: Check) -> None:
+    _again(
+        folder,
+        f"recipe: 1\nattach:\n  one: {{model: ./parts/part.xml}}\n  two: {{model: ./parts/part.xml, {OWN}}}\n",
+    )
+    stored, told = check()
+    assert told == []
+    assert stored is not None
+    one, two = (part.member for part in stored.parts)
+    assert "dof_damping" in two.changed and one.changed == ()
+
+
+@pytest.mark.parametrize(
+    "cut", ["drop: [sensor]", "edit: [{select: {sensor: s}, remove: true}]", "edit: [{select: {body: b}, move: {to: world}}]"]
+)  # fmt: skip
+def test_a_part_without_some_of_its_elements_is_not_compared(folder: Path, check: Check, cut: str) -> None:
+    _again(
+        folder,
+        f"recipe: 1\nattach:\n  one: {{model: ./parts/part.xml}}\n  two: {{model: ./parts/part.xml, {cut}}}\n",
+    )
+    stored, told = check()
+    assert [each.partition(": the recipe")[0] for each in told] == [
+        "warning part-not-compared: `two/` is not compared with its source"
+    ]
+    assert stored is not None
+    assert stored.parts[0].ok
+
+
+def test_edits_reach_the_parts_that_their_names_begin_with() -> None:
+    def reached(pattern: str) -> set[str]:
+        prefixes = {"", "arm/", "arm/hand/", "tool/"}
+        return {each for each in prefixes if reaches(Selector("geom", pattern), each, prefixes)}
+
+    assert reached("arm/hand/pad") == {"arm/hand/"}
+    assert reached("arm/*") == {"arm/", "arm/hand/"}
+    assert reached("table") == {""}
+    assert reached("t*") == {"", "tool/"}
+    assert reached("**") == reached("/pad/") == {"", "arm/", "arm/hand/", "tool/"}

@@ -17,6 +17,7 @@ from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
 from composer.verify.compiles import parse
+from composer.verify.culprit import culprit
 from composer.verify.roster import Model as MjModel
 from composer.verify.roster import Roster
 from composer.verify.told import told
@@ -104,11 +105,11 @@ def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> Mj
     if flat is not None and fault.line is not None:
         element = element_at(flat.unit.root, text, fault.line)
     said = told(" ".join(fault.message.split()), element)
-    span = None
-    if flat is not None and element is not None:
-        span = flat.unit.origins.span(element, flat.unit.file, said.attribute, key=said.key)
     help = said.help and _IN_PYTHON.get(said.help, said.help)
-    return failure(said.code, said.message, span, notes=said.notes, help=help)
+    if flat is None or element is None:
+        return failure(said.code, said.message, notes=said.notes, help=help)
+    found = culprit(said, element, flat.unit)
+    return failure(said.code, said.message, found.span, notes=(*found.notes, *said.notes), help=help)
 
 
 def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: Roster) -> Snapshot:
