@@ -244,6 +244,7 @@ def _part(member: Member, number: int, renamed: Renamed) -> Part:
         stands=member.stands,
         changed=member.changed,
         obscure=member.obscure,
+        subtree=member.subtree,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
     )
 
