@@ -77,7 +77,7 @@ class Judge:
         if taken.fault is not None:
             return taken.fault
         keys = Keys.NONE if member.keys is None else Keys.MERGE
-        found = self._ask(name, whole, Question(body=taken.parent, keys=keys, tolerance=_ROUNDING))
+        found = self._ask(name, whole, Question(body=taken.parent, keys=keys, tolerance=_ROUNDING, cut=True))
         if isinstance(found, str):
             return found
         self.cut[name] = found

@@ -281,6 +281,21 @@ def test_a_subtree_is_compared_with_that_body_of_its_source(tmp_path: Path, run:
     assert told == ["recipe.yaml:5:31 part-changed"]
 
 
+def test_what_a_subtree_leaves_behind_may_have_acted_on_it(tmp_path: Path, run: Run) -> None:
+    """A tendon with an armature is inertia that the body's joints feel in the whole model."""
+    run("recipe: 1\nbase: ./base.xml\n")
+    bodies = [
+        f'<body name="{x}" pos="{x} 0 0"><joint name="{x}"/><geom size=".1" pos=".3 .2 0"/></body>'
+        for x in "12"
+    ]
+    both = '<joint joint="1" coef="1"/><joint joint="2" coef="1"/>'
+    tendon = f'<tendon><fixed name="t" armature="1">{both}</fixed></tendon>'
+    (tmp_path / "whole.xml").write_text(f"<mujoco><worldbody>{''.join(bodies)}</worldbody>{tendon}</mujoco>")
+    recipe = "recipe: 1\nattach:\n  a: {model: ./whole.xml, subtree: '1'}\ncheck: {a: {unchanged: {}}}\n"
+    built, told = run(recipe)
+    assert built is not None, told
+
+
 def test_what_a_subtree_has_lost_on_the_way_is_told(
     tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
