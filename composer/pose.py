@@ -15,6 +15,7 @@ Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 
 IDENTITY_QUAT: Quat = (1.0, 0.0, 0.0, 0.0)
+_NOWHERE = (math.nan, math.nan, math.nan, math.nan)  # what MuJoCo makes of angles without end
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 _AXES = {"x": 1, "y": 2, "z": 3}
 _NEARLY_UNIT = 1e-14
@@ -87,6 +88,8 @@ def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
     """Euler angles in radians; lower-case letters turn about the moving axes, upper-case about the fixed ones."""
     quat = IDENTITY_QUAT
     for angle, letter in zip(euler, sequence, strict=True):
+        if not math.isfinite(angle):
+            return _NOWHERE
         turn = [math.cos(angle / 2), 0.0, 0.0, 0.0]
         turn[_AXES[letter.lower()]] = math.sin(angle / 2)
         step: Quat = (turn[0], turn[1], turn[2], turn[3])
@@ -97,6 +100,8 @@ def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
 def quat_from_axisangle(axis: Sequence[float], angle: float) -> Quat:
     """A turn of ``angle`` radians about ``axis`` (any length)."""
     x, y, z = unit(axis)
+    if not math.isfinite(angle):
+        return _NOWHERE
     half = math.sin(angle / 2)
     return (math.cos(angle / 2), x * half, y * half, z * half)
 

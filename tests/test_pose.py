@@ -156,3 +156,9 @@ def test_a_rotation_is_that_of_its_matrix(quat: Quat, vector: Vec3) -> None:
 def test_a_direction_without_length_is_the_x_axis() -> None:
     assert pose.unit((0, 0, 0)) == (1, 0, 0)
     assert pose.unit((0, 3, 4)) == (0, 0.6, 0.8)
+
+
+@pytest.mark.parametrize("angle", [math.inf, -math.inf, math.nan])
+def test_angles_without_end_lead_nowhere(angle: float) -> None:
+    assert all(map(math.isnan, pose.quat_from_euler((angle, 0, 0), "xyz")))
+    assert all(map(math.isnan, pose.quat_from_axisangle((0, 0, 1), angle)))
