@@ -26,6 +26,7 @@ from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
 from composer.link.several_defaults import several_defaults
 from composer.link.spurious import spurious
+from composer.link.submodel_options import submodel_options
 from composer.link.submodels import submodels
 
 Pass = Callable[[Linking], None]
@@ -44,6 +45,7 @@ PASSES: tuple[Pass, ...] = (
     fitting,
     lengthranges,
     angles,
+    submodel_options,
     agreement,
     roots,
     files,
