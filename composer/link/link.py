@@ -20,6 +20,7 @@ from composer.link.keyframes import keyframes
 from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
+from composer.link.passthrough import passthrough
 from composer.link.reductions import reductions
 from composer.link.replicates import replicates
 from composer.link.roots import check_roots, roots
@@ -48,6 +49,7 @@ PASSES: tuple[Pass, ...] = (
     submodel_options,
     agreement,
     roots,
+    passthrough,
     files,
     submodels,
     names,
@@ -68,6 +70,7 @@ _HINDERS_NOTHING = (
     alignment,
     agreement,
     roots,
+    passthrough,
     names,
     bodies,
     spurious,
