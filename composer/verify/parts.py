@@ -77,11 +77,18 @@ class Judge:
         if taken.fault is not None:
             return taken.fault
         keys = Keys.NONE if member.keys is None else Keys.MERGE
-        found = self._ask(name, whole, Question(body=taken.parent, keys=keys, tolerance=_ROUNDING, cut=True))
-        if isinstance(found, str):
-            return found
-        self.cut[name] = found
-        return None
+        why = ""
+        for body in taken.above:
+            here = body == taken.above[0]
+            question = Question(body=body, posed=here, keys=keys, tolerance=_ROUNDING, cut=True)
+            found = self._ask(name, whole, question)
+            if not isinstance(found, str):
+                self.cut[name] = found
+                return None
+            why = found
+            if not why.startswith(KeyError.__name__):  # that is a body which is not there
+                break
+        return why
 
     def _compile(self, member: Member, name: str) -> str | None:
         """Keep the source compiled alone; a sentence where MuJoCo refuses it."""

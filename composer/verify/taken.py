@@ -16,13 +16,16 @@ from composer.tree.parse import parse_file
 from composer.tree.write import write
 from composer.verify.parts import refused
 
-_NAMELESS = "the body above what was taken"
+_NAMELESS = "a body around what was taken, "
 
 
 class Taken(NamedTuple):
-    """`parent` is the body of the whole that stands for the world of what was taken; None for the world."""
+    """`above` are the bodies of the whole around what was taken, the nearest first, and None for the world.
 
-    parent: str | None = None
+    The first one stands for the world of what was taken, or one further up that `fusestatic` has made it one with.
+    """
+
+    above: tuple[str | None, ...] = (None,)
     fault: str | None = None
 
 
@@ -36,21 +39,21 @@ def keep_taken(member: Member, session: engine.Session, taken: str, whole: str) 
         return Taken(fault=_said(sink))
     bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
     body = next((each for each in bodies if each.get("name") == member.subtree), None)
-    above = None if body is None else next(body.iterancestors("body"), None)
-    nameless = above is not None and not above.get("name")
-    if above is not None and nameless:
-        above.set("name", _NAMELESS)
+    around = [] if body is None else list(body.iterancestors("body"))
+    nameless = [each for each in around if not each.get("name")]
+    for number, each in enumerate(nameless):
+        each.set("name", f"{_NAMELESS}{number}")
     with folder_of(unit) as folder:
         fault = _keep(session, folder, path, write(unit.root) if nameless else None, whole)
     if fault is not None:
         return Taken(fault=fault)
-    parent = None if above is None else str(above.get("name"))
+    above = (*(str(each.get("name")) for each in around), None)
     measure = measure_with(Context(sink=sink, environment={}, folder=path.parent), session=session)
     keyframes: KeyPolicy = "none" if member.keys is None else "merge"
     if take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure) is None:
         return Taken(fault=_said(sink))
     with folder_of(unit) as folder:
-        return Taken(parent, _keep(session, folder, path, write(unit.root), taken))
+        return Taken(above, _keep(session, folder, path, write(unit.root), taken))
 
 
 def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> str | None:

@@ -280,6 +280,16 @@ def test_the_mass_that_the_whole_model_is_given_stays(take) -> None:  # type: ig
         assert "settotalmass" not in taken.xml
 
 
+def test_a_mass_that_is_shared_out_with_fused_bodies_is_told(take) -> None:  # type: ignore[no-untyped-def]
+    head = '<compiler settotalmass="3" fusestatic="true"/>'
+    taken = take(model(ARM.replace('<joint name="arm"/>', ""), head=head), "tip")
+    assert taken.found is None
+    (fault,) = taken.sink.errors
+    assert fault.message.endswith(
+        "cannot be kept in a composition: `fusestatic` makes this body one with another"
+    )
+
+
 def test_what_holds_for_the_whole_model_is_left(take) -> None:  # type: ignore[no-untyped-def]
     head = """<statistic extent="3"/><visual><map znear=".05" zfar="9"/><headlight active="0"/></visual>
       <option timestep=".001"/>"""

@@ -296,6 +296,15 @@ def test_what_a_subtree_leaves_behind_may_have_acted_on_it(tmp_path: Path, run: 
     assert built is not None, told
 
 
+def test_the_body_below_a_subtree_may_be_fused_away_in_its_source(tmp_path: Path, run: Run) -> None:
+    run("recipe: 1\nbase: ./base.xml\n")
+    fused = WHOLE.replace('settotalmass="9"', 'fusestatic="true"').replace('<joint type="slide"/>', "")
+    (tmp_path / "whole.xml").write_text(fused.replace('qpos=".1 .2 .3"', 'qpos=".1 .3"'))
+    part = "{model: ./whole.xml, subtree: hand, pos: [0, 1, 0]}"
+    built, told = run(f"recipe: 1\nattach:\n  a: {part}\ncheck: {{a: {{unchanged: {{}}}}}}\n")
+    assert built is not None, told
+
+
 def test_what_a_subtree_has_lost_on_the_way_is_told(
     tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
