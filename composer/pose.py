@@ -71,16 +71,17 @@ def normalise(quat: Sequence[float]) -> Quat:
 
 
 def rotate(quat: Quat, vec: Sequence[float]) -> Vec3:
-    """``vec`` turned by ``quat``."""
+    """``vec`` turned by ``quat``, by way of its matrix: so MuJoCo puts one frame into another, to the bit."""
     w, x, y, z = quat
     a, b, c = vec
     if quat == IDENTITY_QUAT:
         return (a, b, c)
-    tx, ty, tz = w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a
+    ww, xx, yy, zz = w * w, x * x, y * y, z * z
+    wx, wy, wz, xy, xz, yz = w * x, w * y, w * z, x * y, x * z, y * z
     return (
-        a + 2 * (y * tz - z * ty),
-        b + 2 * (z * tx - x * tz),
-        c + 2 * (x * ty - y * tx),
+        (ww + xx - yy - zz) * a + 2 * (xy - wz) * b + 2 * (xz + wy) * c,
+        2 * (xy + wz) * a + (ww - xx + yy - zz) * b + 2 * (yz - wx) * c,
+        2 * (xz - wy) * a + 2 * (yz + wx) * b + (ww - xx - yy + zz) * c,
     )
 
 
