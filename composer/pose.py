@@ -15,6 +15,7 @@ Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 
 IDENTITY_QUAT: Quat = (1.0, 0.0, 0.0, 0.0)
+_NOWHERE = (math.nan, math.nan, math.nan, math.nan)  # what MuJoCo makes of angles without end
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 _AXES = {"x": 1, "y": 2, "z": 3}
 _NEARLY_UNIT = 1e-14
@@ -70,16 +71,17 @@ def normalise(quat: Sequence[float]) -> Quat:
 
 
 def rotate(quat: Quat, vec: Sequence[float]) -> Vec3:
-    """``vec`` turned by ``quat``."""
+    """``vec`` turned by ``quat``, by way of its matrix: so MuJoCo puts one frame into another, to the bit."""
     w, x, y, z = quat
     a, b, c = vec
     if quat == IDENTITY_QUAT:
         return (a, b, c)
-    tx, ty, tz = w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a
+    ww, xx, yy, zz = w * w, x * x, y * y, z * z
+    wx, wy, wz, xy, xz, yz = w * x, w * y, w * z, x * y, x * z, y * z
     return (
-        a + 2 * (y * tz - z * ty),
-        b + 2 * (z * tx - x * tz),
-        c + 2 * (x * ty - y * tx),
+        (ww + xx - yy - zz) * a + 2 * (xy - wz) * b + 2 * (xz + wy) * c,
+        2 * (xy + wz) * a + (ww - xx + yy - zz) * b + 2 * (yz - wx) * c,
+        2 * (xz - wy) * a + 2 * (yz + wx) * b + (ww - xx - yy + zz) * c,
     )
 
 
@@ -87,6 +89,8 @@ def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
     """Euler angles in radians; lower-case letters turn about the moving axes, upper-case about the fixed ones."""
     quat = IDENTITY_QUAT
     for angle, letter in zip(euler, sequence, strict=True):
+        if not math.isfinite(angle):
+            return _NOWHERE
         turn = [math.cos(angle / 2), 0.0, 0.0, 0.0]
         turn[_AXES[letter.lower()]] = math.sin(angle / 2)
         step: Quat = (turn[0], turn[1], turn[2], turn[3])
@@ -97,6 +101,8 @@ def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
 def quat_from_axisangle(axis: Sequence[float], angle: float) -> Quat:
     """A turn of ``angle`` radians about ``axis`` (any length)."""
     x, y, z = unit(axis)
+    if not math.isfinite(angle):
+        return _NOWHERE
     half = math.sin(angle / 2)
     return (math.cos(angle / 2), x * half, y * half, z * half)
 

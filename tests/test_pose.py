@@ -156,3 +156,26 @@ def test_a_rotation_is_that_of_its_matrix(quat: Quat, vector: Vec3) -> None:
 def test_a_direction_without_length_is_the_x_axis() -> None:
     assert pose.unit((0, 0, 0)) == (1, 0, 0)
     assert pose.unit((0, 3, 4)) == (0, 0.6, 0.8)
+
+
+@pytest.mark.parametrize("angle", [math.inf, -math.inf, math.nan])
+def test_angles_without_end_lead_nowhere(angle: float) -> None:
+    assert all(map(math.isnan, pose.quat_from_euler((angle, 0, 0), "xyz")))
+    assert all(map(math.isnan, pose.quat_from_axisangle((0, 0, 1), angle)))
+
+
+@STEADY
+@given(QUATS, VECTORS, QUATS, VECTORS)
+@pytest.mark.mujoco4("another order of operations")
+def test_a_frame_in_a_frame_is_where_mujoco_puts_it(quat: Quat, pos: Vec3, turned: Quat, other: Vec3) -> None:
+    outer, inner = Pose(pos, pose.normalise(quat)), Pose(other, pose.normalise(turned))
+    frame, site = (f'pos="{_text(each.pos)}" quat="{_text(each.quat)}"' for each in (outer, inner))
+    xml = f"<mujoco><worldbody><frame {frame}><site {site}/></frame></worldbody></mujoco>"
+    model = mujoco.MjModel.from_xml_string(xml)
+    there = outer @ inner
+    assert tuple(model.site_pos[0]) == there.pos
+    assert tuple(model.site_quat[0]) == there.quat
+
+
+def _text(values: Sequence[float]) -> str:
+    return " ".join(map(repr, values))

@@ -243,7 +243,8 @@ def _part(member: Member, number: int, renamed: Renamed) -> Part:
         welded=member.welded,
         stands=member.stands,
         changed=member.changed,
-        obscure=member.obscure or member.cut,
+        obscure=member.obscure or member.reduced,
+        subtree=member.subtree,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
     )
 

@@ -82,6 +82,7 @@ class Part(_Part):
         default=(), description="The arrays of mjModel that the recipe changes in it."
     )
     obscure: str | None = Field(default=None, description="Why it cannot be compared with its source, if so.")
+    subtree: str | None = Field(default=None, description="The one body that was taken of its source, if so.")
 
 
 class Read(_Part):

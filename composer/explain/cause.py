@@ -197,6 +197,13 @@ class Causes:
             return Reason(f"{words}, where nothing hangs on what the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
+    def _adopted(self, change: Change, life: Life) -> Reason | None:
+        return self._adopted_made(life, change.cause)
+
+    def _adopted_made(self, life: Life, cause: Cause) -> Reason:
+        words = f'asked for by a model that {_file(cause.unit)} attaches, under its `conflict="merge"`'
+        return Reason(words, self.setting(cause.unit, "conflict"))
+
     def _agreement(self, change: Change, life: Life) -> Reason | None:
         linking = change.cause.linking
         if linking is None or change.after is None:
@@ -355,6 +362,7 @@ _CHANGES: dict[str, Callable[[Causes, Change, Life], Reason | None]] = {
     "inertia": Causes._inertia,
     "fitting": Causes._fitting,
     "lengthranges": Causes._lengthranges,
+    "submodel_options": Causes._adopted,
     "agreement": Causes._agreement,
     "files": Causes._files,
     "submodels": Causes._files,
@@ -370,6 +378,7 @@ _MADE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
     "replicates": Causes._unrolled,
     "reductions": Causes._reduced,
     "inertia": Causes._inertia_made,
+    "submodel_options": Causes._adopted_made,
     "agreement": Causes._agreement_made,
     "defaults": Causes._defaults_made,
     "bodies": Causes._bodies_made,

@@ -46,24 +46,24 @@ def agreement(linking: Linking) -> None:
     """Compare what every unit writes, then merge the sizes."""
     if not linking.parts:
         return
-    model = dict(_written(linking.base))
+    model = dict(written(linking.base))
     conflicts: dict[str, list[tuple[Part, _Written]]] = {}
     for part in linking.parts:
-        for path, wanted in dict(_written(part.unit)).items():  # of several sections the last counts
+        for path, wanted in dict(written(part.unit)).items():  # of several sections the last counts
             if path in linking.settled:
                 continue
             have = model.get(path)
-            current = have.value if have is not None else _default(path)
+            current = have.value if have is not None else default_of(path)
             if current is not None and _equal(current, wanted.value):
                 continue
-            settled = _merged(path, have, wanted) if linking.conflict == "merge" else None
+            settled = merged(path, have, wanted) if linking.conflict == "merge" else None
             if settled is None:
                 conflicts.setdefault(path, []).append((part, wanted))
                 continue
             message = f"{_wish(part, path, wanted)}, {_model_has(have, current)}; merged to `{settled}`"
             span = linking.span(part.unit, wanted.element, _name(path))
             linking.sink.warning("option-conflict", message, span, notes=_written_here(linking, path, have))
-            _set(linking.base, path, settled)
+            set_value(linking.base, path, settled)
             model[path] = _Written(settled, wanted.element, part.unit)
     for path, wishes in conflicts.items():
         section = path.split("/")[0] + "/"
@@ -72,7 +72,7 @@ def agreement(linking: Linking) -> None:
     _sizes(linking)
 
 
-def _written(unit: Unit) -> Iterator[tuple[str, _Written]]:
+def written(unit: Unit) -> Iterator[tuple[str, _Written]]:
     for section in unit.root.iterchildren(*SINGLETONS):
         yield from _attributes(section, str(section.tag), unit)
 
@@ -86,7 +86,7 @@ def _attributes(element: Node, path: str, unit: Unit) -> Iterator[tuple[str, _Wr
 
 
 @cache
-def _default(path: str) -> str | None:
+def default_of(path: str) -> str | None:
     element, name = path.rsplit("/", 1)
     attribute = GRAMMAR.element(element).attributes.get(name)
     value = attribute.default if attribute is not None else None
@@ -106,7 +106,7 @@ def _equal(a: str, b: str) -> bool:
         return False
 
 
-def _merged(path: str, have: _Written | None, wanted: _Written) -> str | None:
+def merged(path: str, have: _Written | None, wanted: _Written) -> str | None:
     """As MuJoCo merges: a default gives way; of two steps or tolerances the smaller, of iterations the larger."""
     if have is None:
         return wanted.value
@@ -118,7 +118,7 @@ def _merged(path: str, have: _Written | None, wanted: _Written) -> str | None:
     return None
 
 
-def _set(unit: Unit, path: str, value: str) -> None:
+def set_value(unit: Unit, path: str, value: str) -> None:
     section, *inner, name = path.split("/")
     element = unit.section(section)
     for tag in inner:
@@ -135,7 +135,7 @@ def _tell(
 ) -> None:
     """One finding for each value of the model, whoever else wants another: one line settles it."""
     (part, wanted), *others = wishes
-    message = f"{_wish(part, path, wanted)}, {_model_has(have, _default(path))}"
+    message = f"{_wish(part, path, wanted)}, {_model_has(have, default_of(path))}"
     notes = _written_here(linking, path, have)
     for other, wish in others:
         told = f"`{other.called}` wants `{wish.value}`"

@@ -15,7 +15,7 @@ from lxml.etree import _Element as Node
 from composer.link import numbers
 from composer.link.linking import Linking
 from composer.pose import quat_from_euler
-from composer.tree.classes import NESTED, Classes, childclass_of
+from composer.tree.classes import NESTED, Classes, childclass_of, written
 from composer.tree.unit import Unit
 
 _TURNED = etree.XPath("(worldbody | default)//*[@euler or @axisangle]")
@@ -106,7 +106,7 @@ def _joints(unit: Unit) -> None:
         childclass = childclass_of(joint)
         for attribute in _ANGULAR:
             writer: Node | None = joint
-            if joint.get(attribute) is None:
+            if written(joint, attribute) is None:
                 writer = _writer(joint, classes, childclass, attribute) if attribute in in_classes else None
             if writer is None:
                 continue

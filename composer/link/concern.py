@@ -73,6 +73,18 @@ class Concern:
         verdict = self._verdicts[element] = Verdict(side, lacks)
         return verdict
 
+    def needed_by(self, elements: Iterable[tuple[Node, str]]) -> set[Node]:
+        """What concerns no side, but these elements of sections refer to it: the numbers in a tuple."""
+        needed: set[Node] = set()
+        waiting = list(elements)
+        while waiting:
+            for name in references(*waiting.pop()):
+                other = self._others.get(name)
+                if other is not None and other[0] not in needed and self.of(*other).side is Side.NEITHER:
+                    needed.add(other[0])
+                    waiting.append(other)
+        return needed
+
     def leave(self, element: Node) -> None:
         """An element of the tree does not come along after all."""
         declared = declaration(element, "worldbody")

@@ -15,7 +15,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.grammar.format import to_text
 from composer.link.linking import Flex, Linking, Part
-from composer.tree.classes import MAIN, DefaultClass, childclass_of, through_frames
+from composer.tree.classes import MAIN, DefaultClass, childclass_of, through_frames, written
 from composer.tree.unit import Unit
 
 # What a flex decides itself, or MuJoCo refuses to it.
@@ -52,7 +52,7 @@ def keep_in_main(linking: Linking, top: Node) -> None:
             joint = wrapped.makeelement("joint")
             wrapped.insert(0, joint)
         for name, value in taken_back(kept).items():
-            if joint.get(name) is None:
+            if written(joint, name) is None:
                 joint.set(name, value)
     top.insert(0, top.makeelement("joint", linking.main_joint))
 
@@ -78,11 +78,11 @@ def check_flexes(linking: Linking) -> None:
 
 def top_joint(unit: Unit) -> dict[str, str]:
     """The joint settings of a unit's top class that its flexes take."""
-    written: dict[str, str] = {}
+    given: dict[str, str] = {}
     for section in unit.root.iterchildren("default"):
         for joint in section.iterchildren("joint"):
-            written.update({str(name): str(value) for name, value in joint.items()})
-    return _taken(written)
+            given.update({str(name): str(value) for name, value in joint.items() if value.strip()})
+    return _taken(given)
 
 
 def _given_by(linking: Linking, body: Node) -> dict[str, str]:
@@ -106,10 +106,10 @@ def _class_of(linking: Linking, body: Node) -> DefaultClass:
     return linking.base.classes.get(str(body.get("childclass") or childclass_of(body) or MAIN))
 
 
-def _taken(written: Mapping[str, str]) -> dict[str, str]:
+def _taken(given: Mapping[str, str]) -> dict[str, str]:
     return {
         name: value
-        for name, value in written.items()
+        for name, value in given.items()
         if name not in _NOT_TAKEN and name != "class" and value.split() != _neutral(name).split()
     }
 

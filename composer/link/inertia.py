@@ -137,7 +137,9 @@ def write_measured(
         rows = [found.values(body, array, width) for array, width in zip(BODIES, (1, 3, 4, 3), strict=True)]
         mass, pos, quat, moments = rows
         if mass is None or pos is None or quat is None or moments is None:
-            cannot_be_kept(linking, unit, settings, "the copies of a body differ", body)
+            gone = found.is_gone(body)
+            why = "`fusestatic` makes this body one with another" if gone else "the copies of a body differ"
+            cannot_be_kept(linking, unit, settings, why, body)
             return False
         written = own(body, "inertial")
         for inertial in written:

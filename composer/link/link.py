@@ -20,12 +20,14 @@ from composer.link.keyframes import keyframes
 from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
+from composer.link.passthrough import passthrough
 from composer.link.reductions import reductions
 from composer.link.replicates import replicates
 from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
 from composer.link.several_defaults import several_defaults
 from composer.link.spurious import spurious
+from composer.link.submodel_options import submodel_options
 from composer.link.submodels import submodels
 
 Pass = Callable[[Linking], None]
@@ -44,8 +46,10 @@ PASSES: tuple[Pass, ...] = (
     fitting,
     lengthranges,
     angles,
+    submodel_options,
     agreement,
     roots,
+    passthrough,
     files,
     submodels,
     names,
@@ -66,6 +70,7 @@ _HINDERS_NOTHING = (
     alignment,
     agreement,
     roots,
+    passthrough,
     names,
     bodies,
     spurious,

@@ -122,9 +122,9 @@ def _kinds() -> dict[str, str]:
 
 
 def suffixes(replicate: Node) -> list[str]:
-    """What is appended to the names in each copy."""
+    """What is appended to the names in each copy; as many digits as their number has: ten begin at `00`."""
     count = int(str(replicate.get("count") or 1))
-    width = len(str(count - 1))
+    width = len(str(count))
     return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(count)]
 
 

@@ -38,6 +38,7 @@ def names(linking: Linking) -> None:
 
 def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part | None) -> None:
     found = rename(unit, prefix, top_class)
+    _refer_to_keys(linking, unit, prefix, part)
     for namespace, name, element in found.repeated:
         repeated(linking, unit, prefix, (namespace, name, element, found.declared(namespace)[name]))
     for namespace, name, element in found.dangling():
@@ -56,6 +57,27 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part 
         earlier_ones.update(declared)
     if part is not None and clashes:
         clash_with_others(linking, part, clashes)
+
+
+def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None) -> None:
+    """Let tuples refer to the keys by the names that these will have."""
+    policy = linking.base_keyframes if part is None else part.keyframes
+    for element in unit.root.iterfind("custom/tuple/element[@objtype='key']"):
+        name = str(element.get("objname") or "")
+        own = [str(key.get("name") or "") for key in unit.root.iterfind("keyframe/key")]
+        if name not in own and may_be_generated(name, unit.root):
+            element.set("objname", prefix + name)  # of a model that MuJoCo attaches
+        elif name not in own:
+            loose_end(linking, unit, "", "key", name, element, own)
+        elif policy == "prefix":
+            element.set("objname", prefix + name)
+        elif policy == "none" and linking.asked is None:  # else it may be one that the recipe writes
+            linking.sink.error(
+                "unknown-name",
+                f"a tuple refers to the key `{name}`, which `keyframes: none` leaves out",
+                linking.span(unit, element, "objname"),
+                help="leave out the tuple, too: `drop: [tuple]`",
+            )
 
 
 class Found:
@@ -199,6 +221,8 @@ def _rename_special(found: Found, element: Node, key: str, value: str, prefix: s
         target = object_namespace(element, namespace)
         if value == WORLD and target in (None, "body"):
             return
+        if target == "key":
+            return  # see `_refer_to_keys`
         if target:
             found.wanted(target).setdefault(name, element)
     if name != value:

@@ -5,11 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from composer.grammar.number import items, parse_real
+
 RADIANS_PER_DEGREE = math.pi / 180
 
 
 def read(text: str) -> list[float]:
-    return [float.fromhex(token) if "x" in token.lower() else float(token) for token in text.split()]
+    """Raises ValueError for what MuJoCo refuses, though Python takes it: `1_0`, digits of other scripts, `1e400`."""
+    if not _RARE.isdisjoint(text) or not text.isascii():
+        return [_rare(item) for item in items(text)]
+    values = [float(token) for token in text.split()]
+    if math.inf in values or -math.inf in values:
+        return [_rare(item) for item in items(text)]
+    return values
+
+
+_RARE = frozenset("xX_(")
+"""Hexadecimals and `nan(…)`; and what only Python takes for part of a number."""
+
+
+def _rare(item: str) -> float:
+    value = parse_real(item)
+    if value is None:
+        raise ValueError(f"not a number: {item}")
+    return value
 
 
 def text(values: Iterable[float]) -> str:

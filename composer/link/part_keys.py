@@ -52,7 +52,9 @@ def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
 
 def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -> Iterator[Key]:
     for element in keys_of(unit):
-        key = Key(str(element.get("name") or ""), element.get("time"), element, unit.file, unit.origins)
+        key = Key(
+            str(element.get("name") or ""), element.get("time") or None, element, unit.file, unit.origins
+        )
         for vector in VECTORS:
             text = str(element.get(vector) or "").split()
             taken = cut_row(linking, unit, layout, element, vector, text) if text else None

@@ -14,7 +14,7 @@ from composer.link.linking import Linking
 from composer.link.multiplied import element_of
 from composer.link.placing import pose_in_world, read_pose
 from composer.pose import Pose
-from composer.tree.classes import childclass_of
+from composer.tree.classes import childclass_of, written
 
 _IDENTITY = "1 0 0 0".split()
 
@@ -76,7 +76,7 @@ class Reference:
             return ["0"] * slot.widths[0]
         if slot.kind == "ball":
             return _IDENTITY
-        ref = joint.get("ref")
+        ref = written(joint, "ref")
         if ref is None and self.class_refs:
             ref = self.linking.base.classes.effective(joint, childclass_of(joint), "ref")
         if ref is None:

@@ -222,6 +222,7 @@ def _make_root(unit: Unit, body: Node) -> None:
 def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
     """Every element of the other sections that does not concern the subtree alone."""
     going: list[tuple[Node, Left]] = []
+    staying: list[tuple[Node, str]] = []
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)
         if tag in _OF_THE_WHOLE:
@@ -233,10 +234,15 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
             side, lacks = concern.of(element, tag)
             if side is Side.BOTH:
                 going.append((element, _cut(element, tag, lacks, unit)))
-            elif side is not Side.INSIDE:
+            elif side is Side.INSIDE:
+                staying.append((element, tag))
+            else:
                 declared = declaration(element, tag)
                 going.append((element, Left(_what(element, tag), declared[1] if declared else "")))
+    needed = concern.needed_by(staying)
     for element, left in going:  # only now: what an element concerns is found by way of others
+        if element in needed:
+            continue
         parent = element.getparent()
         assert parent is not None
         parent.remove(element)

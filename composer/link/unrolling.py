@@ -1,8 +1,8 @@
 """Replicates that cannot stay as they are beside another unit are written out.
 
 That is where MuJoCo would multiply something of the other unit, too (see `spurious.py`), or where the model reads the
-angles in another sequence. Only what nothing outside the replicate refers to is written out: MuJoCo multiplies what
-does, which is left to it.
+angles in another sequence, or in radians, whose multiples are rounded otherwise. Only what nothing outside the
+replicate refers to is written out: MuJoCo multiplies what does, which is left to it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,10 @@ def unroll(linking: Linking, holding: list[Unit]) -> None:
     for unit in holding:
         for nest in list(_outermost(unit)):
             inside = list(inner_first(nest))
-            turns = any(_reads_otherwise(linking, unit, each) for each in inside)
+            turns = any(
+                _reads_otherwise(linking, unit, each) or _rounds_otherwise(linking, unit, each)
+                for each in inside
+            )
             if (
                 turns
                 or any(_multiplies(other, indices[other], inside) for other in units if other is not unit)
@@ -53,6 +56,18 @@ def _reads_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
     """Whether it turns about several axes, in a sequence that is not the model's."""
     turning = [each for each in numbers.read(str(replicate.get("euler") or "")) if each]
     return len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq
+
+
+def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
+    """Whether some multiple of its angles in radians is not to the bit that of its angles in degrees."""
+    if unit.settings.angle != "degree" or linking.angle != "radian":
+        return False
+    radians = numbers.orientation_radians
+    return any(
+        radians(number * angle) != number * radians(angle)
+        for angle in numbers.read(str(replicate.get("euler") or ""))
+        for number in range(len(suffixes(replicate)) if angle else 0)
+    )
 
 
 def _multiplies(unit: Unit, index: NameIndex, replicates: list[Node]) -> bool:

@@ -20,8 +20,8 @@ class Member:
     the body's frame, None where it is not known. `keys` stands before the names of its keys; None where they
     were left out. `welded` is whether free joints at its root were taken away, `stands` whether it is fixed in
     the world, where the root link of URDF becomes one with it. `changed` are the arrays of
-    `mjModel` that the recipe changes in it on purpose. `obscure` says why it cannot be compared, if so, and `cut`
-    why it is compared only where a check asks for it.
+    `mjModel` that the recipe changes in it on purpose. `obscure` says why it cannot be compared, if so, and `reduced`
+    why it is compared only where a check asks for it. Of a source of which one body was taken, `subtree` is that body.
     """
 
     part: str
@@ -34,7 +34,8 @@ class Member:
     stands: bool = True
     changed: tuple[str, ...] = ()
     obscure: str | None = None
-    cut: str | None = None
+    subtree: str | None = None
+    reduced: str | None = None
 
     @property
     def called(self) -> str:

@@ -18,12 +18,12 @@ _HEAD = re.compile(r"[^*?{\[]*")
 
 def with_edits(member: Member, edits: Iterable[Edit]) -> Member:
     """The member with the arrays that edits change in it, or why it is not what its source is at all."""
-    changed, cut = set(member.changed), member.cut
+    changed, reduced = set(member.changed), member.reduced
     for edit in edits:
         if any(getattr(edit, verb) for verb in _REBUILDING):
-            cut = cut or "the recipe takes away, moves or converts elements"
+            reduced = reduced or "the recipe takes away, moves or converts elements"
         changed |= {array for tag, name in _attributes(edit) for array in arrays_of(name, tag)}
-    return replace(member, changed=tuple(sorted(changed)), cut=cut)
+    return replace(member, changed=tuple(sorted(changed)), reduced=reduced)
 
 
 def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:

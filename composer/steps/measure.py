@@ -31,7 +31,7 @@ def measure_with(
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
         wanted = tuple(name for name in arrays if name not in _SIZES)
         text = write(unit.root)
-        with _folder(unit) as folder:
+        with folder_of(unit) as folder:
             measured = engine.measure(
                 folder, arrays=wanted, text=text.decode(), limits=limits, session=session
             )
@@ -47,7 +47,7 @@ def measure_with(
 
 
 @contextmanager
-def _folder(unit: Unit) -> Iterator[Path]:
+def folder_of(unit: Unit) -> Iterator[Path]:
     """Where the unit's files are: its own folder, or one with what a composition holds in memory."""
     if not unit.contents:
         yield unit.directory

@@ -14,6 +14,7 @@ from composer.plan.parts import BASE, called
 from composer.plan.plan import DrawValues, Plan, SetDefault, SetSingleton
 from composer.pose import Pose
 from composer.recipe.checks.unchanged import Unchanged
+from composer.sources.source import Source
 from composer.steps.edited import reaches, with_edits
 from composer.steps.subtree import Wanted
 from composer.tree.classes import MAIN
@@ -50,7 +51,7 @@ def hung(
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = Member(
                 name, part.prefix, each.model,
-                keys=keys, welded=part.weld, stands=each.stands, obscure=_cut(each),
+                keys=keys, welded=part.weld, stands=each.stands, obscure=_cut_urdf(each), subtree=each.body,
             )  # fmt: skip
             found.append(_own(Hung(member, part.content), each))
     return _changed(plan, found)
@@ -60,12 +61,16 @@ def _own(each: Hung, wanted: Wanted) -> Hung:
     """With what the edits of a part, and what is left out of it, change in its members."""
     member = with_edits(each.member, wanted.edit)
     if wanted.drop:
-        member = replace(member, cut="the recipe leaves out elements")
+        member = replace(member, reduced="the recipe leaves out elements")
     return Hung(member, each.content)
 
 
 def _cut(wanted: Wanted) -> str | None:
     return None if wanted.body is None else f"only its body `{wanted.body}` was taken"
+
+
+def _cut_urdf(wanted: Wanted) -> str | None:
+    return _cut(wanted) if isinstance(wanted.model, Source) and wanted.model.format == "urdf" else None
 
 
 def placed(found: Iterable[Hung], root: Node) -> tuple[Member, ...]:
@@ -88,7 +93,10 @@ def _of_base(plan: Plan, base: Wanted, inner: list[Hung]) -> Iterator[Hung]:
             yield Hung(member, each.content)
     elif base.model is not None:
         keys = None if without_keys else ""
-        yield Hung(Member(BASE, "", base.model, keys=keys, stands=base.stands, obscure=_cut(base)), None)
+        member = Member(
+            BASE, "", base.model, keys=keys, stands=base.stands, obscure=_cut_urdf(base), subtree=base.body
+        )
+        yield Hung(member, None)
 
 
 def _moved(each: Hung, name: str, part: Part, separator: str, cut: str | None) -> Hung:

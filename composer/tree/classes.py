@@ -31,9 +31,9 @@ class DefaultClass:
         here: DefaultClass | None = self
         while here is not None:
             for element in reversed(here.elements.get(tag, ())):
-                value = element.get(attribute)
+                value = written(element, attribute)
                 if value is not None:
-                    return str(value), element
+                    return value, element
             here = here.parent
         return None
 
@@ -56,6 +56,29 @@ class DefaultClass:
                 return True
             here = here.parent
         return False
+
+
+def written(element: Node, attribute: str) -> str | None:
+    """The value that an element or a class writes; a blank in place of numbers says nothing, as in MuJoCo.
+
+    >>> from lxml import etree
+    >>> geom = etree.fromstring('<geom mass="" material=""/>')
+    >>> written(geom, "mass"), written(geom, "material")
+    (None, '')
+    """
+    value = element.get(attribute)
+    if value is None or (not value.strip() and attribute in _numeric()):
+        return None
+    return str(value)
+
+
+@cache
+def _numeric() -> frozenset[str]:
+    """The attributes of classes that hold numbers."""
+    kinds = [
+        GRAMMAR.element(f"default/{tag}") for tag in GRAMMAR.element("default").children if tag != "default"
+    ]
+    return frozenset(each.name for kind in kinds for each in kind.attributes.values() if each.is_number)
 
 
 def says_something(element: Node) -> bool:
@@ -86,7 +109,7 @@ class Classes:
     def give(self, tag: str, *attributes: str) -> bool:
         """Whether any class at all gives one of these attributes to elements of `tag`."""
         return any(
-            element.get(attribute) is not None
+            written(element, attribute) is not None
             for section in self._root.iterchildren("default")
             for element in section.iter(tag)
             for attribute in attributes
@@ -98,9 +121,9 @@ class Classes:
 
     def effective(self, element: Node, childclass: str | None, attribute: str) -> str | None:
         """What `attribute` of `element` is, its own value first; `childclass` is the one in force around it."""
-        value = element.get(attribute)
+        value = written(element, attribute)
         if value is not None:
-            return str(value)
+            return value
         found = self.get(str(element.get("class") or childclass or MAIN)).lookup(
             default_tag(element), attribute
         )

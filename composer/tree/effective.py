@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Literal
 from composer.grammar import GRAMMAR, ElementType
 from composer.grammar.attribute import Attribute
 from composer.grammar.format import to_text
-from composer.tree.classes import MAIN, ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
+from composer.tree.classes import (
+    MAIN,
+    ORIENTATIONS,
+    Classes,
+    DefaultClass,
+    childclass_of,
+    default_tag,
+    written,
+)
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -64,7 +72,7 @@ def chain(element: Node, classes: Classes) -> list[DefaultClass]:
 
 def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Classes) -> list[Level]:
     """Every level that an attribute may come from, the element first and MuJoCo's own default last."""
-    found = [Level("element", None, element, element.get(attribute.name))]
+    found = [Level("element", None, element, written(element, attribute.name))]
     if kind.takes_class and attribute.in_default:
         for step in chain(element, classes):
             writer = _writer(step, element, attribute)
@@ -83,14 +91,14 @@ def value(steps: list[Level]) -> str | None:
 
 def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[Attribute, Level]]:
     """Every attribute that some class gives to an element, and the nearest level that does."""
-    seen = set(map(str, element.keys()))
-    turned = not seen.isdisjoint(ORIENTATIONS)
+    seen = {name for name in map(str, element.keys()) if written(element, name) is not None}
+    turned = not seen.isdisjoint(ORIENTATIONS) or element.get("quat") is not None
     for step in chain(element, classes) if kind.takes_class else ():
         orientation = False
         for writer in reversed(_holders(step, element)):
             for name in map(str, writer.keys()):
                 attribute = kind.attributes.get(name)
-                if attribute is None or name in seen:
+                if attribute is None or name in seen or written(writer, name) is None:
                     continue
                 if writer.tag != element.tag and kind.family == "actuator" and name not in _common():
                     continue
@@ -131,7 +139,7 @@ def _words(step: Level) -> list[str]:
 def _writer(step: DefaultClass, element: Node, attribute: Attribute) -> Node | None:
     """The element of a class that gives the attribute; of several the last."""
     for holder in reversed(_holders(step, element, attribute)):
-        if holder.get(attribute.name) is not None:
+        if written(holder, attribute.name) is not None:
             return holder
     return None
 

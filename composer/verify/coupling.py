@@ -11,10 +11,11 @@ class Coupling:
 
     ``hosts`` carry geoms of others, which count into their mass and inertia. ``carriers`` have something of
     others on them or below them. ``trees`` are the root bodies of kinematic trees that something of others is
-    fixed to, or that hang on a moving body: the inertia seen by their joints is not their own.
+    fixed to, or that hang on a moving body: the inertia seen by their joints is not their own. Where the part is
+    ``cut`` out of the other model, that is so of all: a tendon may have been left that has an armature.
     """
 
-    def __init__(self, matching: Matching, mount: Mount) -> None:
+    def __init__(self, matching: Matching, mount: Mount, *, cut: bool = False) -> None:
         alone, composed = matching.alone.model, matching.composed.model
         bodies = matching.ids["body"]
         self.in_place = mount.is_in_place and matching.worlds == {0}
@@ -37,7 +38,7 @@ class Coupling:
                 self.carriers.add(mine[target])
                 target = int(composed.body_parentid[target])
         roots = alone.body_rootid.tolist()
-        self.trees = set(roots) if self.moving else {roots[body] for body in self.carriers}
+        self.trees = set(roots) if self.moving or cut else {roots[body] for body in self.carriers}
         self._roots = roots
 
     def acts_on(self, body: int) -> bool:

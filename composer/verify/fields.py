@@ -206,6 +206,13 @@ NOT_OF_AN_ELEMENT: dict[str, str] = {
 """Arrays that belong to no single element, and what stands for them here."""
 
 
+HULL = frozenset(
+    "mesh_extrema mesh_graphadr mesh_graph mesh_polynum mesh_polynormal mesh_polyvertnum mesh_polyvert"
+    " mesh_polymapnum mesh_polymap".split()
+)
+"""What MuJoCo computes of a mesh with which something collides, and which others of the model may ask for."""
+
+
 BEFORE_CONTROLS: dict[str, Treatment] = {
     "actuator_ctrllimited": Treatment.PLAIN,
     "actuator_ctrlrange": Treatment.PLAIN,

@@ -14,6 +14,9 @@ from composer.verify.difference import Difference
 from composer.verify.keyframes import Keys
 from composer.verify.question import Question, ask, told
 
+_ROUNDING = 1e-12
+"""Relative: `springdamper` and `dampratio` go by the inertia of the whole model, which is summed in another order."""
+
 WHOLE = "whole"
 """The name under which the session keeps the composition."""
 
@@ -36,13 +39,14 @@ class Judge:
     """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once.
 
     `merged` has by kind the names of the composition for which another one stands, `renamed` by part and kind what
-    edits call its elements.
+    edits call its elements, `cut` how a body that was taken of its source differs from what it is there.
     """
 
     session: engine.Session
     merged: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     renamed: Renamed = field(default_factory=dict)
     alone: dict[str, str | None] = field(default_factory=dict)
+    cut: dict[str, tuple[Difference, ...]] = field(default_factory=dict)
 
     def compare(self, member: Member, excused: Iterable[str] = ()) -> Compared:
         """The part as it is in the composition. `excused` are arrays, or ends of their names."""
@@ -55,13 +59,44 @@ class Judge:
         if fault is not None:
             return Compared(member, obscure=fault)
         question = _question(member, tuple(excused), self.merged, self.renamed.get(member.part, {}))
-        answer = engine.call(self.session, ask, [name, WHOLE], question.to_json())
+        found = self._ask(name, WHOLE, question)
+        if isinstance(found, str):
+            return Compared(member, obscure=found)
+        return Compared(member, (*self.cut.get(name, ()), *found))
+
+    def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | str:
+        """The differences of two models that the session keeps, or why there are none."""
+        answer = engine.call(self.session, ask, [alone, composed], question.to_json())
         if not answer.ok:
-            return Compared(member, obscure=answer.error or answer.crash or "it cannot be compared")
-        return Compared(member, tuple(told(answer.value)))
+            return answer.error or answer.crash or "it cannot be compared"
+        return tuple(told(answer.value))
+
+    def _take(self, member: Member, name: str) -> str | None:
+        """Keep what was taken of a source, after it was compared with the whole; a sentence where that cannot be."""
+        from composer.verify.taken import keep_taken  # few recipes need it
+
+        whole = f"{name} in the whole"
+        taken = keep_taken(member, self.session, name, whole)
+        if taken.fault is not None:
+            return taken.fault
+        keys = Keys.NONE if member.keys is None else Keys.MERGE
+        why = ""
+        for body in taken.above:
+            here = body == taken.above[0]
+            question = Question(body=body, posed=here, keys=keys, tolerance=_ROUNDING, cut=True)
+            found = self._ask(name, whole, question)
+            if not isinstance(found, str):
+                self.cut[name] = found
+                return None
+            why = found
+            if not why.startswith(KeyError.__name__):  # that is a body which is not there
+                break
+        return why
 
     def _compile(self, member: Member, name: str) -> str | None:
         """Keep the source compiled alone; a sentence where MuJoCo refuses it."""
+        if member.subtree is not None:
+            return self._take(member, name)
         path, text = member.source.path, None
         if member.source.format == "urdf":
             try:
@@ -71,20 +106,21 @@ class Judge:
             packages = ros_package.folders(names, path, dict(member.source.packages))
             converted = engine.convert_urdf(path, packages, stands=member.stands, session=self.session)
             if (text := converted.text) is None:
-                return _refused(converted.error or converted.crash)
+                return refused(converted.error or converted.crash)
         file = path.name if text is None else f"{path.stem}.xml"
         compiled = engine.compile(path.parent, file, text=text, keep=name, session=self.session)
-        return None if compiled.ok else _refused(compiled.error or compiled.crash)
+        return None if compiled.ok else refused(compiled.error or compiled.crash)
 
 
-def _refused(said: str | None) -> str:
+def refused(said: str | None) -> str:
     return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
 
 
 def _kept(member: Member) -> str:
     """A name for what sources that are the same alone have in common."""
     stands = member.stands or member.source.format != "urdf"
-    return f"alone {'' if stands else 'and loose '}{member.source.path}"
+    taken = "" if member.subtree is None else f"{member.subtree} of {member.keys is None} "
+    return f"alone {'' if stands else 'and loose '}{taken}{member.source.path}"
 
 
 def _question(

@@ -37,6 +37,7 @@ class Question:
     tolerance: float = 0.0
     key_prefix: str | None = None
     welded: bool = False
+    cut: bool = False
 
     def to_json(self) -> dict[str, Any]:
         return asdict(self)
@@ -61,6 +62,7 @@ def ask(_mujoco: object, alone: Model, composed: Model, question: Mapping[str, A
         roots_in_keys=Roots(given.roots_in_keys),
         ignore=given.ignore,
         tolerance=given.tolerance,
+        cut=given.cut,
     )
     free = _free(alone, given.prefix) if given.welded else frozenset()
     return [asdict(each) for each in found if not _of_welding(each, free)]

@@ -106,7 +106,7 @@ def _member(part: Part, source: Source) -> Member:
     pose = None if part.pos is None or part.quat is None else Pose(part.pos, part.quat)
     return Member(
         part.part, part.prefix, source, part.body, pose, part.keys, part.welded, part.stands, part.changed,
-        part.obscure,
+        part.obscure, part.subtree,
     )  # fmt: skip
 
 

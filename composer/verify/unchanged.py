@@ -30,6 +30,7 @@ def compare(
     others: Sequence[tuple[str, Model]] | None = None,
     ignore: Collection[str] = (),
     tolerance: float = 0.0,
+    cut: bool = False,
 ) -> list[Difference]:
     """What differs between a part compiled alone and the same part in a composition; nothing if it is
     unchanged.
@@ -41,14 +42,15 @@ def compare(
     other parts, elements that bear this part's prefix but are of no part count as differences too.
 
     ``tolerance`` is relative to the larger of 1 and the value. 0 asks for equality bit for bit wherever
-    composition can give it; ``fields.RULES`` says where it cannot, and why.
+    composition can give it; ``fields.RULES`` says where it cannot, and why. ``cut`` says that ``composed`` is
+    the whole that the part was cut out of.
 
     Options, statistics and visual settings belong to the whole model and are not compared here. No I/O.
     Raises KeyError if ``hung_on`` names a body the composition has not got.
     """
     mount = hung_on or Mount()
     matching = Matching(Roster(alone), Roster(composed), prefix=prefix, mount=mount, renamed=renamed or {})
-    coupling = Coupling(matching, mount)
+    coupling = Coupling(matching, mount, cut=cut)
     placing = Placing(matching, mount)
     found = presence_differences(matching, others)
     found += reference_differences(matching)

@@ -422,3 +422,26 @@ def test_mujoco_shares_names_as_the_grammar_says() -> None:
     ):
         with pytest.raises(ValueError, match="repeated name"):
             mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{inner}</worldbody></mujoco>")
+
+
+TUPLE = '<custom><tuple name="t"><element objtype="key" objname="{}"/></tuple></custom>'
+
+
+@pytest.mark.parametrize(
+    ("name", "policy", "message"),
+    [
+        ("home", "merge", None),
+        ("home", "prefix", None),
+        ("hme", "merge", "there is no key `hme`, which `<element>` refers to"),
+        ("home", "none", "a tuple refers to the key `home`, which `keyframes: none` leaves out"),
+    ],
+)
+def test_tuples_of_keys(workshop: Workshop, name: str, policy: str, message: str | None) -> None:
+    keys = '<worldbody/><keyframe><key name="rest"/><key name="home" time="2"/></keyframe></mujoco>'
+    part = f"<mujoco>{TUPLE.format(name)}{keys}"
+    linked = workshop.link(BASE, Piece(part, "p/", options={"keyframes": policy}))
+    if message is not None:
+        assert linked.fault.message == message
+        return
+    model = linked.model()
+    assert model.key(model.tuple_objid[0]).time == 2

@@ -70,3 +70,18 @@ def test_orientations_turn_to_the_same_bits_as_in_mujoco(degrees: list[float]) -
     halves = [numbers.orientation_radians(value) / 2 for value in degrees]
     assert model.site_quat[:, 0].tolist() == [math.cos(half) for half in halves]
     assert model.site_quat[:, 3].tolist() == [math.sin(half) for half in halves]
+
+
+@pytest.mark.parametrize("text", ["1_0", "\u0661", "1\u00a02", "1e400", "-1e400", "0x1p2000", "1,2", "0x"])
+def test_what_mujoco_refuses_is_no_number(text: str) -> None:
+    with pytest.raises(ValueError, match=""):
+        numbers.read(f"1 {text} 2")
+    with pytest.raises(ValueError, match="XML Error"):
+        mujoco.MjModel.from_xml_string(f'<mujoco><worldbody><site user="1 {text} 2"/></worldbody></mujoco>')
+
+
+@pytest.mark.parametrize("text", ["inf", "-INFINITY", "nan", "NaN(1)", "0X1P3", "+.5", "5.", "\t5\n"])
+def test_what_mujoco_takes_is_a_number(text: str) -> None:
+    xml = f'<mujoco><worldbody><site user="{text}"/></worldbody></mujoco>'
+    value = mujoco.MjModel.from_xml_string(xml).site_user[0, 0]
+    assert numbers.read(text) == pytest.approx([value], abs=0, nan_ok=True)

@@ -170,6 +170,19 @@ def test_what_concerns_the_body_alone_comes_with_it(take) -> None:  # type: igno
                           "numeric none", "text none"}  # fmt: skip
 
 
+def test_what_a_tuple_of_the_body_holds_comes_with_it(take) -> None:  # type: ignore[no-untyped-def]
+    custom = """<sensor><clock name="in"/><clock name="out"/></sensor>
+      <custom><numeric name="in" data="1 2"/><numeric name="out" data="1"/><text name="in" data="said"/>
+      <tuple name="inner"><element objtype="sensor" objname="in"/><element objtype="text" objname="in"/></tuple>
+      <tuple name="arm"><element objtype="body" objname="arm"/><element objtype="numeric" objname="in"/>
+        <element objtype="tuple" objname="inner"/></tuple></custom>"""
+    taken = take(model(ARM, custom), "arm")
+    taken.check()
+    assert taken.names("custom/*") == ["in", "in", "inner", "arm"]
+    assert taken.names("sensor/*") == ["in"]
+    assert taken.left >= {"numeric out", "sensor out"}
+
+
 def test_a_camera_that_looks_at_something_else_is_cut(take) -> None:  # type: ignore[no-untyped-def]
     sensor = '<sensor><camprojection name="seen" site="arm" camera="back"/></sensor>'
     look = '<camera name="{}" mode="targetbody" target="{}"/><light name="{}" mode="targetbody" target="{}"/>'
@@ -265,6 +278,16 @@ def test_the_mass_that_the_whole_model_is_given_stays(take) -> None:  # type: ig
         taken = take(model(ARM, head=f'<compiler settotalmass="30"{settings}/>'), "arm")
         taken.check()
         assert "settotalmass" not in taken.xml
+
+
+def test_a_mass_that_is_shared_out_with_fused_bodies_is_told(take) -> None:  # type: ignore[no-untyped-def]
+    head = '<compiler settotalmass="3" fusestatic="true"/>'
+    taken = take(model(ARM.replace('<joint name="arm"/>', ""), head=head), "tip")
+    assert taken.found is None
+    (fault,) = taken.sink.errors
+    assert fault.message.endswith(
+        "cannot be kept in a composition: `fusestatic` makes this body one with another"
+    )
 
 
 def test_what_holds_for_the_whole_model_is_left(take) -> None:  # type: ignore[no-untyped-def]

@@ -256,8 +256,72 @@ def test_a_build_starts_mujoco_once(run: Run, monkeypatch: pytest.MonkeyPatch) -
     assert len(started) == 1
 
 
-def test_of_a_subtree_it_is_said_that_it_cannot_be_compared(run: Run) -> None:
-    recipe = "recipe: 1\nattach:\n  a: {model: ./cube.xml, subtree: arm}\ncheck: {a: {unchanged: {}}}\n"
+WHOLE = """<mujoco model="whole">
+  <compiler settotalmass="9" angle="radian"/>
+  <default><joint range="0 2"/><default class="c"><geom rgba="1 0 0 1" mass="1"/></default></default>
+  <worldbody><body name="root"><joint name="root"/><geom size=".1"/>
+    <body childclass="c" pos="0 0 1"><joint type="slide"/><geom size=".1"/>
+      <frame euler="0 0 1"><body name="hand" pos="0 1 0">
+        <joint name="hand"/><geom name="palm" size=".1"/><site name="palm"/>
+      </body></frame></body></body></worldbody>
+  <actuator><motor name="root" joint="root"/><motor name="hand" joint="hand"/></actuator>
+  <keyframe><key name="k" qpos=".1 .2 .3" ctrl="4 5"/></keyframe></mujoco>"""
+
+
+@pytest.mark.parametrize("keyframes", ["merge", "prefix", "none"])
+def test_a_subtree_is_compared_with_that_body_of_its_source(tmp_path: Path, run: Run, keyframes: str) -> None:
+    run("recipe: 1\nbase: ./base.xml\n")
+    (tmp_path / "whole.xml").write_text(WHOLE)
+    part = f"{{model: ./whole.xml, subtree: hand, pos: [1, 0, 0], keyframes: {keyframes}}}"
+    recipe = f"recipe: 1\nbase: ./base.xml\nattach:\n  a: {part}\ncheck: {{a: {{unchanged: {{part: a}}}}}}\n"
+    built, told = run(recipe)
+    assert built is not None, told
+    assert told == []
+    _, told = run(f"{recipe}edit:\n  - {{select: {{geom: a/palm}}, set: {{size: [0.2]}}}}\n")
+    assert told == ["recipe.yaml:5:31 part-changed"]
+
+
+def test_what_a_subtree_leaves_behind_may_have_acted_on_it(tmp_path: Path, run: Run) -> None:
+    """A tendon with an armature is inertia that the body's joints feel in the whole model."""
+    run("recipe: 1\nbase: ./base.xml\n")
+    bodies = [
+        f'<body name="{x}" pos="{x} 0 0"><joint name="{x}"/><geom size=".1" pos=".3 .2 0"/></body>'
+        for x in "12"
+    ]
+    both = '<joint joint="1" coef="1"/><joint joint="2" coef="1"/>'
+    tendon = f'<tendon><fixed name="t" armature="1">{both}</fixed></tendon>'
+    (tmp_path / "whole.xml").write_text(f"<mujoco><worldbody>{''.join(bodies)}</worldbody>{tendon}</mujoco>")
+    recipe = "recipe: 1\nattach:\n  a: {model: ./whole.xml, subtree: '1'}\ncheck: {a: {unchanged: {}}}\n"
+    built, told = run(recipe)
+    assert built is not None, told
+
+
+def test_the_body_below_a_subtree_may_be_fused_away_in_its_source(tmp_path: Path, run: Run) -> None:
+    run("recipe: 1\nbase: ./base.xml\n")
+    fused = WHOLE.replace('settotalmass="9"', 'fusestatic="true"').replace('<joint type="slide"/>', "")
+    (tmp_path / "whole.xml").write_text(fused.replace('qpos=".1 .2 .3"', 'qpos=".1 .3"'))
+    part = "{model: ./whole.xml, subtree: hand, pos: [0, 1, 0]}"
+    built, told = run(f"recipe: 1\nattach:\n  a: {part}\ncheck: {{a: {{unchanged: {{}}}}}}\n")
+    assert built is not None, told
+
+
+def test_what_a_subtree_has_lost_on_the_way_is_told(
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As if the class that was in force around the body had not come along: the body alone differs from the whole."""
+    run("recipe: 1\nbase: ./base.xml\n")
+    (tmp_path / "whole.xml").write_text(WHOLE)
+    monkeypatch.setattr("composer.link.subtree.childclass_of", lambda body: None)
+    _, told = run(
+        "recipe: 1\nattach:\n  a: {model: ./whole.xml, subtree: hand}\ncheck: {a: {unchanged: {}}}\n"
+    )
+    assert told == ["recipe.yaml:4:13 part-changed"]
+
+
+def test_of_a_subtree_of_a_recipe_it_is_said_that_it_cannot_be_compared(tmp_path: Path, run: Run) -> None:
+    run("recipe: 1\nbase: ./base.xml\n")
+    (tmp_path / "inner.yaml").write_text("recipe: 1\nbase: ./cube.xml\n")
+    recipe = "recipe: 1\nattach:\n  a: {model: ./inner.yaml, subtree: arm}\ncheck: {a: {unchanged: {}}}\n"
     _, told = run(recipe)
     assert "recipe.yaml:4:13 part-not-compared" in told
 

@@ -567,3 +567,22 @@ def test_plain_arrays_have_one_row_an_element() -> None:
     ]
     assert odd == []
     assert compare(crowd, crowd) == []
+
+
+def test_a_mesh_may_collide_where_others_use_it_too() -> None:
+    """MuJoCo computes the convex hull of a mesh only for what collides with it."""
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    obj = "\n".join(
+        ["v {} {} {}".format(*corner) for corner in corners] + ["f 1 3 4 2", "f 5 6 8 7", "f 1 2 6 5"]
+    )
+
+    def model(shown: str, *others: str) -> mujoco.MjModel:
+        geoms = "".join(f'<geom type="mesh" mesh="m" {each}/>' for each in (shown, *others))
+        xml = f"""<mujoco><asset><mesh name="m" file="m.obj" inertia="shell"/></asset>
+          <worldbody>{geoms}</worldbody></mujoco>"""
+        return mujoco.MjModel.from_xml_string(xml, {"m.obj": obj.encode()})
+
+    visual, colliding = 'name="own" contype="0" conaffinity="0"', 'name="own"'
+    assert compare(model(visual), model(visual, 'name="new"')) == []
+    lost = {each.array for each in compare(model(colliding), model(visual))}
+    assert {"mesh_graphadr", "mesh_polynum"} <= lost

@@ -1,0 +1,87 @@
+"""Pass: under `conflict="merge"` MuJoCo gives a unit the options of the models that it attaches: they become its own.
+
+The model itself says no `conflict`, so that what one unit attaches changes no other.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.link.agreement import default_of, merged, set_value, written
+from composer.link.linking import Linking
+from composer.tree.files import join
+from composer.tree.line import line_of, set_line
+from composer.tree.parse import parse_file, parse_text
+from composer.tree.unit import Unit
+
+# Of `visual` and `size` MuJoCo merges these, of `option` everything.
+_BESIDES = frozenset({"visual/global/realtime", "visual/map/znear", "visual/map/zfar"})
+_ROOM = ("memory", "njmax")
+_FLAG = "option/flag/"
+
+
+def submodel_options(linking: Linking) -> None:
+    """Write into every such unit what it has alone; a model of one unit leaves it to MuJoCo."""
+    for unit in linking.units if linking.parts else ():
+        _adopt(unit)
+
+
+def _adopt(unit: Unit) -> None:
+    said = [each for each in unit.root.iterchildren("compiler") if each.get("conflict")]
+    if not said or said[-1].get("conflict") != "merge":
+        return
+    models: dict[str, Unit] = {}
+    for element in unit.root.iterfind("asset/model"):
+        sub = _read(unit, str(element.get("file") or ""))
+        if sub is not None:
+            _adopt(sub)
+            models[str(element.get("name") or sub.model)] = sub
+    for attach in unit.root.iter("attach"):
+        found = models.get(str(attach.get("model")))
+        if found is not None:
+            _merge(unit, found, said[-1])
+
+
+def _read(unit: Unit, file: str) -> Unit | None:
+    """A sub-model; what is wrong with it is told where it is bundled."""
+    known = unit.contents.get(file) if file else None
+    if isinstance(known, bytes):
+        return parse_text(
+            known,
+            Sink(),
+            file=file,
+            directory=Path(file).parent,
+            label=Path(file).stem,
+            contents=unit.contents,
+        )
+    return parse_file(known or Path(join(str(unit.directory), file)), Sink()) if file else None
+
+
+def _merge(unit: Unit, sub: Unit, compiler: Node) -> None:
+    have = dict(written(unit))
+    for path, wanted in dict(written(sub)).items():
+        own = have.get(path)
+        if path.startswith(_FLAG):
+            value = None if wanted.value == default_of(path) else wanted.value
+        elif path.startswith("option/") or (path in _BESIDES and own is None):
+            value = merged(path, own, wanted)
+        else:
+            value = None
+        if value is not None:
+            _write(unit, path, value, compiler)
+    for size in sub.root.iterchildren("size"):
+        for name in _ROOM:
+            if size.get(name) and not any(each.get(name) for each in unit.root.iterchildren("size")):
+                _write(unit, f"size/{name}", str(size.get(name)), compiler)
+
+
+def _write(unit: Unit, path: str, value: str, compiler: Node) -> None:
+    """A section that is new stands, for whoever asks, where the unit says so."""
+    tag = path.split("/")[0]
+    new = next(unit.root.iterchildren(tag), None) is None
+    set_value(unit, path, value)
+    if new:
+        set_line(next(unit.root.iterchildren(tag)), line_of(compiler))
