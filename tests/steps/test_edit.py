@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -393,6 +394,92 @@ def test_what_is_lost_is_told(radian: Case) -> None:
     model = radian.edited("{select: {actuator: f1}, convert: {to: motor}}")
     assert model.na == 0 and "its dynamics, `filterexact`" in radian.said
     assert model.key("home").ctrl == pytest.approx([0.1, 0.2, 0.3, 0.4, 0, 0.6])
+
+
+SERVOS = """\
+<mujoco>
+  <worldbody><body><joint name="j" range="-30 30"/><joint name="k" axis="0 1 0"/><geom size=".1"/></body></worldbody>
+  <actuator>
+    <pid name="two" joint="k" kp="3" kv="1" posrange="-2 2" velrange="-3 3"/>
+    <position name="own" joint="j" kp="7" kv="1" ctrlrange="-1 1"/>
+    <position name="free" joint="j" kp="7" kv="1"/>
+    <position name="inherits" joint="j" kp="7" inheritrange="0.5"/>
+    <position name="damped" joint="j" kp="7" dampratio="1"/>
+    <general name="filtered" joint="j" dyntype="filterexact" dynprm=".1" gainprm="5" biastype="affine" biasprm="0 -5 -1"
+             actlimited="true" actrange="-.2 .2" actearly="true"/>
+    <intvelocity name="rate" joint="j" kp="7" actrange="-1 1" ctrlrange="-2 2"/>
+    <pid name="full" joint="j" kp="7" kv="2" ki="4" imax="2" input="pos" posrange="-1 1"/>
+    <pid name="slow" joint="j" kp="7" kv="2" slewmax="5" input="pos"/>
+    <pid name="plain" joint="j" kp="7" kv="2" input="pos"/>
+    <pid name="speed" joint="j" kp="0" kv="2" input="vel" velrange="-4 4"/>
+    <pid name="push" joint="j" kp="0" kv="0" input="ff"/>
+  </actuator>
+  <keyframe><key name="home" ctrl=".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14" act=".1 .2 .3 .4"/></keyframe>
+</mujoco>
+"""
+
+
+@pytest.fixture
+def servos(tmp_path: Path) -> Case:
+    if not hasattr(mujoco.mjtGain, "mjGAIN_PID"):
+        pytest.skip("this MuJoCo has no pid")
+    return Case(tmp_path, SERVOS)
+
+
+def limits(model: mujoco.MjModel, name: str) -> list[list[float]]:
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
+    first = model.actuator_ctrladr[index]
+    rows = range(first, first + model.actuator_ctrlnum[index])
+    return [list(model.actuator_ctrlrange[row]) for row in rows if model.actuator_ctrllimited[row]]
+
+
+@pytest.mark.parametrize(
+    ("name", "to"),
+    [
+        *((name, "general") for name in (
+            "two", "own", "free", "inherits", "damped", "filtered", "rate", "full", "slow", "plain", "speed", "push")),
+        *((name, name_of) for name_of in ("position", "pid") for name in ("own", "free", "inherits", "damped", "plain")),
+        *((name, "pid") for name in ("two", "full", "slow", "speed", "push")),
+        ("speed", "velocity"), ("push", "motor"),
+    ],
+)  # fmt: skip
+def test_limits_gains_and_keys_stay_with_the_actuator(servos: Case, name: str, to: str) -> None:
+    before = servos.model("recipe: 1\nbase: ./arm.xml\n")
+    after = servos.edited(f"{{select: {{actuator: {name}}}, convert: {{to: {to}}}}}")
+    assert servos.context.sink.diagnostics == []
+    for each in re.findall('<.* name="(.*?)" joint', SERVOS)[2:]:
+        assert limits(after, each) == limits(before, each), each
+    assert np.array_equal(before.key_ctrl, after.key_ctrl) and np.array_equal(before.key_act, after.key_act)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        state = [rng.normal(size=size) for size in (before.nq, before.nv, before.nu, before.na)]
+        forces = []
+        for model in (before, after):
+            data = mujoco.MjData(model)
+            data.qpos[:], data.qvel[:], data.ctrl[:], data.act[:] = state
+            mujoco.mj_step(model, data, 2)
+            forces.append([*data.actuator_force, *data.act])
+        assert forces[0] == pytest.approx(forces[1], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "to", "said", "home"),
+    [
+        ("filtered", "position", "`actrange`|`actearly`", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("rate", "position", "a position now, not the rate of a position|`ctrlrange`, which", ".1 .2 .3 .4 .5 .6 .7 0 .9 .11 .12 .13 .14"),
+        ("full", "position", "its integral gain, 4", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("slow", "position", "its slew rate, 5", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("two", "position", "a position now, not a position and a velocity|`velrange`", "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("two", "motor", "kp 3 and kv 1|a force now, not a position and a velocity", "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("own", "motor", "`ctrlrange`, which limits another thing", ".1 .2 0 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+    ],
+)  # fmt: skip
+def test_what_servos_lose_is_told(servos: Case, name: str, to: str, said: str, home: str) -> None:
+    after = servos.edited(f"{{select: {{actuator: {name}}}, convert: {{to: {to}}}}}")
+    assert after.key("home").ctrl == pytest.approx([float(number) for number in home.split()])
+    assert [each.code for each in servos.context.sink.diagnostics] == ["convert-loss"]
+    for words in said.split("|"):
+        assert words in servos.said
 
 
 def test_a_gain_that_there_is_not_must_be_given(radian: Case) -> None:
