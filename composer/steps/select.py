@@ -150,7 +150,8 @@ def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
                 notes.append(Note(f"`{word}: {outer}` selects nothing"))
                 notes.append(exists_note(outer.tag, names, outer.pattern))
         if selector.part is not None:
-            parts = sorted({"base", *editing.parts.values()})
+            here = (editing.parts.get(node, "base") for node in editing.root.iter("*"))
+            parts = sorted({"base", *(part.replace("/", editing.linking.separator) for part in here)})
             notes.append(exists_note("part", parts, selector.part))
         if selector.dclass is not None:
             notes.append(exists_note("class", sorted(editing.classes.by_name), selector.dclass))

@@ -590,6 +590,21 @@ def test_by_part(radian: Case) -> None:
         assert found == expected
 
 
+def test_a_part_is_called_with_the_separator_of_the_recipe(radian: Case) -> None:
+    (radian.folder / "pair.yaml").write_text(
+        "recipe: 1\nseparator: __\nattach: {inner: {model: ./arm.xml, pos: [0, 1, 0]}}\n"
+    )
+    head = "recipe: 1\nseparator: __\nattach: {outer: {model: ./pair.yaml, pos: [0, 3, 0]}}\nedit: "
+    model = radian.model(head + "[{select: {geom: '**ball', part: outer__inner}, set: {condim: 6}}]\n")
+    assert model.geom("outer__inner__ball").condim[0] == 6
+    where = "{select: {geom: '**', part: inner}, set: {condim: 6}}]\n"
+    (radian.folder / "recipe.yaml").write_text(f"{head}[{where}")
+    assert (
+        build(radian.folder / "recipe.yaml", context := Context(environment={}, folder=radian.folder)) is None
+    )
+    assert "parts that exist: base, outer, outer__inner" in str(context.sink.errors)
+
+
 def test_edits_are_done_in_order(radian: Case) -> None:
     model = radian.edited(
         "{select: {joint: elbow}, rename: bend, scale: {damping: 2}, set: {damping: 5}}, {select: {joint: bend}, offset: {damping: 1}}"
