@@ -89,6 +89,10 @@ class Values:
             message = f"there is no `value`: {editing.called(self.node)} has no {what} yet"
             editing.sink.error("expression", message, span, notes=notes)
             return
+        if error.name in kind_of(self.node).attributes:
+            message = f"{editing.called(self.node)} has no `{error.name}`: nothing gives it one"
+            editing.sink.error("expression", message, span, notes=notes)
+            return
         editing.sink.error(
             "unknown-name",
             f"there is no `{error.name}` in this expression",

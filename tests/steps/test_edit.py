@@ -590,6 +590,32 @@ def test_by_part(radian: Case) -> None:
         assert found == expected
 
 
+def test_degrees_where_mujoco_has_them(radian: Case) -> None:
+    eye = "add: [{to: world, camera: {name: eye, fovy: 40}}, {to: world, light: {name: lamp, cutoff: 30}}]\n"
+    model = radian.edited(
+        "{select: {camera: '*', where: {fovy: 40deg}}, offset: {fovy: 0.1rad}}, {select: {light: lamp}, offset: {cutoff: 10deg}}",
+        head=eye,
+    )
+    assert model.camera("eye").fovy[0] == pytest.approx(40 + np.degrees(0.1))
+    assert model.light("lamp").cutoff[0] == pytest.approx(40)
+
+
+def test_angles_in_where(arm: Case) -> None:
+    range = "-90deg, 90deg" if "degree" in (arm.folder / "arm.xml").read_text() else "-1.5rad, 1.5rad"
+    for own in (False, True):
+        model = arm.edited(
+            f"{{select: {{joint: '**', where: {{range: [{range}]}}}}, expect: 2, set: {{group: 1}}}}", own
+        )
+        assert model.joint("elbow").group[0] == 1
+
+
+def test_a_condition_on_what_others_of_the_family_have(radian: Case) -> None:
+    model = radian.edited("{select: {joint: '**', where: '${range[1] > 1}'}, expect: 2, set: {group: 1}}")
+    assert model.joint("elbow").group[0] == 1
+    assert radian.told("{select: {geom: '**', where: '${mass > 0}'}, set: {group: 1}}") == ["34 expression"]
+    assert "geom `floor` has no `mass`" in radian.said
+
+
 def test_a_part_is_called_with_the_separator_of_the_recipe(radian: Case) -> None:
     (radian.folder / "pair.yaml").write_text(
         "recipe: 1\nseparator: __\nattach: {inner: {model: ./arm.xml, pos: [0, 1, 0]}}\n"

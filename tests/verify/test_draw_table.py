@@ -64,6 +64,8 @@ FIELDS = [
     "place: {select: {body: hand}, attr: pos, offset: {normal: {std: 0.01}}}",
     "camera: {select: {camera: top}, attr: pos, offset: {normal: {std: 0.01}}}",
     "fovy: {select: {camera: top}, attr: fovy, uniform: [40, 60]}",
+    "zoom: {select: {camera: top}, attr: fovy, offset: {uniform: [-1deg, 0.1rad]}}",
+    "beam: {select: {light: lamp}, attr: cutoff, uniform: [0.5rad, 40deg]}",
     "light: {select: {light: lamp}, attr: diffuse, per: sample, uniform: [0.2, 0.9]}",
     "tip: {select: {site: tip}, attr: 'pos[2]', offset: {uniform: [0, 0.1]}}",
     "kp: {select: {actuator: servo}, attr: kp, scale: {uniform: [0.5, 2]}}",

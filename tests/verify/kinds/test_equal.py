@@ -15,6 +15,7 @@ MODEL = """
       <body name="c"><joint name="slide" type="slide" range="-1 2"/><geom name="h" size=".1" friction=".5"/></body>
     </body>
   </worldbody>
+  <sensor><jointpos name="turn" joint="hinge" cutoff="1.5707963267948966"/></sensor>
   <actuator><position name="a" joint="hinge" kp="7" ctrlrange="-1 1"/><position name="p" joint="slide" ctrlrange="-2 2"/></actuator>
 </mujoco>
 """
@@ -36,6 +37,8 @@ MODEL = """
         "camera: eye, attr: fovy, value: 60deg",
         "camera: eye, attr: fovy, value: 1.0471975512rad",
         "light: lamp, attr: cutoff, value: 30",
+        "light: lamp, attr: cutoff, value: 30deg",
+        "sensor: turn, attr: cutoff, value: 90deg",
         'actuator: a, attr: "gainprm[0]", value: 7',
         "actuator: p, attr: ctrlrange, value: [-2, 2]",
         "body: b, attr: pos, value: [0, 0, 1]",
