@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from composer.engine.actuator_rows import first_row
 from composer.grammar.degrees import is_in_degrees
 from composer.recipe.checks.arrays import ANGLES, array_of
 from composer.verify.kinds.finding import Finding, failed, unknown
@@ -102,8 +103,8 @@ def value_of(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:
         row = int(model.jnt_dofadr[index])
     elif tag == "joint" and name.startswith("qpos"):
         row = int(model.jnt_qposadr[index])
-    elif tag == "actuator" and "ctrl" in name and hasattr(model, "actuator_ctrladr"):
-        row = int(model.actuator_ctrladr[index])
+    elif tag == "actuator":
+        row = first_row(model, name, index)
     return np.atleast_1d(array[row]).ravel()
 
 
