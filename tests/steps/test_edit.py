@@ -600,6 +600,11 @@ def test_degrees_where_mujoco_has_them(radian: Case) -> None:
     assert model.light("lamp").cutoff[0] == pytest.approx(40)
 
 
+def test_no_value_yet_in_a_list(radian: Case) -> None:
+    assert radian.told("{select: {geom: upper}, set: {rgba: [1, '${value}', 0, 1], user: ['${value}']}}")
+    assert "geom `upper` has no `user` yet" in radian.said
+
+
 def test_angles_in_where(arm: Case) -> None:
     range = "-90deg, 90deg" if "degree" in (arm.folder / "arm.xml").read_text() else "-1.5rad, 1.5rad"
     for own in (False, True):
