@@ -74,6 +74,7 @@ class _Matrix:
                 sink.error(
                     "unknown-key", f"`matrix` has no key `{each.name}`", each.span, notes=notes, help=help
                 )
+        self.around: dict[str, Node] = {}
         self.axes = self._axes()
 
     def _wrong(self, message: str, node: Node) -> None:
@@ -95,22 +96,27 @@ class _Matrix:
                 self._wrong(f"axis `{key.name}` is a list of values", values)
                 continue
             axes[key.name] = values.items
-        given = {**self._needed(axes), **self.given}
+        self.around = self._around(axes)
         for axis, items in axes.items():
             for value in items:  # each alone: is there such a name, and may it have that value?
-                concrete = expand(self.document, {**given, axis: value}, self.sink)
+                concrete = expand(self.document, {**self.around, axis: value}, self.sink)
                 if axis not in concrete.parameters and axis not in concrete.variants:
                     break  # that is told, and true of all its values
         return axes
 
-    def _needed(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
-        """A value of every axis that is a parameter without a default, which every cell gives."""
-        parameters = expand(self.document, self.given, Sink()).parameters
-        return {
+    def _around(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
+        """What is given, and a value of every axis that is a parameter without a default, which every cell gives.
+
+        What has no such name is told where a model is planned.
+        """
+        found = expand(self.document, self.given, Sink())
+        needed = {
             axis: values[0]
             for axis, values in axes.items()
-            if axis in parameters and parameters[axis].default is None
+            if axis in found.parameters and found.parameters[axis].default is None
         }
+        known = found.parameters.keys() | found.variants.keys()
+        return {**needed, **{name: node for name, node in self.given.items() if name in known}}
 
     def combinations(self) -> Iterator[tuple[dict[str, Node], Span]]:
         size = 1
@@ -137,7 +143,7 @@ class _Matrix:
                                 help="its values are those of the axes, as they are written there")  # fmt: skip
         for entry in self._entries("include"):
             given = {key.name: node for key, node in entry.entries.values()}
-            expand(self.document, {**self.given, **given}, self.sink)
+            expand(self.document, {**self.around, **given}, self.sink)
             yield given, entry.span
 
     def _entries(self, name: str) -> Iterator[Mapping]:

@@ -154,3 +154,15 @@ def test_what_must_be_given_can_be_given(folder: Path) -> None:
     for command in (("plan",), ("lock",), ("update",), ("build", "--all", "--no-verify")):
         assert run(*command, "study.yaml").exit_code == 1
         assert run(*command, "study.yaml", "--set", "load=5").exit_code == 0
+
+
+def test_a_variant_without_such_a_value(folder: Path) -> None:
+    (folder / "study.yaml").write_text(
+        "recipe: 1\nvariants: {tool: {none: {}, hand: {params: {width: 1}}}}\nmatrix: {axes: {tool: [none, hand]}}\n"
+    )
+    for command in ("plan", "build", "check"):
+        result = run(command, "study.yaml", "--variant", "tool=hnd")
+        assert result.exit_code == 1 and "variant `tool` has no value `hnd`" in result.stderr
+        assert "1 error\n" in result.stderr
+    result = run("plan", "study.yaml", "--variant", "tol=hand")
+    assert result.exit_code == 1 and "1 error\n" in result.stderr
