@@ -40,12 +40,14 @@ def test_every_step_in_words(folder: Path) -> None:
         + "add:\n"
         + "  - {to: link, geom: {size: [0.1]}}\n"
         + "  - {to: world, light: {name: lamp}}\n"
+        + "contact: {exclude: [{body1: link, body2: tool/hand}]}\n"
     )
     assert run("plan", "all.yaml").stdout.splitlines()[3:] == [
         "  add a geom to the body link",
         "  add light lamp to the world",
         "  set option: timestep = 0.001, flag.gravity = disable",
         "  set the default class soft: geom",
+        "  add an exclude to contact",
         "  add jointpos angle to sensor",
     ]
 
