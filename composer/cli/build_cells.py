@@ -50,7 +50,7 @@ def build_cells(
     chosen = picked(every, picks, context.sink) if picks else every
     for name in dict.fromkeys(name for cell in chosen for name in cell.given if name in given):
         context.sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
-                           help=f"take `--set {name}=…` out, or build without `--all` and `--pick`")  # fmt: skip
+                           help="do not set it, or build without `--all` and `--pick`")  # fmt: skip
     if context.sink.has_errors:
         report(context, wanted.form)
         return USAGE if chosen and not picks else FINDINGS

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from composer.cli.choices import choice_options, chosen_values
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, source_reader
 
@@ -16,6 +17,7 @@ from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, s
 @click.argument("model", type=click.Path(path_type=Path))
 @click.argument("query")
 @click.argument("attribute", required=False)
+@choice_options
 @click.option(
     "--sample",
     type=click.IntRange(min=0),
@@ -25,7 +27,17 @@ from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, s
 )
 @fetching_options
 @reporting_options
-def command(model: Path, query: str, attribute: str | None, sample: int, form: str, as_json: bool) -> None:
+def command(
+    model: Path,
+    query: str,
+    attribute: str | None,
+    sets: tuple[str, ...],
+    set_files: tuple[Path, ...],
+    variants: tuple[str, ...],
+    sample: int,
+    form: str,
+    as_json: bool,
+) -> None:
     """Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
 
     \b
@@ -49,7 +61,8 @@ def command(model: Path, query: str, attribute: str | None, sample: int, form: s
     if asked is None:
         report(context, form)
         sys.exit(USAGE)
-    explained = explain(model, asked, context, sample)
+    given = chosen_values(sets, set_files, variants, context)
+    explained = None if context.sink.has_errors else explain(model, asked, context, sample, given)
     if explained is None or context.sink.has_errors:  # warnings are for those who check or build
         report(context, form)
     if explained is None:

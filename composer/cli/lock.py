@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from composer.cli.choices import choice_options
 from composer.cli.fetching import fetching_options
 from composer.cli.locking import write_lock
 from composer.cli.reporting import reporting_options
@@ -13,12 +14,20 @@ from composer.cli.reporting import reporting_options
 
 @click.command()
 @click.argument("recipe", type=click.Path(path_type=Path))
+@choice_options
 @fetching_options
 @reporting_options
-def command(recipe: Path, form: str, as_json: bool) -> None:
+def command(
+    recipe: Path,
+    sets: tuple[str, ...],
+    set_files: tuple[Path, ...],
+    variants: tuple[str, ...],
+    form: str,
+    as_json: bool,
+) -> None:
     """Lock the sources of RECIPE: commits, hashes and licences go to a file beside it, ARM.lock for ARM.yaml.
 
     What is locked already stays as it is; new sources are added, files of your own are hashed anew, and what is
     no longer used is taken out.
     """
-    write_lock(recipe, None, form="json" if as_json else form)
+    write_lock(recipe, None, "json" if as_json else form, (sets, set_files, variants))

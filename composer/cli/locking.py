@@ -15,18 +15,24 @@ from composer.cli.reporting import FINDINGS, USAGE, report
 
 if TYPE_CHECKING:
     from composer.context import Context
+    from composer.plan.make import Given
     from composer.plan.plan import Plan
     from composer.sources.fetching import Fetching
     from composer.sources.lock import Disputed, Lock
 
+Chosen = tuple[tuple[str, ...], tuple[Path, ...], tuple[str, ...]]
+"""What `--set`, `--set-file` and `--variant` say."""
 
-def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str) -> None:
+
+def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str, chosen: Chosen) -> None:
     """Make the lock anew; `names` are what is to be updated: nothing for None, everything for `()`."""
+    from composer.cli.choices import chosen_values
     from composer.cli.fetching import fetching
     from composer.context import Context
 
     context = Context(fetching=fetching())
-    told = made_lock(recipe, names, context)
+    given = chosen_values(*chosen, context)
+    told = None if context.sink.has_errors else made_lock(recipe, names, context, given)
     report(context, form)
     if told is None:
         sys.exit(USAGE if any(each.code == "unknown-name" for each in context.sink.errors) else FINDINGS)
@@ -39,12 +45,15 @@ def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str) -> None:
     click.echo(f"wrote {path}" if changes else f"{path} is up to date")
 
 
-def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> tuple[str, list[str]] | None:
+def made_lock(
+    recipe: Path, names: tuple[str, ...] | None, context: Context, given: Given | None = None
+) -> tuple[str, list[str]] | None:
     """Write the lock: where the lock is and what is new in it; None where the sink says why there is none."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
     from composer.plan.locked import changed, lock_of, use_lock
     from composer.plan.make import make_plan
+    from composer.plan.matrix import of_first_cell
     from composer.sources.lock import to_text
 
     if not (context.folder / recipe).is_file():
@@ -61,10 +70,13 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
         _tell_disputes({id: pins for id, pins in disputes.items() if id not in how.fresh}, how, context)
     if context.sink.error_count:
         return None
-    plan = make_plan(recipe, context)
+    given = given or {}
+    like = of_first_cell(recipe, context, given)
+    whole = {**given, **(like[1] if like else {})}
+    plan = make_plan(recipe, context, whole)
     if plan is None:
         return None
-    plans = [plan, *_plans_of_cells(recipe, context), *_plans_of_variants(recipe, context)]
+    plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
     after = lock_of(plans, how, how.lock_file.parent, context)
     if before is not None and how.fresh is not None:
         _tell_changes(before, after, how.fresh, recipe, context)
@@ -85,7 +97,7 @@ def made_lock(recipe: Path, names: tuple[str, ...] | None, context: Context) -> 
     return context.shown(how.lock_file), changes
 
 
-def _plans_of_cells(recipe: Path, context: Context) -> Iterator[Plan]:
+def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
     """The matrix may choose sources that the recipe alone does not name."""
     from composer.build.cells import cells_of
     from composer.plan.choosing import parameters_choose
@@ -93,15 +105,15 @@ def _plans_of_cells(recipe: Path, context: Context) -> Iterator[Plan]:
     from composer.plan.read import read_recipe
 
     drawn = parameters_choose(read_recipe(context.folder / recipe, context))  # each sample takes its time
-    for cell in cells_of(recipe, context):
+    for cell in cells_of(recipe, context, dict(given)):
         if cell.sample and not drawn:
             continue  # its sources are those of the nominal model
-        plan = plan_what_remains(recipe, context, cell.given, cell.name, cell.sample)
+        plan = plan_what_remains(recipe, context, {**given, **cell.given}, cell.name, cell.sample)
         if plan is not None:
             yield plan
 
 
-def _plans_of_variants(recipe: Path, context: Context) -> Iterator[Plan]:
+def _plans_of_variants(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
     """What `--variant` may choose; where that does not go together or is out of reach, a warning says so."""
     from composer.build.choices import choices_of
     from composer.diagnostics.codes import OF_FILES
@@ -109,9 +121,9 @@ def _plans_of_variants(recipe: Path, context: Context) -> Iterator[Plan]:
     from composer.diagnostics.sink import Sink
     from composer.plan.make import make_plan
 
-    for given in choices_of(recipe, context):
+    for choice in choices_of(recipe, context):
         own = replace(context, sink=Sink())
-        plan = make_plan(recipe, own, given)
+        plan = make_plan(recipe, own, {**given, **choice})
         if plan is not None:
             yield plan
         for each in own.sink.errors:

@@ -46,11 +46,13 @@ def command(
     from composer.plan.describe import Subtrees, as_data, describe
     from composer.plan.expanded import expanded_text
     from composer.plan.make import make_plan
+    from composer.plan.matrix import of_first_cell
 
     form = "json" if as_json else form
     context = Context(fetching=fetching())
     given = chosen_values(sets, set_files, variants, context)
-    plan = make_plan(recipe, context, given)
+    like = of_first_cell(recipe, context, given)
+    plan = make_plan(recipe, context, {**given, **(like[1] if like else {})})
     cells = cells_of(recipe, context, given) if plan is not None else []
     subtrees: Subtrees = {}
     if plan is not None and plan.takes_subtrees and not expanded:
@@ -66,6 +68,8 @@ def command(
         click.echo(expanded_text(plan))
     elif form == "json":
         data = as_data(plan, subtrees)
+        if like is not None:
+            data["as_cell"] = like[0]
         if cells:
             data["cells"] = [
                 {"name": cell.name, "set": cell.values(), "sample": cell.sample} for cell in cells
@@ -73,6 +77,9 @@ def command(
         click.echo(json.dumps(data, indent=2))
     else:
         click.echo(describe(plan, subtrees))
+        if like is not None:
+            values = ", ".join(f"`{name}`" for name in like[1])
+            click.echo(f"  {values} as in the cell {like[0]}: without a default, only the cells have a value")
         if cells:
             what = "models" if plan.randomize is not None else "cells of the matrix"
             click.echo(f"{len(cells)} {what}, built by --all or --pick:")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from composer.cli.choices import choice_options
 from composer.cli.locking import write_lock
 from composer.cli.reporting import reporting_options
 
@@ -13,10 +14,19 @@ from composer.cli.reporting import reporting_options
 @click.command()
 @click.argument("recipe", type=click.Path(path_type=Path))
 @click.argument("names", metavar="[NAME]...", nargs=-1)
+@choice_options
 @reporting_options
-def command(recipe: Path, names: tuple[str, ...], form: str, as_json: bool) -> None:
+def command(
+    recipe: Path,
+    names: tuple[str, ...],
+    sets: tuple[str, ...],
+    set_files: tuple[Path, ...],
+    variants: tuple[str, ...],
+    form: str,
+    as_json: bool,
+) -> None:
     """Lock the sources of RECIPE as they are now: branches where they have moved to, archives as they are served.
 
     NAME is a part's prefix, `base`, or a source as the lock names it; without one all sources are updated.
     """
-    write_lock(recipe, names, form="json" if as_json else form)
+    write_lock(recipe, names, "json" if as_json else form, (sets, set_files, variants))

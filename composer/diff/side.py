@@ -107,7 +107,7 @@ def _recipe(operand: Operand, kept: str, session: Session, given: Given, pick: s
     if judge(bundle, composed.model, context, session, keep=kept) is None or context.sink.has_errors:
         return None
     traced = Traced(composed.model, watch, plan.separator, context.folder)
-    matrix = read_matrix(operand.path, context)
+    matrix = read_matrix(operand.path, context, given)
     return Side(operand, kept, _digests(bundle), traced, plan, pick, len(matrix.cells) if matrix else 0)
 
 
@@ -124,7 +124,7 @@ def _cell(operand: Operand, given: Given, pick: str) -> Cell | None:
     elif set(cell.given) & set(given):
         name = min(set(cell.given) & set(given))
         sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
-                   help=f"take `--set {name}=…` out, or compare without `--pick`")  # fmt: skip
+                   help="do not set it, or compare without `--pick`")  # fmt: skip
         return None
     return cell
 

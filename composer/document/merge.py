@@ -61,11 +61,9 @@ class _Merge:
                     self._nothing_to_delete(key, lower)
             elif name in entries:
                 there = entries[name]
+                merged = self.values(there[1], value, below)
                 # The place of the key that stands is where the entry begins; what is inside tells its own.
-                entries[name] = (
-                    there[0] if _merges(there[1], value) else key,
-                    self.values(there[1], value, below),
-                )
+                entries[name] = (key if merged is value else there[0], merged)
             else:
                 entries[name] = (key, value)
         return Mapping(entries, upper.span)
@@ -117,10 +115,6 @@ class _Merge:
             notes=(exists_note("key", list(lower.entries), key.name),),
             help=did_you_mean(key.name, lower.entries, "{}: null"),
         )
-
-
-def _merges(lower: Node, upper: Node) -> bool:
-    return isinstance(lower, Mapping) and isinstance(upper, Mapping)
 
 
 def _pattern(path: Path) -> Path:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from composer.engine.actuator_rows import first_row
+
 ANGLE, LENGTH = "rad", "m"
 FORCES = {ANGLE: "N m", LENGTH: "N"}
 """What acts along a coordinate of that unit."""
@@ -73,7 +75,7 @@ def of_transmission(model: Any, mujoco: Any, row: int) -> str | None:
     """The unit of an actuator's length: that of the coordinate it acts on, unless a gear changes the scale."""
     kinds = mujoco.mjtTrn
     kind, target = int(model.actuator_trntype[row]), int(model.actuator_trnid[row, 0])
-    if list(model.actuator_gear[row]) != [1, 0, 0, 0, 0, 0]:
+    if list(model.actuator_gear[first_row(model, "actuator_gear", row)]) != [1, 0, 0, 0, 0, 0]:
         return None
     if kind == int(kinds.mjTRN_TENDON):
         return LENGTH

@@ -9,7 +9,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.merge import without_ids
-from composer.document.node import Mapping, Node
+from composer.document.node import Mapping, Node, find
 from composer.expand.parameter import Parameter
 from composer.expand.params import read_params, settle
 from composer.expand.substitute import Substitution
@@ -47,7 +47,7 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     declared = document.entries.get("params")
     parameters = read_params(declared[1] if declared else None, sink)
     _check_names(document, axes, parameters, given, sink)
-    scope: dict[str, Value] = {**settle(parameters, given, sink), **chosen}
+    scope: dict[str, Value] = {**settle(parameters, given, sink, _axes(document)), **chosen}
     rest = Mapping(
         {name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span
     )
@@ -77,6 +77,12 @@ def _only_params(values: Mapping, chosen: str) -> Mapping:
 
 def _section(document: Mapping) -> Mapping:
     return Mapping({name: each for name, each in document.entries.items() if name == "params"}, document.span)
+
+
+def _axes(document: Mapping) -> frozenset[str]:
+    """What the cells of the matrix set."""
+    axes = find(document, ("matrix", "axes"))
+    return frozenset(axes.entries) if isinstance(axes, Mapping) else frozenset()
 
 
 def _check_names(

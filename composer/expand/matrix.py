@@ -40,16 +40,17 @@ class Cell:
         return {name: plain(node) for name, node in self.given.items()}
 
 
-def cells(document: Mapping, name: str, sink: Sink) -> list[Cell]:
+def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None = None) -> list[Cell]:
     """All cells of a recipe called `name`, in order: the last axis changes fastest, `include` comes last.
 
     Without a matrix there is none. Names are unique; that and every value is checked here, before anything is built.
+    What a cell does not set has the value of `given`, or its default.
     """
     found = document.entries.get("matrix")
     if found is None:
         return []
     before = sink.error_count
-    matrix = _Matrix(document, found, sink)
+    matrix = _Matrix(document, found, given or {}, sink)
     combinations = list(matrix.combinations())
     if sink.error_count > before:
         return []
@@ -60,8 +61,8 @@ def cells(document: Mapping, name: str, sink: Sink) -> list[Cell]:
 
 
 class _Matrix:
-    def __init__(self, document: Mapping, entry: tuple[Key, Node], sink: Sink) -> None:
-        self.document, self.sink = document, sink
+    def __init__(self, document: Mapping, entry: tuple[Key, Node], given: Map[str, Node], sink: Sink) -> None:
+        self.document, self.given, self.sink = document, given, sink
         self.key, node = entry
         self.node = node if isinstance(node, Mapping) else Mapping({}, node.span)
         if not isinstance(node, Mapping):
@@ -73,6 +74,7 @@ class _Matrix:
                 sink.error(
                     "unknown-key", f"`matrix` has no key `{each.name}`", each.span, notes=notes, help=help
                 )
+        self.around: dict[str, Node] = {}
         self.axes = self._axes()
 
     def _wrong(self, message: str, node: Node) -> None:
@@ -94,11 +96,27 @@ class _Matrix:
                 self._wrong(f"axis `{key.name}` is a list of values", values)
                 continue
             axes[key.name] = values.items
-            for value in values.items:  # each alone: is there such a name, and may it have that value?
-                concrete = expand(self.document, {key.name: value}, self.sink)
-                if key.name not in concrete.parameters and key.name not in concrete.variants:
+        self.around = self._around(axes)
+        for axis, items in axes.items():
+            for value in items:  # each alone: is there such a name, and may it have that value?
+                concrete = expand(self.document, {**self.around, axis: value}, self.sink)
+                if axis not in concrete.parameters and axis not in concrete.variants:
                     break  # that is told, and true of all its values
         return axes
+
+    def _around(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
+        """What is given, and a value of every axis that is a parameter without a default, which every cell gives.
+
+        What has no such name is told where a model is planned.
+        """
+        found = expand(self.document, self.given, Sink())
+        needed = {
+            axis: values[0]
+            for axis, values in axes.items()
+            if axis in found.parameters and found.parameters[axis].default is None
+        }
+        known = found.parameters.keys() | found.variants.keys()
+        return {**needed, **{name: node for name, node in self.given.items() if name in known}}
 
     def combinations(self) -> Iterator[tuple[dict[str, Node], Span]]:
         size = 1
@@ -125,7 +143,7 @@ class _Matrix:
                                 help="its values are those of the axes, as they are written there")  # fmt: skip
         for entry in self._entries("include"):
             given = {key.name: node for key, node in entry.entries.values()}
-            expand(self.document, given, self.sink)
+            expand(self.document, {**self.around, **given}, self.sink)
             yield given, entry.span
 
     def _entries(self, name: str) -> Iterator[Mapping]:
@@ -150,7 +168,7 @@ class _Matrix:
         return not wrong
 
     def name_of(self, name: str, given: dict[str, Node]) -> str:
-        scope = scope_of(self.document, given)
+        scope = scope_of(self.document, {**self.given, **given})
         name = settled_name(name, scope)
         entry = self.node.entries.get("name")
         if entry is None:

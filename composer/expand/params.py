@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from collections.abc import Mapping as Map
 from dataclasses import replace
 
@@ -123,17 +124,20 @@ def _number(node: Node | None, what: str, name: str, unit: str | None, sink: Sin
     return value
 
 
-def settle(parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink) -> dict[str, Value]:
+def settle(
+    parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink, in_cells: Collection[str] = ()
+) -> dict[str, Value]:
     """The value of every parameter: what is given, else its default, which also stands in for what is told as wrong.
 
-    One that has no default and is not given has no value.
+    One that has no default and is not given has no value. The cells of a matrix set those `in_cells`.
     """
     scope = {name: each.default for name, each in parameters.items() if each.default is not None}
     for name, parameter in parameters.items():
         node = given.get(name)
         if node is None:
             if parameter.default is None:
-                help = f"build with `--set {name}=…`, or write `with: {{{name}: …}}` where the recipe is used"
+                cells = "with `--all` the cells of the matrix, which set it, " if name in in_cells else ""
+                help = f"build with `--set {name}=…`, {cells}or write `with: {{{name}: …}}` where the recipe is used"
                 message = f"parameter `{name}` has no default and must be given"
                 sink.error("missing-key", message, parameter.span, help=help)
             continue

@@ -14,7 +14,7 @@ from composer.explain.explanation import (
 )
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
-from composer.plan.make import make_plan
+from composer.plan.make import Given, make_plan
 from composer.plan.plan import Plan
 from composer.steps.compose import Composer
 from composer.steps.measure import measure_with
@@ -24,19 +24,26 @@ if TYPE_CHECKING:
     pass
 
 
-def explain(path: Path, asked: query.Asked, context: Context, sample: int = 0) -> Explained | None:
+def explain(
+    path: Path, asked: query.Asked, context: Context, sample: int = 0, given: Given | None = None
+) -> Explained | None:
     """What the model of a recipe, or an MJCF file, has to say to a query; None where `context.sink` says why not.
 
-    `sample` says which draws the model has; 0 is the nominal one.
+    `sample` says which draws the model has; 0 is the nominal one. `given` are values of parameters and variants.
     """
-    traced = trace(path, context, sample)
+    traced = trace(path, context, sample, given)
     return None if traced is None else traced.answer(asked, context)
 
 
-def trace(path: Path, context: Context, sample: int = 0) -> Traced | None:
+def trace(path: Path, context: Context, sample: int = 0, given: Given | None = None) -> Traced | None:
     """The model, put together under observation. Compiles nothing but parts that MuJoCo has to measure."""
     watch = Trace()
     if path.suffix.lower() == ".xml":
+        for node in (given or {}).values():
+            message = f"`{context.shown(context.folder / path)}` is no recipe and has no parameters"
+            context.sink.error("unknown-name", message, node.span)
+        if given:
+            return None
         unit = parse_file(context.folder / path, context.sink, file=context.shown(context.folder / path))
         if unit is None:
             return None
@@ -45,7 +52,7 @@ def trace(path: Path, context: Context, sample: int = 0) -> Traced | None:
     if path.suffix.lower() in (".zip", ".mjz", ".mjb") or (context.folder / path).is_dir():
         _no_recipe(path, context)
         return None
-    plan = make_plan(path, context, sample=sample)
+    plan = make_plan(path, context, given, sample)
     if plan is not None and sample > (plan.randomize.samples if plan.randomize else 0):
         _no_sample(plan, sample, context)
         return None

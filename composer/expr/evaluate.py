@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from composer.expr.error import ExpressionError, UnknownName
 from composer.expr.functions import CONSTANTS, FUNCTIONS, ArgumentError
@@ -150,7 +150,7 @@ def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
         raise ExpressionError(
             f"an exponent is at most {_MAX_EXPONENT}, got {shown(b)}", tree.right.start, tree.right.end
         )
-    return _checked(tree, lambda: _ARITHMETIC[tree.operator](a, b))
+    return _checked(tree, lambda: _ARITHMETIC[tree.operator](a, b), (a, b))
 
 
 def _joined(tree: Binary, left: str, right: Value) -> str:
@@ -185,11 +185,11 @@ def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
         )  # fmt: skip
         raise ExpressionError(f"`{tree.function}` takes {wanted} numbers, got {count}", tree.start, tree.end)
     arguments = [_number(argument, f"`{tree.function}`", scope) for argument in tree.arguments]
-    return _checked(tree, lambda: function.apply(*arguments))
+    return _checked(tree, lambda: function.apply(*arguments), arguments)
 
 
-def _checked(tree: Binary | Call, work: Callable[[], int | float]) -> int | float:
-    """What is no finite number, or too large a one, is a fault of the expression."""
+def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[int | float]) -> int | float:
+    """What is no finite number, or too large a one, is a fault of the expression; `of` are the numbers it has."""
     try:
         value = work()
     except ZeroDivisionError:
@@ -198,10 +198,12 @@ def _checked(tree: Binary | Call, work: Callable[[], int | float]) -> int | floa
         raise ExpressionError("the result is too large", tree.start, tree.end) from None
     except (ValueError, TypeError) as error:
         name = tree.function if isinstance(tree, Call) else tree.operator
-        reason = str(error) if isinstance(error, ArgumentError) else "it is not defined there"
+        numbers = ", ".join(map(shown, of))
+        reason = str(error) if isinstance(error, ArgumentError) else f"it is not defined at {numbers}"
         raise ExpressionError(f"`{name}`: {reason}", tree.start, tree.end) from None
     if isinstance(value, complex):
-        raise ExpressionError("the root of a negative number", tree.start, tree.end)
+        message = f"the root of a negative number, {shown(of[0])} to the power of {shown(of[1])}"
+        raise ExpressionError(message, tree.start, tree.end)
     if isinstance(value, int):
         if abs(value) >= MAX_INTEGER:
             raise ExpressionError("the result is too large for a whole number", tree.start, tree.end)

@@ -109,7 +109,8 @@ class Layout:
             nq, nv = nq + slot.widths[0], nv + slot.widths[1]
 
 
-_STATE = {"position": {"timeconst"}, "general": {"dyntype", "actdim", "input"}}
+_STATE = {"position": {"timeconst"}, "general": {"gaintype", "dyntype", "actdim", "input"}}
+_SEVERAL = ("pid", "so3", "dcmotor")  # kinds of gain and dynamics that say how many inputs there are
 _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
 
 
@@ -240,13 +241,13 @@ class _Reader:
         found = self._class(general) if self.influence[1] else None
         if found is not None and any(map(found.sets, (*_STATEFUL, "position"))):
             return None
-        dyntype, size, inputs = general.get("dyntype"), general.get("actdim"), general.get("input")
+        names = ("gaintype", "dyntype", "actdim", "input")
+        gain, dyntype, size, inputs = map(general.get, names)
         if found is not None:
-            dyntype, size, inputs = (
-                own or ((given := found.lookup("general", name)) and given[0])
-                for name, own in (("dyntype", dyntype), ("actdim", size), ("input", inputs))
+            gain, dyntype, size, inputs = (
+                general.get(name) or ((given := found.lookup("general", name)) and given[0]) for name in names
             )
-        if dyntype in ("pid", "dcmotor") or inputs:
+        if gain in _SEVERAL or dyntype in _SEVERAL or inputs:
             return None
         if not size or int(size) < 0:  # the default of MuJoCo
             return _STATELESS if dyntype in (None, "none") else actuator_slot(1)

@@ -146,7 +146,8 @@ def _step(step: Step) -> str:
 
 def _element(element: Element) -> str:
     name = element.attributes.get("name")
-    return f"{element.tag} {name}" if name is not None else f"a {element.tag}"
+    article = "an" if element.tag[0] in "aeiou" else "a"
+    return f"{element.tag} {name}" if name is not None else f"{article} {element.tag}"
 
 
 def _settings(element: Element, path: str = "") -> Iterator[str]:

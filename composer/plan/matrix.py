@@ -38,10 +38,30 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
     named = find(document, ("name",))
     name = named.text if isinstance(named, Scalar) else as_text(path.stem)
     own = settled_name(name, scope_of(document, given or {})) if is_template(name) else name
-    matrix = Matrix(document, own, cells(document, name, context.sink))
+    matrix = Matrix(document, own, cells(document, name, context.sink, given))
     if _draws_parameters(document):
         _check_draws(matrix, given or {}, context.sink)
     return matrix
+
+
+def of_first_cell(
+    recipe: Path, context: Context, given: Map[str, Node]
+) -> tuple[str, dict[str, Node]] | None:
+    """The name of the first cell, and its values of the parameters that have no default and are not in `given`.
+
+    None where a build without a cell needs nothing of it.
+    """
+    aside = replace(context, sink=Sink())
+    document = read_recipe(context.folder / recipe, aside)
+    if not isinstance(document, Mapping) or find(document, ("matrix",)) is None:
+        return None
+    concrete = expand(document, given, Sink())
+    needed = {name for name in concrete.parameters if name not in concrete.scope and name not in given}
+    matrix = read_matrix(recipe, aside, given) if needed else None
+    first = matrix.cells[0] if matrix is not None and matrix.cells else None
+    if first is None or not needed <= first.given.keys():
+        return None
+    return first.name, {name: node for name, node in first.given.items() if name in needed}
 
 
 def _draws_parameters(document: Mapping) -> bool:

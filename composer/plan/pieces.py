@@ -29,7 +29,7 @@ def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
     chosen = choose(axes, given, Sink())
     for axis, values in axes.items():
         for value, (key, piece) in values.entries.items():
-            if value != chosen[axis]:
+            if value != chosen.get(axis):
                 _judge(document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink)
 
 

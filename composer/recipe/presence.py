@@ -15,7 +15,9 @@ def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, fa
         faults.append(lacks(owner, missing[0].name, at, missing[0].doc))
     elif missing:
         names = " and ".join(f"`{each.name}`" for each in missing)
-        remarks = tuple(Remark(f"`{each.name}` is: {each.doc}") for each in missing if each.doc)
+        remarks = tuple(
+            Remark(f"`{each.name}` is: {each.doc}") for each in missing if _says(each.name, each.doc)
+        )
         help = f"write `{', '.join(f'{each.name}: …' for each in missing)}`"
         message = f"{owner} lacks {names}"
         faults.append(Fault("missing-key", message, at, key=True, remarks=remarks, help=help))
@@ -23,7 +25,7 @@ def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, fa
 
 def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
     """That a key is required and not there; `doc` explains the key."""
-    remarks = (Remark(f"`{name}` is: {doc}"),) if doc else ()
+    remarks = (Remark(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
     message = f"{owner} lacks `{name}`"
     return Fault("missing-key", message, at, key=True, remarks=remarks, help=f"write `{name}: …`", lacks=name)
 
@@ -101,3 +103,8 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
     message = f"{owner} has `{first}` without {wanted}"
     lacks = next(iter(missing)) if len(missing) == 1 else None
     return Fault("missing-key", message, (*at, first), key=True, help=help, lacks=lacks, beside=True)
+
+
+def _says(name: str, doc: str) -> bool:
+    """Whether an explanation is more than the name itself."""
+    return doc not in ("", name)

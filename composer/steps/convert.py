@@ -6,7 +6,7 @@ dynamics of an activation. That is what the attributes of the new kind are writt
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,13 +29,20 @@ _ARRAYS = (
     "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",
     "actuator_gainprm", "actuator_biasprm", "actuator_dynprm",
     "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange",
+    "actuator_ctrladr", "actuator_ctrlspec",
 )  # fmt: skip
-# What the control of an actuator is, in words.
+# The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`.
+_INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
+# What a control of an actuator is, in words. An integrator makes of a rate what the gain is for.
 _CONTROL = {"position": "a position", "velocity": "a velocity", "force": "a force"}
+_CONTROL |= {f"rate of {form}": f"the rate of {words}" for form, words in _CONTROL.items()}
 _PLAIN = {
     "gaintype": "fixed", "biastype": "none", "dyntype": "none", "gainprm": "1", "biasprm": "0", "dynprm": "1",
 }  # fmt: skip
 _GAINS = {"position": "kp", "pid": "kp", "velocity": "kv"}
+_INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritrange", "posrange")}
+# What no attribute of another kind says: it is lost where that has none of the same name.
+_UNSAID = ("actrange", "actearly", "actdim", "velrange", "ffrange")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +59,7 @@ class Law:
     ctrlrange: tuple[float, float]
     act_limited: bool
     actrange: tuple[float, float]
+    inputs: tuple[str, ...]
 
     @property
     def is_affine(self) -> bool:
@@ -67,10 +75,14 @@ class Law:
         return 0.0 - self.biasprm[2] if self.bias == "affine" else 0.0
 
     @property
+    def slewmax(self) -> float:
+        return self.dynprm[1] if self.dynamics == "pid" else 0.0
+
+    @property
     def form(self) -> str:
-        """What its control means: `position`, `velocity`, `force`, or `other`."""
+        """What its gain is for: `position`, `velocity`, `force`, or `other`; of a pid `position+velocity` and so on."""
         if self.gain == "pid":
-            return "position"
+            return "+".join(_INPUTS[each] for each in self.inputs)
         if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
             return "other"
         gain = self.gainprm[0]
@@ -79,6 +91,11 @@ class Law:
         if self.kv and not self.kp and gain == self.kv:
             return "velocity"
         return "force" if not self.kp and not self.kv else "other"
+
+    @property
+    def control(self) -> str:
+        """What its control means: the same, or the rate of it where the activation is its integral."""
+        return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 
 def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
@@ -149,13 +166,17 @@ def _converted(
 ) -> list[str]:
     """Change one actuator; gives what is lost, in words."""
     old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
-    made, lost = _written_for(editing, node, to, law, given, at)
-    before, after = law.form, _form_of(to, law, made)
-    keeps = before == after or to == "general"
+    made, lost = ({}, []) if old == to else _written_for(editing, node, to, law, given, at)
+    before = after = law.control
+    if old != to or "input" in given:
+        after = _control_of(to, law, {**made, **given})
+    keeps = before == after
     if not keeps:
-        is_now, was = _CONTROL.get(after, "another thing"), _CONTROL.get(before, "what it was")
+        is_now, was = _in_words(after, "another thing"), _in_words(before, "what it was")
         lost.append(f"the control is {is_now} now, not {was}")
-    limits = _limits(editing, node, law, keeps, given)
+    limits: dict[str, str] | None = {}
+    if old != to or "ctrlrange" in given:
+        limits = _limits(editing, node, to, law, before.split("+")[0] == after.split("+")[0], given)
     if limits is None:
         lost.append("`ctrlrange`, which limits another thing")
         limits = {"ctrllimited": "false"}
@@ -165,9 +186,11 @@ def _converted(
     if transmission:
         message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
         _fault(editing, node, Fault("wrong-type", message, at))
+    said = {f"{law.inputs[0]}range" if law.inputs else "", "" if law.act_limited else "actrange"}
+    lost += [f"`{name}`" for name in wrong if name in _UNSAID and name not in said]
     editing.forget(node)
-    for name in wrong:
-        del node.attrib[name]
+    for name in {*wrong, *_replaced({**limits, **made, **given})}:
+        node.attrib.pop(name, "")
     node.tag = to
     for name, text in {**limits, **made, **given}.items():
         node.set(name, text)
@@ -177,9 +200,14 @@ def _converted(
     editing.note(node)
     if not keeps:
         editing.linking.emptied.add(node)
-    if old == to:
-        return []
     return lost
+
+
+def _replaced(written: Mapping[str, str]) -> Iterator[str]:
+    """Attributes that cannot stand beside what is written."""
+    for name, others in _INSTEAD.items():
+        if name in written:
+            yield from (other for other in others if other not in written)
 
 
 def _written_for(
@@ -189,24 +217,28 @@ def _written_for(
     lost: list[str] = []
     if to == "general":
         return _general(editing, law), lost
+    is_pid = law.gain == "pid"
     dynamics = law.dynamics if law.dynamics != "none" else ""
-    if to == "position" and law.dynamics == "filterexact":
+    if is_pid or (to == "position" and law.dynamics == "filterexact"):
         dynamics = ""
     if dynamics:
         lost.append(f"its dynamics, `{dynamics}`")
+    if is_pid and to != "pid":
+        ki, slewmax = law.gainprm[0], law.slewmax
+        lost += [f"its integral gain, {ki:g}"] if ki else []
+        lost += [f"its slew rate, {slewmax:g}"] if slewmax else []
     if to == "motor":
-        if law.form != "force":
+        if law.form != "force" or law.kp or law.kv:
             lost.append(_of_law(law))
-        elif law.gainprm[0] != 1:
+        elif law.gainprm[0] != 1 and not is_pid:
             lost.append(f"its gain of {law.gainprm[0]:g}")
         return {}, lost
     gain = _GAINS[to]
     made: dict[str, str] = {}
     if to in ("position", "pid"):
         if "kp" not in given:
-            if law.form == "velocity" and to == "pid":
-                made["kp"] = "0"
-            elif law.is_affine and law.kp > 0:
+            may_be_none = to == "pid" and (is_pid or law.form == "velocity")
+            if may_be_none or ((law.is_affine or is_pid) and law.kp > 0):
                 made["kp"] = numbers.text([law.kp])
             else:
                 _needs(editing, node, to, gain, at)
@@ -214,15 +246,17 @@ def _written_for(
             made["kv"] = numbers.text([max(law.kv, 0.0)])
         if to == "position" and "timeconst" not in given:
             made["timeconst"] = numbers.text(law.dynprm[:1]) if law.dynamics == "filterexact" else "0"
-        if to == "pid" and "input" not in given and law.form in ("position", "velocity"):
-            made["input"] = "pos" if law.form == "position" else "vel"
+        if to == "pid" and "input" not in given and (is_pid or law.form in ("position", "velocity")):
+            made["input"] = " ".join(law.inputs) or ("pos" if law.form == "position" else "vel")
         if made.get("timeconst") == "0" and not _in_classes(editing):
             del made["timeconst"]
-        if law.form not in ("position", "velocity", "force"):
+        if to == "pid" and is_pid:
+            made |= _integral(editing, law)
+        if law.form not in ("position", "velocity", "force") and not is_pid:
             lost.append(_of_law(law))
         return made, lost
     if "kv" not in given:
-        if not law.is_affine or law.kv <= 0:
+        if not (law.is_affine or is_pid) or law.kv <= 0:
             _needs(editing, node, to, gain, at)
         made["kv"] = numbers.text([law.kv])
     if law.kp:
@@ -230,6 +264,14 @@ def _written_for(
     elif law.form == "other":
         lost.append(_of_law(law))
     return made, lost
+
+
+def _integral(editing: Editing, law: Law) -> dict[str, str]:
+    """What a pid has besides its gains; zeros where classes may give something else."""
+    imax = law.dynprm[0] if law.dynamics == "pid" else 0.0
+    found = {"ki": law.gainprm[0], "imax": imax, "slewmax": law.slewmax}
+    whole = _in_classes(editing)
+    return {name: numbers.text([value]) for name, value in found.items() if value or whole}
 
 
 def _in_classes(editing: Editing) -> bool:
@@ -255,17 +297,21 @@ def _general(editing: Editing, law: Law) -> dict[str, str]:
 
 
 def _limits(
-    editing: Editing, node: Node, law: Law, keeps: bool, given: Mapping[str, str]
+    editing: Editing, node: Node, to: str, law: Law, keeps: bool, given: Mapping[str, str]
 ) -> dict[str, str] | None:
     """What limits the control from now on; None where the old limits are for another thing and have to go."""
+    inherits = editing.effective(node, "inheritrange") not in (None, "") and to in ("position", "pid")
+    of_range = {"inheritrange": "0"} if inherits and _in_classes(editing) else {}
     if "ctrlrange" in given:
         limited = editing.effective(node, "ctrllimited")
-        return {} if limited in (None, "auto", "true") else {"ctrllimited": "true"}
+        return of_range | ({} if limited in (None, "auto", "true") else {"ctrllimited": "true"})
+    if law.inputs and law.inputs[0] != "pos" and to in ("general", "pid"):
+        return {}  # `velrange` and `ffrange` say it there too
     if not law.ctrl_limited:
-        return {}
+        return of_range
     if not keeps:
         return None
-    limits: dict[str, str] = {}
+    limits = of_range
     written = editing.effective(node, "ctrlrange")
     if not written or numbers.read(written) != list(law.ctrlrange):
         limits["ctrlrange"] = numbers.text(law.ctrlrange)  # it came from the range of its joint
@@ -277,17 +323,21 @@ def _limits(
     return limits
 
 
-def _form_of(to: str, law: Law, made: Mapping[str, str]) -> str:
+def _control_of(to: str, law: Law, written: Mapping[str, str]) -> str:
     if to == "general":
-        return law.form
+        return law.control
     if to == "pid":
-        return "velocity" if made.get("input") == "vel" else "position"
+        return "+".join(_INPUTS[each] for each in written.get("input", "pos vel").split())
     return "force" if to == "motor" else to
+
+
+def _in_words(control: str, otherwise: str) -> str:
+    return " and ".join(_CONTROL[each] for each in control.split("+")) if control != "other" else otherwise
 
 
 def _of_law(law: Law) -> str:
     """The gains in words."""
-    if law.form == "position":
+    if law.form == "position" or law.gain == "pid":
         return f"its gains, kp {law.kp:g} and kv {law.kv:g}"
     if law.form == "velocity":
         return f"its gain, kv {law.kv:g}"
@@ -367,10 +417,13 @@ def _law(arrays: Mapping[str, list[float]], row: int, count: int, general: Mappi
         # The keywords stand in the order of MuJoCo's own enumerations.
         return general[name].keywords[int(arrays[f"actuator_{name}"][row])]
 
-    ctrlrange, actrange = numbers_of("ctrlrange"), numbers_of("actrange")
+    first = int(arrays.get("actuator_ctrladr", range(count))[row])  # each of its controls has a row
+    ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
+    spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
     return Law(
         word("gaintype"), word("biastype"), word("dyntype"),
         numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
-        bool(arrays["actuator_ctrllimited"][row]), (ctrlrange[0], ctrlrange[1]),
+        bool(arrays["actuator_ctrllimited"][first]), (ctrlrange[0], ctrlrange[1]),
         bool(arrays["actuator_actlimited"][row]), (actrange[0], actrange[1]),
+        tuple(name for bit, name in enumerate(_INPUTS) if spec >> bit & 1),
     )  # fmt: skip

@@ -11,6 +11,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_python
+from composer.grammar.degrees import is_in_degrees
 from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.link.files import add_file
@@ -260,7 +261,8 @@ class Change:
                 self._fault(Fault("bare-angle", message, at, help=help), node)
             radians = numbers.joint_radians if attribute.angle == "joint" else numbers.orientation_radians
             return making.turned(given, reading, radians)
-        return given.radians if isinstance(given, Angle) else float(given)  # type: ignore[arg-type]
+        unit = "deg" if is_in_degrees(str(node.tag), attribute.name) else "rad"
+        return given.in_unit(unit) if isinstance(given, Angle) else float(given)  # type: ignore[arg-type]
 
     def _same_sequence(self, node: Node, at: Path) -> None:
         making = self.editing.making

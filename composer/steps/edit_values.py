@@ -85,8 +85,12 @@ class Values:
             editing.sink.error("expression", error.message, span, notes=notes, help=error.help)
             return
         if error.name == VALUE and needs_value:
-            what = f"`{at[-1]}`" if isinstance(at[-1], str) else "this"
-            message = f"there is no `value`: {editing.called(self.node)} has no {what} yet"
+            what = next(step for step in reversed(at) if isinstance(step, str))
+            message = f"there is no `value`: {editing.called(self.node)} has no `{what}` yet"
+            editing.sink.error("expression", message, span, notes=notes)
+            return
+        if error.name in kind_of(self.node).attributes:
+            message = f"{editing.called(self.node)} has no `{error.name}`: nothing gives it one"
             editing.sink.error("expression", message, span, notes=notes)
             return
         editing.sink.error(

@@ -17,6 +17,7 @@ from composer.document.node import Scalar, find, locate
 from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
+from composer.grammar.degrees import is_in_degrees
 from composer.grammar.element import ElementType
 from composer.grammar.format import to_text
 from composer.link import numbers
@@ -26,9 +27,6 @@ from composer.recipe.element import Element, Single, Value
 from composer.tree.classes import MAIN
 from composer.tree.line import line_of
 from composer.tree.origin import Origins
-
-# Attributes that MuJoCo reads in degrees, whatever the compiler says.
-_ALWAYS_DEGREES = frozenset({"fovy", "cutoff", "azimuth", "elevation"})
 
 
 @dataclass(slots=True)
@@ -170,7 +168,8 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
     else:
         if attribute.type == "file":
             making.files.append((node, name, str(value)))
-        node.set(name, to_text(attribute, _plain(value, "degree" if name in _ALWAYS_DEGREES else "radian")))
+        unit = "degree" if is_in_degrees(str(node.tag), name) else "radian"
+        node.set(name, to_text(attribute, _plain(value, unit)))
 
 
 def _set_euler(node: Node, element: Element, name: str, value: object, making: Making) -> None:

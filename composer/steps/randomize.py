@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import zip_longest
@@ -14,6 +13,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.draws.stream import bits
 from composer.expr.angle import Angle
 from composer.expr.value import Value
+from composer.grammar.degrees import is_in_degrees
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.plan import DrawValues
 from composer.plan.reading import Reading
@@ -259,21 +259,24 @@ class _Draws:
         return [n in angles for n in (range(count) if subscript is None else (subscript,))]
 
     def _in_radians(self, node: Node, drawn: Any) -> Value:
-        """The draw as the manifest has it: angles in radians."""
+        """The draw as the manifest has it: angles in radians, but for what MuJoCo has in degrees."""
         if not isinstance(drawn, list):
-            return self._one_in_radians(drawn, any(self._angles(node)[:1]))
+            return self._one_in_radians(node, drawn, any(self._angles(node)[:1]))
         turned = [*self._angles(node), *[False] * len(drawn)]
-        return tuple(self._one_in_radians(each, turned[n]) for n, each in enumerate(drawn))
+        return tuple(self._one_in_radians(node, each, turned[n]) for n, each in enumerate(drawn))
 
-    def _one_in_radians(self, drawn: Value, is_angle: bool) -> Value:
+    def _one_in_radians(self, node: Node, drawn: Value, is_angle: bool) -> Value:
         entry = self.step.field
+        own = "deg" if is_in_degrees(str(node.tag), attribute_and_index(entry.attr)[0]) else "rad"
         if isinstance(drawn, str):
             angle = Angle.read(drawn)
-            return drawn if angle is None else angle.radians
+            return drawn if angle is None else angle.in_unit(own)
         unit = entry.drawing.unit
         if unit is None and is_angle and entry.operation != "scale":
             unit = "deg" if self._reading.angle == "degree" else "rad"
-        return math.radians(drawn) if unit == "deg" and not isinstance(drawn, tuple) else drawn
+        if unit is None or isinstance(drawn, tuple):
+            return drawn
+        return Angle(drawn, unit).in_unit(own)
 
     def _fault(self, code: str, message: str, node: Node, help: str | None = None) -> None:
         editing = self.editing

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.expr.angle import Angle
-from composer.link.numbers import RADIANS_PER_DEGREE
+from composer.expr.error import ExpressionError
+from composer.expr.template import Template
+from composer.expr.value import Value
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.grammar.degrees import is_in_degrees
 from composer.recipe.fault import Path
 from composer.recipe.subscript import attribute_and_index
 from composer.steps.edit_values import Unusable, Values, attributes_scope, equal
@@ -18,7 +24,7 @@ from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of
 from composer.tree.pattern import SlowPattern
 from composer.tree.select import BadXPath, Selection
-from composer.tree.selector import XPATH, Selector
+from composer.tree.selector import XPATH, Selector, paths_of
 
 _SHOWN = 12
 
@@ -83,6 +89,8 @@ def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
     if isinstance(selector.where, str):
         scope = {**values.scope, **attributes_scope(values)}
         scope["name"] = values.scope["name"]
+        if _is_of_others(node, selector, scope):
+            return False
         found = values.evaluated(selector.where, at, scope)
         if isinstance(found, bool):
             return found
@@ -102,15 +110,39 @@ def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
                 return False
             have = now
         meant = values.of(wanted, (*at, key), have)
-        if isinstance(meant, str) and attribute.is_number and (angle := Angle.read(meant)) is not None:
-            unit = editing.making.readings.at(at).angle or "radian"
-            meant = angle.radians if unit == "radian" else angle.radians / RADIANS_PER_DEGREE
+        if attribute.is_number:
+            meant = _in_its_unit(values, attribute, index, meant)
         if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_glob(meant):
             if not matcher(meant, editing.linking.separator)(str(have)):
                 return False
         elif not equal(attribute, have, meant):
             return False
     return True
+
+
+def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) -> bool:
+    """Whether the condition is about an attribute that other elements of the family have, and this one cannot."""
+    try:
+        names = {each.name for each in Template.parse(str(selector.where)).names()}
+    except ExpressionError:
+        return False
+    own = kind_of(node).attributes
+    others = {name for path in paths_of(selector.tag) for name in GRAMMAR.element(path).attributes}
+    return any(name not in scope and name not in own and name in others for name in names)
+
+
+def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant: Any) -> Any:
+    """What is asked for, angles with a unit in that in which the element's value is looked at."""
+    if isinstance(meant, list):
+        return [_in_its_unit(values, attribute, n, each) for n, each in enumerate(meant)]
+    angle = Angle.read(meant) if isinstance(meant, str) else None
+    if angle is None:
+        return meant
+    place = index or 0
+    in_degrees = is_in_degrees(str(values.node.tag), attribute.name)
+    if place in values.angles(attribute, place + 1):
+        in_degrees = values.editing.making.readings.at(values.at).angle == "degree"
+    return angle.in_unit("deg" if in_degrees else "rad")
 
 
 def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
@@ -150,7 +182,8 @@ def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
                 notes.append(Note(f"`{word}: {outer}` selects nothing"))
                 notes.append(exists_note(outer.tag, names, outer.pattern))
         if selector.part is not None:
-            parts = sorted({"base", *editing.parts.values()})
+            here = (editing.parts.get(node, "base") for node in editing.root.iter("*"))
+            parts = sorted({"base", *(part.replace("/", editing.linking.separator) for part in here)})
             notes.append(exists_note("part", parts, selector.part))
         if selector.dclass is not None:
             notes.append(exists_note("class", sorted(editing.classes.by_name), selector.dclass))

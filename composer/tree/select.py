@@ -185,8 +185,11 @@ class Selection:
         if part is None:
             return pattern == BASE
         levels = part.split("/")
-        fits = matcher(pattern, "/")
-        return any(fits("/".join(levels[:depth])) for depth in range(1, len(levels) + 1))
+        return any(
+            matcher(pattern, between)(between.join(levels[:depth]))
+            for between in {"/", self.separator}
+            for depth in range(1, len(levels) + 1)
+        )
 
     def _has_class(self, node: Node, pattern: str) -> bool:
         kind = kind_of(node)

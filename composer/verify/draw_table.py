@@ -14,6 +14,8 @@ from composer.bundle.rows import write_rows
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
+from composer.expr.angle import UNITS, Angle
+from composer.grammar.degrees import is_in_degrees
 from composer.plan.drawn import Tabled
 from composer.plan.plan import Plan
 from composer.recipe.distribution import CHOICE
@@ -168,7 +170,8 @@ def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
     unit = drawing.unit
     if unit is None and each.unit == "degree" and each.angles[component : component + 1] == (True,):
         unit = "deg"
-    turned = [math.radians(number) if unit == "deg" else number for number in (min(numbers), max(numbers))]
+    own = "deg" if is_in_degrees(each.tag, each.first.attribute) else "rad"
+    turned = [Angle(end, UNITS[unit]).in_unit(own) if unit else end for end in (min(numbers), max(numbers))]
     low, high = (number if math.isfinite(number) else None for number in turned)
     return low, high
 

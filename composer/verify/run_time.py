@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from composer.engine.actuator_rows import first_row
 from composer.recipe.checks.arrays import TAGS, array_of, attributes
 from composer.recipe.edit_values import MASS
 from composer.verify.roster import Model
@@ -89,8 +90,8 @@ def _rows(model: Model, family: str, array: str, number: int) -> range:
         after = model.nv if array.startswith("dof_") else model.nq
         last = int(first[number + 1]) if number + 1 < model.njnt else after
         return range(int(first[number]), last)
-    if family == "actuator" and "ctrl" in array and hasattr(model, "actuator_ctrladr"):
-        number = int(model.actuator_ctrladr[number])
+    if family == "actuator":
+        number = first_row(model, array, number)
     return range(number, number + 1)
 
 

@@ -62,3 +62,16 @@ def test_a_bundle_names_its_recipe(folder: Path) -> None:
     assert "read from out/model.xml" in run("explain", "out/model.xml", "joint shoulder").stdout
     (folder / "empty").mkdir()
     assert "ask the recipe that it was built of" in run("explain", "empty", "joint shoulder").stderr
+
+
+def test_of_a_build_with_values(folder: Path) -> None:
+    (folder / "study.yaml").write_text(
+        "recipe: 1\nparams: {x: {type: float}}\nvariants: {speed: {slow: {}, fast: {option: {timestep: 0.01}}}}\n"
+        "add: [{to: world, site: {name: s, pos: ['${x}', 0, 0]}}]\n"
+    )
+    assert run("explain", "study.yaml", "site s pos").exit_code == 1
+    assert "3 0 0" in run("explain", "study.yaml", "site s pos", "--set", "x=3").stdout
+    told = run("explain", "study.yaml", "option timestep", "--set", "x=3", "--variant", "speed=fast")
+    assert told.exit_code == 0 and "study.yaml:3" in told.stdout
+    result = run("explain", "models/arm.xml", "joint", "--set", "x=3")
+    assert result.exit_code == 1 and "`models/arm.xml` is no recipe and has no parameters" in result.stderr

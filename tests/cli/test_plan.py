@@ -40,12 +40,14 @@ def test_every_step_in_words(folder: Path) -> None:
         + "add:\n"
         + "  - {to: link, geom: {size: [0.1]}}\n"
         + "  - {to: world, light: {name: lamp}}\n"
+        + "contact: {exclude: [{body1: link, body2: tool/hand}]}\n"
     )
     assert run("plan", "all.yaml").stdout.splitlines()[3:] == [
         "  add a geom to the body link",
         "  add light lamp to the world",
         "  set option: timestep = 0.001, flag.gravity = disable",
         "  set the default class soft: geom",
+        "  add an exclude to contact",
         "  add jointpos angle to sensor",
     ]
 
@@ -122,3 +124,47 @@ def test_a_subtree_that_is_not_there(folder: Path) -> None:
     result = run("plan", "cell.yaml")
     assert result.exit_code == 1 and "did you mean `subtree: link`?" in result.stderr
     assert "its body lnik alone" in result.stdout
+
+
+REQUIRED = """\
+recipe: 1
+params: {mass: {type: float}, load: {type: float, default: 1}}
+matrix: {axes: {mass: [2, 3]}, name: "m${mass}-l${load}"}
+add: [{to: world, body: {name: b, geom: [{size: [0.1], mass: "${mass + load}"}]}}]
+"""
+
+
+def test_an_axis_may_be_a_parameter_without_a_default(folder: Path) -> None:
+    (folder / "study.yaml").write_text(REQUIRED)
+    told = run("plan", "study.yaml", "--set", "load=5")
+    assert told.exit_code == 0
+    assert (
+        "`mass` as in the cell m2-l5: without a default" in told.stdout and "m3-l5  mass = 3" in told.stdout
+    )
+    assert json.loads(run("plan", "study.yaml", "--json").stdout)["as_cell"] == "m2-l1"
+    built = run("build", "study.yaml", "--all", "--set", "load=5", "--no-verify")
+    assert built.exit_code == 0 and "wrote build/m2-l5.zip" in built.stdout
+    alone = run("build", "study.yaml")
+    assert alone.exit_code == 1 and "with `--all` the cells of the matrix, which set it" in alone.stderr
+    assert run("lock", "study.yaml").exit_code == 0
+
+
+def test_what_must_be_given_can_be_given(folder: Path) -> None:
+    (folder / "study.yaml").write_text(
+        REQUIRED.replace("load: {type: float, default: 1}", "load: {type: float}")
+    )
+    for command in (("plan",), ("lock",), ("update",), ("build", "--all", "--no-verify")):
+        assert run(*command, "study.yaml").exit_code == 1
+        assert run(*command, "study.yaml", "--set", "load=5").exit_code == 0
+
+
+def test_a_variant_without_such_a_value(folder: Path) -> None:
+    (folder / "study.yaml").write_text(
+        "recipe: 1\nvariants: {tool: {none: {}, hand: {params: {width: 1}}}}\nmatrix: {axes: {tool: [none, hand]}}\n"
+    )
+    for command in ("plan", "build", "check"):
+        result = run(command, "study.yaml", "--variant", "tool=hnd")
+        assert result.exit_code == 1 and "variant `tool` has no value `hnd`" in result.stderr
+        assert "1 error\n" in result.stderr
+    result = run("plan", "study.yaml", "--variant", "tol=hand")
+    assert result.exit_code == 1 and "1 error\n" in result.stderr

@@ -120,3 +120,11 @@ def test_an_id_that_two_items_have() -> None:
     merge(tree(lower, "lower.yaml"), tree(upper, "upper.yaml"), sink)
     (error,) = sink.errors
     assert (error.code, str(error.span)) == ("name-clash", "upper.yaml:1:29")
+
+
+def test_what_replaces_an_element_stands_where_it_is_written() -> None:
+    lower = tree("sensor: {x: {type: force, site: a}, y: {type: force, site: a}}", "lower.yaml")
+    upper = tree("sensor: {x: {type: torque}, y: {site: b}}", "upper.yaml")
+    found = merge(lower, upper, Sink())
+    assert str(locate(found, ("sensor", "x"), key=True)) == "upper.yaml:1:10"
+    assert str(locate(found, ("sensor", "y"), key=True)).startswith("lower.yaml")

@@ -64,6 +64,19 @@ def test_faults(matrix: str, fault: str) -> None:
     assert not names and fault in faults
 
 
+def test_what_is_given_holds_in_every_cell() -> None:
+    node = load(
+        "params: {n: {type: int}, m: 1}\nmatrix: {axes: {n: [2, 3]}, name: 'x${n}-${m}'}",
+        "r.yaml",
+        sink := Sink(),
+    )
+    given = load("{m: 7}", "set.yaml", sink)
+    assert isinstance(node, Mapping) and isinstance(given, Mapping)
+    values = {name: value for name, (_, value) in given.entries.items()}
+    assert [cell.name for cell in cells(node, "cell", sink, values)] == ["x2-7", "x3-7"]
+    assert not sink.diagnostics
+
+
 def test_what_to_put_into_the_name() -> None:
     node = load(HEAD + "matrix: {axes: {tool: [a, b]}, name: x}", "recipe.yaml", sink := Sink())
     assert isinstance(node, Mapping)

@@ -461,6 +461,8 @@ def test_keys_are_told_from_where_they_were(workshop: Workshop) -> None:
         ('<general dyntype="filter"/>', '<position joint="j"/>'),
         ('<position kp="3"/><muscle ctrlrange="0 1"/>', '<position joint="j"/>'),
         ("", '<general joint="j" gaintype="pid" biastype="affine" dyntype="pid"/>'),
+        ("", '<general joint="j" gaintype="pid" biastype="affine" gainprm="0"/>'),
+        ('<general gaintype="pid" biastype="affine" gainprm="0"/>', '<general joint="j"/>'),
     ],
 )
 @pytest.mark.mujoco4("an actuator takes the dynamics of a class of its own kind")

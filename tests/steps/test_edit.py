@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -395,6 +396,92 @@ def test_what_is_lost_is_told(radian: Case) -> None:
     assert model.key("home").ctrl == pytest.approx([0.1, 0.2, 0.3, 0.4, 0, 0.6])
 
 
+SERVOS = """\
+<mujoco>
+  <worldbody><body><joint name="j" range="-30 30"/><joint name="k" axis="0 1 0"/><geom size=".1"/></body></worldbody>
+  <actuator>
+    <pid name="two" joint="k" kp="3" kv="1" posrange="-2 2" velrange="-3 3"/>
+    <position name="own" joint="j" kp="7" kv="1" ctrlrange="-1 1"/>
+    <position name="free" joint="j" kp="7" kv="1"/>
+    <position name="inherits" joint="j" kp="7" inheritrange="0.5"/>
+    <position name="damped" joint="j" kp="7" dampratio="1"/>
+    <general name="filtered" joint="j" dyntype="filterexact" dynprm=".1" gainprm="5" biastype="affine" biasprm="0 -5 -1"
+             actlimited="true" actrange="-.2 .2" actearly="true"/>
+    <intvelocity name="rate" joint="j" kp="7" actrange="-1 1" ctrlrange="-2 2"/>
+    <pid name="full" joint="j" kp="7" kv="2" ki="4" imax="2" input="pos" posrange="-1 1"/>
+    <pid name="slow" joint="j" kp="7" kv="2" slewmax="5" input="pos"/>
+    <pid name="plain" joint="j" kp="7" kv="2" input="pos"/>
+    <pid name="speed" joint="j" kp="0" kv="2" input="vel" velrange="-4 4"/>
+    <pid name="push" joint="j" kp="0" kv="0" input="ff"/>
+  </actuator>
+  <keyframe><key name="home" ctrl=".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14" act=".1 .2 .3 .4"/></keyframe>
+</mujoco>
+"""
+
+
+@pytest.fixture
+def servos(tmp_path: Path) -> Case:
+    if not hasattr(mujoco.mjtGain, "mjGAIN_PID"):
+        pytest.skip("this MuJoCo has no pid")
+    return Case(tmp_path, SERVOS)
+
+
+def limits(model: mujoco.MjModel, name: str) -> list[list[float]]:
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
+    first = model.actuator_ctrladr[index]
+    rows = range(first, first + model.actuator_ctrlnum[index])
+    return [list(model.actuator_ctrlrange[row]) for row in rows if model.actuator_ctrllimited[row]]
+
+
+@pytest.mark.parametrize(
+    ("name", "to"),
+    [
+        *((name, "general") for name in (
+            "two", "own", "free", "inherits", "damped", "filtered", "rate", "full", "slow", "plain", "speed", "push")),
+        *((name, name_of) for name_of in ("position", "pid") for name in ("own", "free", "inherits", "damped", "plain")),
+        *((name, "pid") for name in ("two", "full", "slow", "speed", "push")),
+        ("speed", "velocity"), ("push", "motor"),
+    ],
+)  # fmt: skip
+def test_limits_gains_and_keys_stay_with_the_actuator(servos: Case, name: str, to: str) -> None:
+    before = servos.model("recipe: 1\nbase: ./arm.xml\n")
+    after = servos.edited(f"{{select: {{actuator: {name}}}, convert: {{to: {to}}}}}")
+    assert servos.context.sink.diagnostics == []
+    for each in re.findall('<.* name="(.*?)" joint', SERVOS)[2:]:
+        assert limits(after, each) == limits(before, each), each
+    assert np.array_equal(before.key_ctrl, after.key_ctrl) and np.array_equal(before.key_act, after.key_act)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        state = [rng.normal(size=size) for size in (before.nq, before.nv, before.nu, before.na)]
+        forces = []
+        for model in (before, after):
+            data = mujoco.MjData(model)
+            data.qpos[:], data.qvel[:], data.ctrl[:], data.act[:] = state
+            mujoco.mj_step(model, data, 2)
+            forces.append([*data.actuator_force, *data.act])
+        assert forces[0] == pytest.approx(forces[1], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "to", "said", "home"),
+    [
+        ("filtered", "position", "`actrange`|`actearly`", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("rate", "position", "a position now, not the rate of a position|`ctrlrange`, which", ".1 .2 .3 .4 .5 .6 .7 0 .9 .11 .12 .13 .14"),
+        ("full", "position", "its integral gain, 4", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("slow", "position", "its slew rate, 5", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("two", "position", "a position now, not a position and a velocity|`velrange`", "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("two", "motor", "kp 3 and kv 1|a force now, not a position and a velocity", "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("own", "motor", "`ctrlrange`, which limits another thing", ".1 .2 0 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+    ],
+)  # fmt: skip
+def test_what_servos_lose_is_told(servos: Case, name: str, to: str, said: str, home: str) -> None:
+    after = servos.edited(f"{{select: {{actuator: {name}}}, convert: {{to: {to}}}}}")
+    assert after.key("home").ctrl == pytest.approx([float(number) for number in home.split()])
+    assert [each.code for each in servos.context.sink.diagnostics] == ["convert-loss"]
+    for words in said.split("|"):
+        assert words in servos.said
+
+
 def test_a_gain_that_there_is_not_must_be_given(radian: Case) -> None:
     assert radian.told("{select: {actuator: m1}, convert: {to: position}}") == ["39 missing-key"]
     model = radian.edited("{select: {actuator: m1}, convert: {to: position, kp: 5, ctrlrange: [-1, 1]}}")
@@ -501,6 +588,52 @@ def test_by_part(radian: Case) -> None:
         model = radian.model(head + f"[{{select: {{geom: '**/ball', part: {part}}}, set: {{condim: 6}}}}]\n")
         found = {model.geom(each).name for each in range(model.ngeom) if model.geom_condim[each] == 6}
         assert found == expected
+
+
+def test_degrees_where_mujoco_has_them(radian: Case) -> None:
+    eye = "add: [{to: world, camera: {name: eye, fovy: 40}}, {to: world, light: {name: lamp, cutoff: 30}}]\n"
+    model = radian.edited(
+        "{select: {camera: '*', where: {fovy: 40deg}}, offset: {fovy: 0.1rad}}, {select: {light: lamp}, offset: {cutoff: 10deg}}",
+        head=eye,
+    )
+    assert model.camera("eye").fovy[0] == pytest.approx(40 + np.degrees(0.1))
+    assert model.light("lamp").cutoff[0] == pytest.approx(40)
+
+
+def test_no_value_yet_in_a_list(radian: Case) -> None:
+    assert radian.told("{select: {geom: upper}, set: {rgba: [1, '${value}', 0, 1], user: ['${value}']}}")
+    assert "geom `upper` has no `user` yet" in radian.said
+
+
+def test_angles_in_where(arm: Case) -> None:
+    range = "-90deg, 90deg" if "degree" in (arm.folder / "arm.xml").read_text() else "-1.5rad, 1.5rad"
+    for own in (False, True):
+        model = arm.edited(
+            f"{{select: {{joint: '**', where: {{range: [{range}]}}}}, expect: 2, set: {{group: 1}}}}", own
+        )
+        assert model.joint("elbow").group[0] == 1
+
+
+def test_a_condition_on_what_others_of_the_family_have(radian: Case) -> None:
+    model = radian.edited("{select: {joint: '**', where: '${range[1] > 1}'}, expect: 2, set: {group: 1}}")
+    assert model.joint("elbow").group[0] == 1
+    assert radian.told("{select: {geom: '**', where: '${mass > 0}'}, set: {group: 1}}") == ["34 expression"]
+    assert "geom `floor` has no `mass`" in radian.said
+
+
+def test_a_part_is_called_with_the_separator_of_the_recipe(radian: Case) -> None:
+    (radian.folder / "pair.yaml").write_text(
+        "recipe: 1\nseparator: __\nattach: {inner: {model: ./arm.xml, pos: [0, 1, 0]}}\n"
+    )
+    head = "recipe: 1\nseparator: __\nattach: {outer: {model: ./pair.yaml, pos: [0, 3, 0]}}\nedit: "
+    model = radian.model(head + "[{select: {geom: '**ball', part: outer__inner}, set: {condim: 6}}]\n")
+    assert model.geom("outer__inner__ball").condim[0] == 6
+    where = "{select: {geom: '**', part: inner}, set: {condim: 6}}]\n"
+    (radian.folder / "recipe.yaml").write_text(f"{head}[{where}")
+    assert (
+        build(radian.folder / "recipe.yaml", context := Context(environment={}, folder=radian.folder)) is None
+    )
+    assert "parts that exist: base, outer, outer__inner" in str(context.sink.errors)
 
 
 def test_edits_are_done_in_order(radian: Case) -> None:

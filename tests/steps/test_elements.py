@@ -65,6 +65,8 @@ def test_units_on_numbers_that_are_no_angles_to_mjcf(compose: Compose) -> None:
     )
     assert numbers(added(model, "eye")["fovy"]) == pytest.approx([math.degrees(1)])
     assert numbers(added(model, "s")["pos"]) == pytest.approx([math.pi / 2, 0, 0])
+    model = compose(f"{HEAD}sensor: {{s: {{type: framepos, objtype: body, objname: base, cutoff: 90deg}}}}\n")
+    assert numbers(added(model, "s")["cutoff"]) == pytest.approx([math.pi / 2])
 
 
 def test_bare_angles_are_told_at_the_number(compose: Compose) -> None:

@@ -64,6 +64,8 @@ FIELDS = [
     "place: {select: {body: hand}, attr: pos, offset: {normal: {std: 0.01}}}",
     "camera: {select: {camera: top}, attr: pos, offset: {normal: {std: 0.01}}}",
     "fovy: {select: {camera: top}, attr: fovy, uniform: [40, 60]}",
+    "zoom: {select: {camera: top}, attr: fovy, offset: {uniform: [-1deg, 0.1rad]}}",
+    "beam: {select: {light: lamp}, attr: cutoff, uniform: [0.5rad, 40deg]}",
     "light: {select: {light: lamp}, attr: diffuse, per: sample, uniform: [0.2, 0.9]}",
     "tip: {select: {site: tip}, attr: 'pos[2]', offset: {uniform: [0, 0.1]}}",
     "kp: {select: {actuator: servo}, attr: kp, scale: {uniform: [0.5, 2]}}",
@@ -202,3 +204,16 @@ def test_copies_without_names_are_not_guessed(tmp_path: Path) -> None:
     )
     assert found is None
     assert any("it is not known which is which" in each.message for each in context.sink.diagnostics)
+
+
+def test_behind_an_actuator_with_several_outputs(tmp_path: Path) -> None:
+    if not hasattr(mujoco.mjtGain, "mjGAIN_SO3"):
+        pytest.skip("this MuJoCo has no actuator with several outputs")
+    model = """<mujoco><worldbody><body name="b"><joint name="b" type="ball"/><geom size=".1"/>
+      <body><joint name="j"/><geom size=".1"/></body></body></worldbody>
+      <actuator><orientation name="o" joint="b" kp="2"/><motor name="p" joint="j" gear="2"/></actuator></mujoco>"""
+    field = 'gear: {select: {actuator: p}, attr: "gear[0]", scale: {uniform: [0.5, 2]}}'
+    found, context = built(recipe(tmp_path, [field], model=model))
+    assert found is not None, [each.message for each in context.sink.diagnostics]
+    (column,) = json.loads(found.bundle.files["randomize.json"])["columns"]
+    assert [(each["array"], each["index"]) for each in column["targets"]] == [("actuator_gear", [3, 0])]

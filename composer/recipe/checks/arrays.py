@@ -65,8 +65,6 @@ ANGLES: Mapping[str, frozenset[str]] = {
     "ball": frozenset({"range"}),
 }
 """Attributes of joints that are angles, by the type of the joint."""
-DEGREES = frozenset({"fovy", "cutoff"})
-"""Attributes that a compiled model has in degrees; angles are in radians everywhere else."""
 
 
 def attributes(tag: str) -> Iterator[str]:

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from composer.recipe.checks.arrays import ANGLES, DEGREES, array_of
+from composer.engine.actuator_rows import first_row
+from composer.grammar.degrees import is_in_degrees
+from composer.recipe.checks.arrays import ANGLES, array_of
 from composer.verify.kinds.finding import Finding, failed, unknown
 from composer.verify.kinds.scope import Scope
 
@@ -101,8 +103,8 @@ def value_of(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:
         row = int(model.jnt_dofadr[index])
     elif tag == "joint" and name.startswith("qpos"):
         row = int(model.jnt_qposadr[index])
-    elif tag == "actuator" and "ctrl" in name and hasattr(model, "actuator_ctrladr"):
-        row = int(model.actuator_ctrladr[index])
+    elif tag == "actuator":
+        row = first_row(model, name, index)
     return np.atleast_1d(array[row]).ravel()
 
 
@@ -119,12 +121,11 @@ def expected_of(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> li
                 help = f"write `{number:.9g}deg` or `{number:.9g}rad`, or `angle: degree` at the top of the recipe"
                 message = f"`{attr}` of {joint} {scope.called(tag, index)} is an angle, `value` has no unit"
                 return Finding(message, ("value",), code="bare-angle", help=help)
-        found.append(_quantity(number, unit, attr))
+        found.append(_quantity(number, unit, "deg" if is_in_degrees(tag, attr) else "rad"))
     return found
 
 
-def _quantity(number: float, unit: str | None, attr: str) -> Quantity:
-    own = "deg" if attr in DEGREES else "rad"
+def _quantity(number: float, unit: str | None, own: str) -> Quantity:
     if unit in (None, own):
         return Quantity(number, unit, 1.0)
     return Quantity(number, unit, math.radians(1) if own == "rad" else math.degrees(1))

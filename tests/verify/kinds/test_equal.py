@@ -15,6 +15,7 @@ MODEL = """
       <body name="c"><joint name="slide" type="slide" range="-1 2"/><geom name="h" size=".1" friction=".5"/></body>
     </body>
   </worldbody>
+  <sensor><jointpos name="turn" joint="hinge" cutoff="1.5707963267948966"/></sensor>
   <actuator><position name="a" joint="hinge" kp="7" ctrlrange="-1 1"/><position name="p" joint="slide" ctrlrange="-2 2"/></actuator>
 </mujoco>
 """
@@ -36,6 +37,8 @@ MODEL = """
         "camera: eye, attr: fovy, value: 60deg",
         "camera: eye, attr: fovy, value: 1.0471975512rad",
         "light: lamp, attr: cutoff, value: 30",
+        "light: lamp, attr: cutoff, value: 30deg",
+        "sensor: turn, attr: cutoff, value: 90deg",
         'actuator: a, attr: "gainprm[0]", value: 7',
         "actuator: p, attr: ctrlrange, value: [-2, 2]",
         "body: b, attr: pos, value: [0, 0, 1]",
@@ -105,3 +108,14 @@ def test_every_attribute_is_one_of_mjcf_and_has_an_array() -> None:
             path = of_others.get(name, tags.get(tag, tag)) if tag == "body" else tags.get(tag, tag)
             assert name in GRAMMAR.element(path).attributes, (tag, name)
             assert hasattr(model, array_of(tag, name)), (tag, name)
+
+
+def test_rows_of_controls_and_outputs_are_not_those_of_actuators(ask) -> None:
+    if not hasattr(mujoco.mjtGain, "mjGAIN_SO3"):
+        pytest.skip("this MuJoCo has no actuator with several outputs")
+    model = """<mujoco><worldbody><body><joint name="b" type="ball"/><geom size=".1"/>
+      <body><joint name="j"/><geom size=".1"/></body></body></worldbody>
+      <actuator><orientation name="o" joint="b" kp="2"/><position name="p" joint="j" gear="2" ctrlrange="-1 1"/></actuator>
+    </mujoco>"""
+    assert ask(model, 'equal: {actuator: p, attr: "gear[0]", value: 2}') == []
+    assert ask(model, "equal: {actuator: p, attr: ctrlrange, value: [-1, 1]}") == []
