@@ -7,7 +7,6 @@ dynamics of an activation. That is what the attributes of the new kind are writt
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from lxml.etree import _Element as Node
@@ -20,19 +19,11 @@ from composer.link import numbers
 from composer.recipe.edit_values import FROM
 from composer.recipe.fault import Fault, Path
 from composer.recipe.value import read_value
+from composer.steps.actuator_law import INPUTS, Law, laws_of
 from composer.steps.edit_values import Unusable, Values
 from composer.steps.editing import Editing
-from composer.steps.whole import without_keys
 
 _PARAMETERS = ("gainprm", "biasprm", "dynprm")
-_ARRAYS = (
-    "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",
-    "actuator_gainprm", "actuator_biasprm", "actuator_dynprm",
-    "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange",
-    "actuator_ctrladr", "actuator_ctrlspec",
-)  # fmt: skip
-# The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`.
-_INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
 # What a control of an actuator is, in words. An integrator makes of a rate what the gain is for.
 _CONTROL = {"position": "a position", "velocity": "a velocity", "force": "a force"}
 _CONTROL |= {f"rate of {form}": f"the rate of {words}" for form, words in _CONTROL.items()}
@@ -45,63 +36,10 @@ _INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritra
 _UNSAID = ("actrange", "actearly", "actdim", "velrange", "ffrange")
 
 
-@dataclass(frozen=True, slots=True)
-class Law:
-    """What an actuator does: force = gain · control + bias, by MuJoCo's own parameters."""
-
-    gain: str
-    bias: str
-    dynamics: str
-    gainprm: tuple[float, ...]
-    biasprm: tuple[float, ...]
-    dynprm: tuple[float, ...]
-    ctrl_limited: bool
-    ctrlrange: tuple[float, float]
-    act_limited: bool
-    actrange: tuple[float, float]
-    inputs: tuple[str, ...]
-
-    @property
-    def is_affine(self) -> bool:
-        """Whether it is a gain and springs and dampers to a constant: a servo, or nothing but a force."""
-        return self.gain == "fixed" and self.bias in ("none", "affine") and not any(self.gainprm[1:])
-
-    @property
-    def kp(self) -> float:
-        return 0.0 - self.biasprm[1] if self.bias == "affine" else 0.0
-
-    @property
-    def kv(self) -> float:
-        return 0.0 - self.biasprm[2] if self.bias == "affine" else 0.0
-
-    @property
-    def slewmax(self) -> float:
-        return self.dynprm[1] if self.dynamics == "pid" else 0.0
-
-    @property
-    def form(self) -> str:
-        """What its gain is for: `position`, `velocity`, `force`, or `other`; of a pid `position+velocity` and so on."""
-        if self.gain == "pid":
-            return "+".join(_INPUTS[each] for each in self.inputs)
-        if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
-            return "other"
-        gain = self.gainprm[0]
-        if self.kp and gain == self.kp:
-            return "position"
-        if self.kv and not self.kp and gain == self.kv:
-            return "velocity"
-        return "force" if not self.kp and not self.kv else "other"
-
-    @property
-    def control(self) -> str:
-        """What its control means: the same, or the rate of it where the activation is its integral."""
-        return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
-
-
 def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
     """Make each an actuator of the kind `to`, with the attributes that are given."""
     to = str(written["to"])
-    laws = _laws(editing, found)
+    laws = laws_of(editing, found)
     if laws is None:
         raise Unusable
     lost: dict[str, list[str]] = {}
@@ -327,7 +265,7 @@ def _control_of(to: str, law: Law, written: Mapping[str, str]) -> str:
     if to == "general":
         return law.control
     if to == "pid":
-        return "+".join(_INPUTS[each] for each in written.get("input", "pos vel").split())
+        return "+".join(INPUTS[each] for each in written.get("input", "pos vel").split())
     return "force" if to == "motor" else to
 
 
@@ -368,62 +306,3 @@ def _fault(editing: Editing, node: Node, fault: Fault) -> None:
     note = Note(f"{editing.called(node)} is written here", editing.span_of(node))
     editing.sink.error(fault.code, fault.message, editing.span(fault.at), notes=(note,), help=fault.help)
     raise Unusable
-
-
-def _laws(editing: Editing, found: list[Node]) -> dict[Node, Law] | None:
-    """What each actuator does, from MuJoCo; None where the model as it is cannot be compiled, which is told."""
-    linking = editing.linking
-    if linking.measure is None:
-        editing.sink.error("mujoco-missing", "actuators cannot be converted without MuJoCo")
-        return None
-    unit = linking.flat()
-    marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}
-    everything = unit.root.findall("actuator/*")
-    users = {node: node.get("user") for node in everything}
-    sizes = [(size, size.attrib.pop("nuser_actuator", "")) for size in unit.root.iterchildren("size")]
-    try:
-        for node in everything:
-            node.set("user", marks[node][1] if node in marks else "0")
-        with without_keys(unit.root):
-            arrays = linking.measure(unit, _ARRAYS)
-    finally:
-        for node, user in users.items():
-            node.attrib.pop("user", "")
-            if user is not None:
-                node.set("user", user)
-        for size, room in sizes:
-            if room:
-                size.set("nuser_actuator", room)
-    if not arrays:
-        return None
-    laws: dict[Node, Law] = {}
-    count = len(arrays["actuator_gaintype"])
-    width = len(arrays["actuator_user"]) // count
-    general = GRAMMAR.element("actuator/general").attributes
-    for row in range(count):
-        number = int(arrays["actuator_user"][row * width])
-        if number:
-            laws[found[number - 1]] = _law(arrays, row, count, general)
-    return laws
-
-
-def _law(arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]) -> Law:
-    def numbers_of(name: str) -> tuple[float, ...]:
-        values = arrays[f"actuator_{name}"]
-        width = len(values) // count
-        return tuple(values[row * width : (row + 1) * width])
-
-    def word(name: str) -> str:
-        # The keywords stand in the order of MuJoCo's own enumerations.
-        return general[name].keywords[int(arrays[f"actuator_{name}"][row])]
-
-    first = int(arrays.get("actuator_ctrladr", range(count))[row])  # each of its controls has a row
-    ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
-    spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
-    return Law(
-        word("gaintype"), word("biastype"), word("dyntype"),
-        numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
-        bool(arrays["actuator_ctrllimited"][first]), (ctrlrange[0], ctrlrange[1]),
-        bool(arrays["actuator_actlimited"][row]), (actrange[0], actrange[1]),
-        tuple(name for bit, name in enumerate(_INPUTS) if spec >> bit & 1),
-    )  # fmt: skip
