@@ -71,6 +71,7 @@ def _merged(linking: Linking) -> dict[str, Key]:
     part_keys(linking)
     written = {key.name: key for key in linking.written_keys}
     merged: dict[str, Key] = {}
+    apart: frozenset[str] = frozenset()
     for part, keys in linking.own_keys.items():
         policy = linking.base_keyframes if part is None else part.keyframes
         for key in keys if policy != "none" else ():
@@ -83,8 +84,12 @@ def _merged(linking: Linking) -> dict[str, Key]:
             if earlier is None:
                 values = {vector: dict(columns) for vector, columns in key.values.items()}
                 merged[slot] = replace(key, name=name, values=values)
-            else:
-                _join(linking, earlier, key)
+                continue
+            if slot in apart:
+                _not_apart(linking, earlier, key)
+            _join(linking, earlier, key)
+        if part is None and policy == "prefix":
+            apart = frozenset(merged)
     return merged | written
 
 
@@ -124,6 +129,17 @@ def _times_differ(linking: Linking, key: Key, other: Key) -> None:
         other.span("time"),
         notes=(Note("the other one is here", key.span("time")),),
         help="write `keyframes: prefix` in one of the parts to keep its keys apart",
+    )
+
+
+def _not_apart(linking: Linking, key: Key, other: Key) -> None:
+    """The base has no prefix: its keys are apart only where no part has one of that name."""
+    linking.sink.error(
+        "keyframe-conflict",
+        f"the key `{key.name}` of the base is to be kept apart, and a part has one of that name, too",
+        other.span(),
+        notes=(Note("that of the base is here", key.span()),),
+        help="write `keyframes: prefix` at the part: the base has no prefix",
     )
 
 

@@ -38,7 +38,7 @@ from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
 from composer.steps.keyframe import write_keyframes
 from composer.steps.load import Library, Loader
-from composer.steps.loose_ends import check_names
+from composer.steps.loose_ends import check_names, check_names_of_keys
 from composer.steps.members import Hung, hung, placed
 from composer.steps.section import append, set_default, set_singleton
 from composer.steps.subtree import Wanted, wanted
@@ -186,6 +186,7 @@ class Composer:
         if self.context.sink.error_count > before:
             return None
         finish(linking)
+        check_names_of_keys(linking, making)
         if changes:
             changes.of_keys()
         roots = [base.root, *(unit.root for unit in units)]

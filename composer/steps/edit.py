@@ -12,6 +12,7 @@ from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_python
 from composer.grammar.degrees import is_in_degrees
+from composer.grammar.element import ElementType
 from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.link.files import add_file
@@ -27,7 +28,7 @@ from composer.recipe.subscript import attribute_and_index
 from composer.recipe.value import read_value
 from composer.steps.convert import convert
 from composer.steps.edit_values import POLYNOMIALS, Unusable, Values
-from composer.steps.editing import Editing
+from composer.steps.editing import Editing, is_angular
 from composer.steps.elements import settle_joints, update
 from composer.steps.loose_ends import not_there
 from composer.steps.mass import Masses
@@ -114,6 +115,9 @@ class Change:
                 self._fault(unknown_attribute(name, kind.tag, (kind,), path), node)
             assert attribute is not None
             if self.verb == "set" and subscript is None:
+                if kind.path == "joint" and name == "type":
+                    wanted = str(values.of(item, path, values.now(attribute)))
+                    self._check_units(node, kind, wanted, written, path)
                 self._set(values, attribute, item, path)
             else:
                 self._reckon(values, attribute, subscript, item, path)
@@ -162,6 +166,27 @@ class Change:
         _take_files(editing)
         if attribute.is_reference or attribute.refers_by is not None:
             _check_references(editing, node, attribute, at)
+
+    def _check_units(
+        self, joint: Node, kind: ElementType, wanted: str, written: Mapping[str, Any], at: Path
+    ) -> None:
+        """A number of a joint that would be metres and was an angle, or the other way round, is to be written anew."""
+        editing = self.editing
+        now = joint_type(joint, editing.classes)
+        for attribute in kind.attributes.values():
+            turns = is_angular(attribute, now)
+            if turns == is_angular(attribute, wanted) or attribute.name in written:
+                continue
+            text = editing.effective(joint, attribute.name)
+            if not text or not any(numbers.read(text)):
+                continue
+            was, would = ("an angle", "a length") if turns else ("a length", "an angle")
+            message = (
+                f"`{attribute.name}` of {editing.called(joint)} is {was}, and would be {would} for a {wanted}"
+            )
+            self._fault(
+                Fault("bare-angle", message, at, help=f"write `{attribute.name}` beside `type`"), joint
+            )
 
     def _without_ends(self, node: Node, name: str, at: Path) -> None:
         """`fromto` says where an element is, whatever else is written."""

@@ -37,7 +37,7 @@ class Making:
     the paths of files in messages count from.
     `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
     below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is
-    known.
+    known; `of_keys` what refers to keys, which waits until these are laid out.
     """
 
     document: Located
@@ -53,6 +53,7 @@ class Making:
     fragments: dict[Node, int] = field(default_factory=dict)
     registered: list[tuple[Node, str]] = field(default_factory=list)
     pending: list[tuple[Node, Element, str]] = field(default_factory=list)
+    of_keys: list[tuple[Node, str, str, str]] = field(default_factory=list)
     files: list[tuple[Node, str, str]] = field(default_factory=list)
 
     def span(self, element: Element, attribute: str | None = None) -> Span:

@@ -11,6 +11,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar import GRAMMAR
+from composer.link.key_layouts import keys_of
 from composer.link.linking import Linking
 from composer.link.names import may_be_generated
 from composer.steps.elements import Making
@@ -28,7 +29,10 @@ from composer.tree.names import (
 
 
 def check_names(linking: Linking, making: Making) -> None:
-    """First every new name is declared, then every reference looked up: elements may refer to later ones."""
+    """First every new name is declared, then every reference looked up: elements may refer to later ones.
+
+    Those to keys wait for `check_names_of_keys`.
+    """
     references: list[tuple[Node, str, str, str, str]] = []
     for top, section in making.registered:
         table = naming_table(section)
@@ -52,7 +56,18 @@ def check_names(linking: Linking, making: Making) -> None:
                     if target:
                         references.append((node, name, target, value, namespace))
     for node, name, namespace, value, typed_by in references:
-        _look_up(linking, making, node, name, namespace, value, typed_by)
+        if namespace == "key":
+            making.of_keys.append((node, name, value, typed_by))
+        else:
+            _look_up(linking, making, node, name, namespace, value, typed_by)
+
+
+def check_names_of_keys(linking: Linking, making: Making) -> None:
+    """Look up the references to keys, when these are laid out."""
+    if making.of_keys:
+        linking.names.declared["key"] = {str(key.get("name") or ""): key for key in keys_of(linking.base)}
+    for node, name, value, typed_by in making.of_keys:
+        _look_up(linking, making, node, name, "key", value, typed_by)
 
 
 def check_class(linking: Linking, sink: Sink, name: str, span: Span) -> None:
