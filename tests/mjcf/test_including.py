@@ -7,7 +7,7 @@ import mujoco
 import pytest
 
 from composer import mjcf
-from composer.mjcf import MjcfError, RootElement
+from composer.mjcf import MjcfError, MjcfWarning, RootElement
 
 Compiled = Callable[[RootElement], mujoco.MjModel]
 
@@ -43,7 +43,8 @@ def test_files_of_two_folders(arm: RootElement, gripper: RootElement, compiled: 
     gripper.find("mesh", "shell").name = "skin"
     arm.keyframe.remove()
     gripper.keyframe.remove()
-    arm.include_copy(gripper, override=True)
+    with pytest.warns(MjcfWarning, match="now counts for the elements of both"):
+        arm.include_copy(gripper, override=True)
     assert arm.find("mesh", "skin").file.contents == gripper.find("mesh", "skin").file.contents
     assert arm.find("mesh", "shell").file.contents != arm.find("mesh", "skin").file.contents
     assert compiled(arm).nmesh == 2
