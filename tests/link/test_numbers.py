@@ -74,7 +74,7 @@ def test_orientations_turn_to_the_same_bits_as_in_mujoco(degrees: list[float]) -
 
 @pytest.mark.parametrize("text", ["1_0", "\u0661", "1\u00a02", "1e400", "-1e400", "0x1p2000", "1,2", "0x"])
 def test_what_mujoco_refuses_is_no_number(text: str) -> None:
-    with pytest.raises(ValueError, match="not a number"):
+    with pytest.raises(ValueError, match="not a number|could not convert"):
         numbers.read(f"1 {text} 2")
     with pytest.raises(ValueError, match="XML Error"):
         mujoco.MjModel.from_xml_string(f'<mujoco><worldbody><site user="1 {text} 2"/></worldbody></mujoco>')
