@@ -109,7 +109,7 @@ class Layout:
             nq, nv = nq + slot.widths[0], nv + slot.widths[1]
 
 
-_STATE = {"position": {"timeconst"}, "general": {"gaintype", "dyntype", "actdim", "input"}}
+_STATE = {"position": {"timeconst"}, "general": {"dyntype", "actdim", "input"}}
 _SEVERAL = ("pid", "so3", "dcmotor")  # kinds of gain and dynamics that say how many inputs there are
 _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
 
@@ -169,7 +169,11 @@ class _Reader:
                 if tag == "joint":
                     typed = typed or element.get("type") not in (None, "hinge")
                 elif not stateful:
-                    stateful = tag not in _STATE or not _STATE[tag].isdisjoint(element.keys())
+                    stateful = (
+                        tag not in _STATE
+                        or not _STATE[tag].isdisjoint(element.keys())
+                        or element.get("gaintype") in _SEVERAL
+                    )
         return typed, stateful
 
     def visit(self, body: Node, layout: Layout) -> None:
@@ -232,6 +236,7 @@ class _Reader:
         found = self._class(position)
         return bool(
             any(found.lookup("general", name) for name in _STATE["general"])
+            or (found.lookup("general", "gaintype") or ("",))[0] in _SEVERAL
             or found.lookup("position", "timeconst")
             or any(map(found.sets, _STATEFUL))
         )

@@ -62,7 +62,10 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part 
 def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None) -> None:
     """Let tuples refer to the keys by the names that these will have."""
     policy = linking.base_keyframes if part is None else part.keyframes
-    for element in unit.root.iterfind("custom/tuple/element[@objtype='key']"):
+    members = [each for custom in unit.root.iterchildren("custom") for each in custom.iter("element")]
+    for element in members:
+        if element.get("objtype") != "key":
+            continue
         name = str(element.get("objname") or "")
         own = [str(key.get("name") or "") for key in unit.root.iterfind("keyframe/key")]
         if name not in own and may_be_generated(name, unit.root):
