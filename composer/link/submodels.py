@@ -5,6 +5,7 @@ A sub-model keeps its own compiler settings, because MuJoCo reads it as a model 
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from lxml.etree import _Element as Node
@@ -35,7 +36,8 @@ def _bundle(linking: Linking, unit: Unit, element: Node, file: str, folder: str,
         _bundled_before(linking, unit, element, file, known)
         return
     before = linking.sink.error_count
-    sub = parse_file(Path(source), linking.sink)
+    shown = _shown(unit, source) if known is None else source
+    sub = parse_file(Path(source), linking.sink, file=shown, span=linking.span(unit, element, "file"))
     if sub is None or linking.sink.error_count > before:
         return
     if not element.get("name"):
@@ -44,8 +46,16 @@ def _bundle(linking: Linking, unit: Unit, element: Node, file: str, folder: str,
     for section in list(sub.root.iterchildren("keyframe")) if not keyed else ():
         sub.root.remove(section)
     _own_files(linking, sub, path, keyed)
+    sub.origins.own(sub.root, shown)
+    unit.origins.adopt(sub.origins)  # a file that it lacks is told where it names it
     element.set("file", f"{path}.xml")
     linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
+
+
+def _shown(unit: Unit, source: str) -> str:
+    """The sub-model as messages name it: beside the file of the unit."""
+    inside = os.path.relpath(source, unit.directory)
+    return os.path.normpath(os.path.join(os.path.dirname(unit.file), inside))
 
 
 def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, model: bytes) -> None:
