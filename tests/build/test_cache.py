@@ -157,6 +157,20 @@ def test_why_of_the_first_licence_of_a_folder(store: Path, folder: Path) -> None
     assert built(*out)[0][1:] == ["the licences in `here` are others", "the licences in `.` are others"]
 
 
+def test_why_of_a_licence_in_a_folder_of_licences(store: Path, folder: Path) -> None:
+    (folder / "models" / "LICENSES" / "arm").mkdir(parents=True)
+    (folder / "models" / "LICENSES" / "MIT.txt").write_text("free\n")
+    out = ("cell.yaml", "-o", "a.zip")
+    built(*out)
+    (folder / "models" / "LICENSES" / "Zlib.txt").write_text("altered\n")
+    assert built(*out)[0] == ["the licences in `models/LICENSES` are others"]
+    assert built(*out)[0] == []
+    (folder / "models" / "LICENSES" / "arm" / "LICENSE").write_text("mine\n")
+    assert built(*out)[0] == ["the licences in `models/LICENSES/arm` are others"]
+    (folder / "models" / "LICENSES" / "MIT.txt").write_text("freer\n")
+    assert built(*out)[0] == ["`models/LICENSES/MIT.txt` changed"]
+
+
 def test_files_of_values_in_another_order_are_another_model(store: Path, folder: Path) -> None:
     (folder / "two.yaml").write_text("load: 2\n")
     (folder / "three.yaml").write_text("load: 3\n")
