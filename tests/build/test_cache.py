@@ -189,6 +189,31 @@ def test_why_of_a_parameter(store: Path) -> None:
     assert built(*out, "--set", "load=3", "--variant", "tool=palm")[0] == ["variant `tool` is palm"]
 
 
+def test_why_of_a_file_of_values(store: Path, folder: Path) -> None:
+    file = folder / "values.yaml"
+    file.write_text("load: 2\n")
+    out = ("matrix.yaml", "-o", "a.zip")
+    built(*out)
+    assert built(*out, "--set-file", "values.yaml")[0] == ["`--set-file values.yaml` is given"]
+    file.write_text("load: 3\ntool: palm\n")
+    assert built(*out, "--set-file", "values.yaml")[0] == [
+        "`load` in `values.yaml` was 2, is 3",
+        "`tool` in `values.yaml` is palm, is new",
+    ]
+    file.write_text("load: 3\ntool: palm\n" + "# more\n" * 10_000)
+    assert built(*out, "--set-file", "values.yaml")[1] == [
+        "the recipe changed, in nothing that this model is made of"
+    ]
+    file.write_text("load: 4\n")
+    assert built(*out, "--set-file", "values.yaml")[0] == [
+        "`values.yaml` changed; which of its values is not known"
+    ]
+    assert built("matrix.yaml", "-o", "b.zip", "--set", "load=5")[0] == [
+        "`--set-file values.yaml` is no longer given",
+        "`load` is 5",
+    ]
+
+
 def test_a_touched_file_is_the_same(store: Path, folder: Path) -> None:
     built("cell.yaml", "-o", "a.zip")
     os.utime(folder / "models" / "arm.xml", (0, 0))
