@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urljoin, urlsplit
 
+from composer.diagnostics.secret import hide
 from composer.sources.error import SourceError
 from composer.sources.patience import patience
 from composer.sources.reference import is_this_machine
@@ -151,7 +152,7 @@ class _Download:
                     response.close()
             at = self._next(at, leads_to)
         raise SourceError(
-            "source-fetch", f"`{self.url}` leads on more than {_HOPS} times", notes=(f"last to `{at}`",)
+            "source-fetch", f"`{self.url}` leads on more than {_HOPS} times", notes=(f"last to `{hide(at)}`",)
         )
 
     def _next(self, at: str, leads_to: str) -> str:
@@ -164,11 +165,13 @@ class _Download:
             is_address = False
         if not is_address:
             raise SourceError(
-                "source-fetch", f"`{self.url}` leads to `{leads_to}`, which is no address of the web"
+                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is no address of the web"
             )
         was_open = urlsplit(self.url).scheme == "http"
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
-            raise SourceError("source-fetch", f"`{self.url}` leads to `{leads_to}`, which is not encrypted")
+            raise SourceError(
+                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not encrypted"
+            )
         return leads_to
 
     def _taken(self, response: BaseHTTPResponse, headers: Mapping[str, str], have: int) -> Version | None:
