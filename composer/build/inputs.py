@@ -12,6 +12,7 @@ from composer.context import Context
 from composer.pipeline import Built
 from composer.plan.plan import Plan
 from composer.plan.used_files import files_of_recipe, files_of_source
+from composer.sources.licence_name import licence_folders
 from composer.sources.source import Source
 
 
@@ -56,7 +57,8 @@ class Inputs:
             folder = Path(os.path.abspath(source.path)).parent
             searched = [os.fspath(each) for each in (folder, *folder.parents[:3])]
             read = [os.path.abspath(path) for path in files_of_source(source)]
-            self._of_sources[source.path] = (*read, *searched)
+            inside = [each for above in searched for each in licence_folders(above)]
+            self._of_sources[source.path] = (*read, *searched, *inside)
         return self._of_sources[source.path]
 
 

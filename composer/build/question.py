@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from composer.build import values
 from composer.sources.blobs import key_of
 
 
@@ -41,7 +42,9 @@ def _changes(before: Mapping[str, str], after: Mapping[str, str]) -> Iterable[st
         was, now = before.get(name), after.get(name)
         if was == now:
             continue
-        if was is None:
+        if values.is_file(name):
+            yield from values.changes(name, was, now)
+        elif was is None:
             yield f"{name} is given" if now == GIVEN else f"{name} is {now}"
         elif now is None:
             yield f"{name} is no longer given" if was == GIVEN else f"{name} was {was}"

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One part: the model reference, its licence as an SPDX expression, None where it is not known, and the files."""
+    """One part: the model reference, its licence as an SPDX expression, None where it is not known, and the files
+    that say something.
+    """
 
     part: str
     source: str
@@ -30,10 +32,15 @@ class Row:
 def licence_rows(plan: Plan, context: Context) -> list[Row]:
     """A row for each part, the base by the name of its file. Reads the licence files and the heads of the models."""
     from composer.bundle.assemble import sources  # what was built before needs none of this
-    from composer.sources.spdx import licence_of
+    from composer.sources.spdx import is_empty, licence_of
 
     return [
-        Row(label, source.reference, licence_of(source), tuple(map(context.shown, source.licences)))
+        Row(
+            label,
+            source.reference,
+            licence_of(source),
+            tuple(context.shown(file) for file in source.licences if not is_empty(file)),
+        )
         for label, source in sources(plan)
     ]
 
@@ -60,5 +67,6 @@ def tell_unlicensed(rows: Iterable[Row], context: Context) -> None:
     context.sink.warning(
         "licence-missing",
         f"nothing says under which licence {names} may be passed on",
-        help="put a `LICENSE` beside the model, or `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top",
+        help="put a `LICENSE` with its text beside the model, or"
+        " `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top",
     )

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from composer.cli.amount import Amount
 from composer.cli.built_words import remarks, said
 from composer.cli.caching import caching, caching_options
 from composer.cli.choices import choice_options, chosen_values, named_choices
@@ -65,7 +66,7 @@ if TYPE_CHECKING:
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--licenses", is_flag=True, help="Print the licence of every part.")
-@click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
+@click.option("--timeout", type=Amount(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take.")  # fmt: skip
 @caching_options
 @fetching_options

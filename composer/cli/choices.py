@@ -65,14 +65,14 @@ def named_choices(
     sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], context: Context
 ) -> dict[str, str]:
     """The same as text, by what a person calls it: what the build cache compares. Nothing is judged."""
-    from hashlib import sha256
+    from composer.build.values import content_of, name_of
 
     found: dict[str, str] = {}
     for file in set_files:
-        digest = "unreadable"
+        content = "unreadable"
         with contextlib.suppress(OSError):
-            digest = sha256((context.folder / file).read_bytes()).hexdigest()
-        found[f"`--set-file {file}`"] = digest
+            content = content_of((context.folder / file).read_bytes())
+        found[name_of(file)] = content
     if len(set_files) > 1:  # a value of a later file counts
         found["the order of `--set-file`"] = ", ".join(map(str, set_files))
     for what, written in [*(("", each) for each in sets), *(("variant ", each) for each in variants)]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from composer.cli.amount import Amount
 from composer.cli.choices import choice_options, chosen_values
 from composer.cli.reporting import USAGE, progress, report
 
@@ -26,12 +27,12 @@ _KINDS = (
 @click.option("--pick", metavar="CELL", help="Compare this cell of the matrix, or this sample.")
 @click.option("--only", multiple=True, type=click.Choice(_KINDS), metavar="KIND",
               help="Compare this kind of element, or `option`, `visual`, `statistic`, `count`, `address`.")  # fmt: skip
-@click.option("--tolerance", type=click.FloatRange(min=0), default=0.0, show_default=True,
+@click.option("--tolerance", type=Amount(min=0), default=0.0, show_default=True,
               help="Numbers that differ by a smaller share than this count as the same.")  # fmt: skip
 @click.option("--all", "everything", is_flag=True, help="Tell also what MuJoCo computes from other numbers.")
 @click.option("--renders", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
               help="Put pictures of both here: of the whole, and of every camera that both have.")  # fmt: skip
-@click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
+@click.option("--timeout", type=Amount(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take for each model.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
 @click.option("--format", "form", type=click.Choice(_FORMATS), default="text", show_default=True,

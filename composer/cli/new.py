@@ -6,6 +6,7 @@ import os
 import re
 import shlex
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 @click.option(
     "--project",
     is_flag=True,
-    help="Write a repository to the folder PATH: recipe, lock, parts, CI and README.",
+    help="Write a repository to the folder PATH: recipe, lock, parts, CI and README. What is there is kept.",
 )
 def command(path: Path | None, project: bool) -> None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds as it stands."""
@@ -69,7 +70,7 @@ def _project(folder: Path | None, context: Context) -> str:
     from composer.cli.locking import made_lock
     from composer.context import as_text
     from composer.recipe.schema import text as schema
-    from composer.starting.project import project
+    from composer.starting.project import needed, project
     from composer.starting.write import write_project
 
     if folder is None:
@@ -77,5 +78,25 @@ def _project(folder: Path | None, context: Context) -> str:
     title = as_text(folder.resolve().name)
     model = re.sub(r"[^\w-]+", "_", title).strip("_-") or "model"
     files = project(title, model, metadata.version("mujoco"), schema())
-    write_project(files, folder, lambda stage: made_lock(stage / "recipes" / f"{model}.yaml", None, context))
-    return f"wrote {len(files) + 1} files to {folder}; start with {folder / 'README.md'}"
+    recipe = f"recipes/{model}.yaml"
+    written, kept = write_project(
+        files, needed(model), folder, lambda stage: made_lock(stage / recipe, None, context)
+    )
+    start = f"start with {folder / 'README.md'}"
+    if "README.md" in kept:
+        start = f"build its model with: mjcompose build {shlex.quote(str(folder / recipe))}"
+    count = f"{len(written)} file{'' if len(written) == 1 else 's'}"
+    return "\n".join([*(_kept(path, folder, files) for path in kept), f"wrote {count} to {folder}; {start}"])
+
+
+def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
+    """What is told of a file that was there before."""
+    from composer.starting.project import lacking
+
+    told = f"kept {folder / path}"
+    if path not in files or not (folder / path).is_file():
+        return told
+    lines = lacking(path, (folder / path).read_text("utf-8", "replace"), files[path])
+    return (
+        f"{told}; the project's own would have: {', '.join(f'`{line}`' for line in lines)}" if lines else told
+    )

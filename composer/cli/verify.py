@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from composer.cli.amount import Amount
 from composer.cli.reporting import FINDINGS, progress, report, reporting_options
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 @click.argument("bundles", metavar="BUNDLE...", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("--recipe", type=click.Path(path_type=Path),
               help="The recipe it was built from: where the sources of its parts are looked for.")  # fmt: skip
-@click.option("--timeout", type=click.FloatRange(min=0, min_open=True), default=300, show_default=True,
+@click.option("--timeout", type=Amount(min=0, min_open=True), default=300, show_default=True,
               help="Seconds that MuJoCo may take for each model.")  # fmt: skip
 @reporting_options
 def command(bundles: tuple[Path, ...], recipe: Path | None, timeout: float, form: str, as_json: bool) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from composer.diagnostics.diagnostic import Diagnostic, Severity
+from composer.diagnostics.secret import masked
 from composer.diagnostics.span import Span
 
 ReadSource = Callable[[str], str | None]
@@ -119,7 +120,7 @@ def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
     lines = _LINE_BREAK.split(source.removeprefix("\ufeff"))
     if not 1 <= span.line <= len(lines):
         return None
-    line = lines[span.line - 1].rstrip()
+    line = masked(lines[span.line - 1].rstrip())
     cells = [_cell(character) for character in line]
     widths = [width for _, width in cells]
 

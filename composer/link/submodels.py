@@ -6,6 +6,7 @@ A sub-model keeps its own compiler settings, because MuJoCo reads it as a model 
 from __future__ import annotations
 
 import hashlib
+import os
 import posixpath
 from pathlib import Path
 
@@ -57,9 +58,11 @@ def _bundle(
         )
         return
     before = linking.sink.error_count
-    sub = _parse(linking, unit, file, known) if isinstance(known, bytes) else None
-    if not isinstance(known, bytes):
-        sub = parse_file(Path(source), linking.sink)
+    if isinstance(known, bytes):
+        shown, sub = file, _parse(linking, unit, file, known)
+    else:
+        shown = _shown(unit, source) if known is None else source
+        sub = parse_file(Path(source), linking.sink, file=shown, span=linking.span(unit, element, "file"))
     if sub is None or linking.sink.error_count > before:
         return
     if not element.get("name"):
@@ -68,6 +71,8 @@ def _bundle(
     for section in list(sub.root.iterchildren("keyframe")) if not keyed else ():
         sub.root.remove(section)
     _own_files(linking, sub, path, keyed, (*above, source))
+    sub.origins.own(sub.root, shown)
+    unit.origins.adopt(sub.origins)  # a file that it lacks is told where it names it
     element.set("file", f"{path}.xml")
     linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
 
@@ -89,6 +94,12 @@ def _is_bundled(file: str) -> bool:
     """Whether a sub-model stands where this pass puts them."""
     steps = file.split("/")
     return len(steps) == 4 and steps[0] == ASSETS and steps[2] == "models"
+
+
+def _shown(unit: Unit, source: str) -> str:
+    """The sub-model as messages name it: beside the file of the unit."""
+    inside = os.path.relpath(source, unit.directory)
+    return os.path.normpath(os.path.join(os.path.dirname(unit.file), inside))
 
 
 def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, model: bytes) -> None:

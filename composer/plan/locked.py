@@ -207,7 +207,9 @@ def _is_whole(id: str, use: _Use, context: Context) -> bool:
 
 
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:
-    """What a lock says of a source, and its pin, which is right, contradicts: somebody has edited it."""
+    """What a lock says of a source, and its kind or its pin, which is right, contradicts: somebody has edited it."""
+    if before.kind == now.kind:
+        yield from (f"a source of kind `{now.kind}` has no {what}" for what in before.foreign)
     for what in ("kind", "tree"):
         was, there = getattr(before, what), getattr(now, what)
         if was != there and before.pin == now.pin:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urljoin, urlsplit
 
+from composer.diagnostics.secret import hide
 from composer.sources.error import SourceError
 from composer.sources.patience import patience
 from composer.sources.reference import is_this_machine
@@ -25,6 +26,8 @@ _PATIENCE = 60.0
 _HOPS = 10
 _CHUNK = 256 * 1024
 _LIMIT = 8 * 1024**3
+_LEAST = 1024
+"""Bytes that have to come in the time for which a server may say nothing: one that drips is as good as silent."""
 _BUSY = (429, 500, 502, 503, 504)
 
 
@@ -151,7 +154,7 @@ class _Download:
                     response.close()
             at = self._next(at, leads_to)
         raise SourceError(
-            "source-fetch", f"`{self.url}` leads on more than {_HOPS} times", notes=(f"last to `{at}`",)
+            "source-fetch", f"`{self.url}` leads on more than {_HOPS} times", notes=(f"last to `{hide(at)}`",)
         )
 
     def _next(self, at: str, leads_to: str) -> str:
@@ -164,11 +167,13 @@ class _Download:
             is_address = False
         if not is_address:
             raise SourceError(
-                "source-fetch", f"`{self.url}` leads to `{leads_to}`, which is no address of the web"
+                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is no address of the web"
             )
         was_open = urlsplit(self.url).scheme == "http"
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
-            raise SourceError("source-fetch", f"`{self.url}` leads to `{leads_to}`, which is not encrypted")
+            raise SourceError(
+                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not encrypted"
+            )
         return leads_to
 
     def _taken(self, response: BaseHTTPResponse, headers: Mapping[str, str], have: int) -> Version | None:
@@ -222,18 +227,30 @@ class _Download:
         self._note.write_text(
             json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8"
         )
-        told = time.monotonic()
+        seconds = patience(self.environment)
+        told = since = time.monotonic()
+        before = size
         with self.partial.open("ab" if size else "wb") as file:
             try:
-                for chunk in response.stream(_CHUNK, decode_content=False):
+                # What has come, however little: `stream` would wait for all of a chunk.
+                while chunk := response.read1(_CHUNK, decode_content=False):
                     size += len(chunk)
                     if max(size, total) > _LIMIT:
                         raise SourceError(
                             "archive-refused", f"`{self.url}` is larger than {_LIMIT >> 30} GiB"
                         )
                     file.write(chunk)
-                    if time.monotonic() - told > 1:
-                        told = time.monotonic()
+                    now = time.monotonic()
+                    if now - since >= seconds and size != total:
+                        if size - before < _LEAST:
+                            of = f" of {total}" if total else ""
+                            raise _Broken(
+                                f"the transfer was given up after {size}{of} bytes: less than 1 KiB came"
+                                f" in {seconds:g} s"
+                            )
+                        since, before = now, size
+                    if now - told > 1:
+                        told = now
                         self.progress(f"  {size >> 20} MiB" + (f" of {total >> 20} MiB" if total else ""))
             except HTTPError as error:
                 of = f" of {total}" if total else ""

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
-from composer.sources.licence_name import is_licence
+from composer.sources.licence_name import licences_in
 
 _LEVELS = 3
 
@@ -14,8 +13,9 @@ _LEVELS = 3
 def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
     """The licence files in the folder nearest to `model` that has any: its own, or one of the three above it.
 
-    The search leaves neither `base` nor a folder that holds `.git`, and ends below the folder where Python
-    packages are installed. Empty when there are none. Reads folders only, no files.
+    All texts in a folder `LICENSES` there are such. The search leaves neither `base` nor a folder that holds
+    `.git`, and ends below the folder where Python packages are installed. Empty when there are none. Reads folders
+    only, no files.
     """
     folder = Path(os.path.realpath(model.parent))
     top = Path(os.path.realpath(base)) if base is not None else None
@@ -30,11 +30,8 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
     return ()
 
 
-def _in_folder(folder: Path) -> Iterator[Path]:
+def _in_folder(folder: Path) -> list[Path]:
     try:
-        with os.scandir(folder) as entries:
-            yield from (
-                folder / entry.name for entry in entries if is_licence(entry.name) and entry.is_file()
-            )
+        return [path for name in licences_in(os.fspath(folder)) if (path := folder / name).is_file()]
     except OSError:
-        return
+        return []

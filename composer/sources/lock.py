@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
@@ -18,6 +18,17 @@ _MERGE = re.compile(r"^<<<<<<<( |$)", re.MULTILINE)
 SourceKind = Literal["path", "package", "menagerie", "descriptions", "git", "archive"]
 _Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 _GitHash = Annotated[str, StringConstraints(pattern=r"^([0-9a-f]{40}|[0-9a-f]{64})$")]
+
+
+# What a source of a kind has not.
+_OTHERS: dict[str, tuple[str, ...]] = {
+    "path": ("commit", "tree", "sha256", "package", "version"),
+    "package": ("commit", "tree", "sha256"),
+    "menagerie": ("sha256",),
+    "descriptions": ("sha256",),
+    "git": ("sha256", "package", "version"),
+    "archive": ("commit", "tree", "package", "version"),
+}
 
 
 class _Part(BaseModel):
@@ -41,6 +52,11 @@ class Locked(_Part):
     def pin(self) -> str | None:
         """What fetches the same bytes again."""
         return self.commit or self.sha256
+
+    @property
+    def foreign(self) -> list[str]:
+        """What it says and no source of its kind has."""
+        return [name for name in _OTHERS[self.kind] if getattr(self, name) is not None]
 
     @property
     def is_local(self) -> bool:
@@ -126,10 +142,17 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
         )
         return None
     try:
-        return Lock.model_validate(to_python(node))
+        lock = Lock.model_validate(to_python(node))
     except ValidationError as error:
-        _tell(error.errors()[0], node, shown, sink)
+        fault = error.errors()[0]
+        _tell(fault["type"], tuple(fault["loc"]), node, shown, sink)
         return None
+    if (
+        version is None or not isinstance(number, Scalar) or type(number.value) is not int
+    ):  # `true` is 1 to Python
+        _tell("missing" if version is None else "", ("lock",), node, shown, sink)
+        return None
+    return lock
 
 
 def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Disputed | None) -> Lock | None:
@@ -153,13 +176,14 @@ def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Dispute
 _HELP = "take the lock from version control, or remove it and run `mjcompose lock`"
 
 
-def _tell(fault: Any, node: Mapping, shown: str, sink: Sink) -> None:
-    path = tuple(fault["loc"])
-    key = fault["type"] in ("missing", "extra_forbidden")
+def _tell(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, sink: Sink) -> None:
+    key = fault in ("missing", "extra_forbidden")
     where = " / ".join(f"`{step}`" for step in path)
-    said = {"missing": "is not there", "extra_forbidden": "is no key of a lock"}.get(fault["type"])
-    if said is None:
-        said = "is no hash" if fault["type"] == "string_pattern_mismatch" else "is not what it must be"
+    said = {
+        "missing": "is not there",
+        "extra_forbidden": "is no key of a lock",
+        "string_pattern_mismatch": "is no hash",
+    }.get(fault, "is not what it must be")
     sink.error(
         "lock-invalid", f"`{shown}` is no lock: {where} {said}", locate(node, path, key=key), help=_HELP
     )

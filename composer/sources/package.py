@@ -102,7 +102,9 @@ def _licence_of(owner: Distribution) -> str | None:
 def _licences_of(owner: Distribution) -> Iterator[Path]:
     """The licence files that a distribution keeps beside its metadata."""
     for file in owner.files or ():
-        if file.parts[0].endswith((".dist-info", ".egg-info")) and licence_name.is_licence(file.name):
+        if not file.parts[0].endswith((".dist-info", ".egg-info")):
+            continue
+        if licence_name.is_licence(file.name) or "licenses" in file.parts[1:-1]:
             path = Path(str(owner.locate_file(file)))
             if path.is_file():
                 yield path

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
+from composer.diagnostics.secret import hide
 from composer.diagnostics.suggest import closest
 from composer.sources.error import SourceError
 
@@ -132,7 +133,7 @@ def _git(text: str, rest: str) -> Reference:
     scheme = text.partition(":")[0]
     location, _, path = rest.partition("#")
     host, _, tail = location.removeprefix("//").partition("/")
-    _check_login(text, host)
+    _check_secrets(text, host)
     # Only an `@` behind the host starts a revision: before it, it ends a user's name.
     repository, at, revision = tail.rpartition("@")
     if not at:
@@ -169,7 +170,7 @@ def _archive(text: str, rest: str) -> Reference:
     scheme = text.partition(":")[0]
     location, _, path = rest.partition("#")
     host, _, archive = location.removeprefix("//").partition("/")
-    _check_login(text, host)
+    _check_secrets(text, host)
     archive, _, sha256 = archive.partition("@sha256:")
     if not host or not archive:
         raise _malformed(text, scheme, "does not say the archive")
@@ -180,16 +181,18 @@ def _archive(text: str, rest: str) -> Reference:
     return Reference(text, Kind.ARCHIVE, f"{scheme}://{host}/{archive}", path, sha256)
 
 
-def _check_login(text: str, host: str) -> None:
+def _check_secrets(text: str, host: str) -> None:
     """Refuse what everybody would read who gets a lock or a bundle."""
     login, _, _ = host.rpartition("@")
     user, colon, _ = login.partition(":")
-    if colon:
-        hidden = text.replace(f"{login}@", f"{user}:…@", 1)
+    shown = hide(text.replace(f"{login}@", f"{user}:…@", 1) if colon else text)
+    if colon or shown != text:
+        what = "password" if colon else "secret"
         raise SourceError(
             "source-kind",
-            f"the model reference `{hidden}` holds a password, which would stand in the lock and in every bundle",
-            help="leave it out: git asks its own credential helper or ssh",
+            f"the model reference `{shown}` holds a {what}, which would stand in the lock and in every bundle",
+            help="leave it out: git asks its own credential helper or ssh; an archive that wants a login is"
+            " downloaded first and named by a path",
         )
 
 
@@ -224,6 +227,7 @@ def _malformed(text: str, kind: str, problem: str) -> SourceError:
 
 def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:
     help = None
+    text, rest = hide(text), hide(rest)
     if near := closest(scheme, _FORMS):
         help = f"write `{near[0]}:{rest}`"
     elif scheme.lower() == "file":

@@ -85,7 +85,12 @@ def licence_of(source: Source) -> str | None:
     )
     if named:
         return " AND ".join(f"({each})" if " OR " in each and len(named) > 1 else each for each in named)
-    return source.licence if not source.licences else None
+    return source.licence if all(map(is_empty, source.licences)) else None
+
+
+def is_empty(licence: Path) -> bool:
+    """Whether a licence file says nothing."""
+    return not _text(licence, _LARGEST).strip()
 
 
 def _text(path: Path, size: int) -> str:

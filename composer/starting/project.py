@@ -21,6 +21,15 @@ _FILES = {
     "pendulum.xml": "models/pendulum/pendulum.xml",
     "pendulum_license": "models/pendulum/LICENSE",
 }
+# What the lock pins: with another content of one of them the project does not build.
+_NEEDED = (
+    "recipes/MODEL.yaml",
+    "recipes/MODEL.lock",
+    "models/pendulum/pendulum.xml",
+    "models/pendulum/LICENSE",
+)
+# Files to which others add lines of their own.
+_SHARED = ("requirements.txt", ".gitignore")
 _ACTION = ".github/actions/mjcompose/action.yml"
 
 
@@ -38,9 +47,24 @@ def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
     return {**files, _ACTION: _action(), "recipes/recipe.schema.json": schema}
 
 
+def needed(model: str) -> frozenset[str]:
+    r"""The paths of what cannot be kept where it is there with another content."""
+    return frozenset(_filled(path, {"MODEL": model}) for path in _NEEDED)
+
+
+def lacking(path: str, there: str, own: str) -> list[str]:
+    r"""The lines that a file of the project has and the one that is kept in its place has not.
+
+    >>> lacking("requirements.txt", "numpy\n", "mujoco==4.0.0\n")
+    ['mujoco==4.0.0']
+    """
+    known = {line.strip() for line in there.splitlines()}
+    return [line for line in own.splitlines() if line not in known] if path in _SHARED else []
+
+
 def _filled(text: str, given: Mapping[str, str]) -> str:
-    """In one go: what is given may hold one of the words itself."""
-    return re.sub("|".join(given), lambda found: given[found[0]], text)
+    """In one go: what is given may hold one of the words itself. `MUJOCO_LOG` is another word than `MUJOCO`."""
+    return re.sub(rf"\b({'|'.join(given)})\b", lambda found: given[found[0]], text)
 
 
 def _action() -> str:

@@ -1,28 +1,24 @@
-"""Put a project where there is nothing of it yet: all of it, or nothing."""
+"""Put a project into a folder: all that is not there yet, or nothing."""
 
 from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import parents, real, sibling
 
 
-def write_project(files: Mapping[str, str], folder: Path, finish: Callable[[Path], object]) -> None:
+def write_project(
+    files: Mapping[str, str], needed: Collection[str], folder: Path, finish: Callable[[Path], object]
+) -> tuple[list[str], list[str]]:
     """Write files below `folder`, which may exist; `finish` adds to them before anything is seen there.
 
-    Raises OutputError, also where one of the files is there already; what `finish` raises goes through.
+    Gives the paths of those written, and of those that are there already and are kept as they are. Raises
+    OutputError, also where one that is `needed` is there with another content; what `finish` raises goes through.
     """
-    for path in files:
-        if os.path.lexists(folder / path):
-            raise OutputError(
-                "output-unwritable",
-                f"`{folder / path}` is there already and nothing is written",
-                "choose another folder, or move the file away",
-            )
     target = real(folder)
     stage = sibling(target, "tmp")
     try:
@@ -32,18 +28,49 @@ def write_project(files: Mapping[str, str], folder: Path, finish: Callable[[Path
                     (stage / path).parent.mkdir(parents=True, exist_ok=True)
                     (stage / path).write_text(text, encoding="utf-8", newline="\n")
                 finish(stage)
-                _move(stage, target)
+                made = sorted(
+                    path.relative_to(stage).as_posix() for path in stage.rglob("*") if path.is_file()
+                )
+                kept = [
+                    path for path in made if _is_kept(folder / path, stage / path, folder, path in needed)
+                ]
+                written = [path for path in made if path not in kept]
+                _move(stage, target, written)
+                return written, kept
             finally:
                 shutil.rmtree(stage, ignore_errors=True)
     except OSError as error:
         raise unwritable(folder, error) from error
 
 
-def _move(stage: Path, target: Path) -> None:
+def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
+    """Whether a file is there already. Raises OutputError for what stands in the way of the project."""
+    above = place.parent
+    while above != folder:
+        if os.path.lexists(above) and not above.is_dir():
+            raise _in_the_way(above, "and no folder")
+        above = above.parent
+    if not os.path.lexists(place):
+        return False
+    if place.is_dir():
+        raise _in_the_way(place, "and a folder")
+    if needed and (not place.exists() or place.read_bytes() != made.read_bytes()):
+        raise _in_the_way(place, "with another content than the project needs")
+    return True
+
+
+def _in_the_way(path: Path, what: str) -> OutputError:
+    return OutputError(
+        "output-unwritable",
+        f"`{path}` is there already, {what}: nothing is written",
+        "choose another folder, or move it away",
+    )
+
+
+def _move(stage: Path, target: Path, paths: Collection[str]) -> None:
     if not target.exists():
         stage.rename(target)
         return
-    for file in sorted(path for path in stage.rglob("*") if path.is_file()):
-        place = target / file.relative_to(stage)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        file.rename(place)
+    for path in paths:
+        (target / path).parent.mkdir(parents=True, exist_ok=True)
+        (stage / path).rename(target / path)

@@ -157,6 +157,20 @@ def test_why_of_the_first_licence_of_a_folder(store: Path, folder: Path) -> None
     assert built(*out)[0][1:] == ["the licences in `here` are others", "the licences in `.` are others"]
 
 
+def test_why_of_a_licence_in_a_folder_of_licences(store: Path, folder: Path) -> None:
+    (folder / "models" / "LICENSES" / "arm").mkdir(parents=True)
+    (folder / "models" / "LICENSES" / "MIT.txt").write_text("free\n")
+    out = ("cell.yaml", "-o", "a.zip")
+    built(*out)
+    (folder / "models" / "LICENSES" / "Zlib.txt").write_text("altered\n")
+    assert built(*out)[0] == ["the licences in `models/LICENSES` are others"]
+    assert built(*out)[0] == []
+    (folder / "models" / "LICENSES" / "arm" / "LICENSE").write_text("mine\n")
+    assert built(*out)[0] == ["the licences in `models/LICENSES/arm` are others"]
+    (folder / "models" / "LICENSES" / "MIT.txt").write_text("freer\n")
+    assert built(*out)[0] == ["`models/LICENSES/MIT.txt` changed"]
+
+
 def test_files_of_values_in_another_order_are_another_model(store: Path, folder: Path) -> None:
     (folder / "two.yaml").write_text("load: 2\n")
     (folder / "three.yaml").write_text("load: 3\n")
@@ -173,6 +187,31 @@ def test_why_of_a_parameter(store: Path) -> None:
     built(*out, "--set", "load=2")
     assert built(*out, "--set", "load=3")[0] == ["`load` was 2, is 3"]
     assert built(*out, "--set", "load=3", "--variant", "tool=palm")[0] == ["variant `tool` is palm"]
+
+
+def test_why_of_a_file_of_values(store: Path, folder: Path) -> None:
+    file = folder / "values.yaml"
+    file.write_text("load: 2\n")
+    out = ("matrix.yaml", "-o", "a.zip")
+    built(*out)
+    assert built(*out, "--set-file", "values.yaml")[0] == ["`--set-file values.yaml` is given"]
+    file.write_text("load: 3\ntool: palm\n")
+    assert built(*out, "--set-file", "values.yaml")[0] == [
+        "`load` in `values.yaml` was 2, is 3",
+        "`tool` in `values.yaml` is palm, is new",
+    ]
+    file.write_text("load: 3\ntool: palm\n" + "# more\n" * 10_000)
+    assert built(*out, "--set-file", "values.yaml")[1] == [
+        "the recipe changed, in nothing that this model is made of"
+    ]
+    file.write_text("load: 4\n")
+    assert built(*out, "--set-file", "values.yaml")[0] == [
+        "`values.yaml` changed; which of its values is not known"
+    ]
+    assert built("matrix.yaml", "-o", "b.zip", "--set", "load=5")[0] == [
+        "`--set-file values.yaml` is no longer given",
+        "`load` is 5",
+    ]
 
 
 def test_a_touched_file_is_the_same(store: Path, folder: Path) -> None:

@@ -130,6 +130,12 @@ def test_parts_without_a_licence_are_told_at_once(folder: Path) -> None:
     done = run("build", "cell.yaml")
     assert done.exit_code == 0
     assert done.stderr.count("licence-missing") == 1 and "`arm`, `tool`" in done.stderr
+    (folder / "models" / "LICENSE").write_text("\n")
+    done = run("build", "cell.yaml", "--licenses")
+    assert done.stderr.count("licence-missing") == 1 and "models/LICENSE" not in done.stdout
+    (folder / "models" / "LICENSE").write_text("Do as you please.\n")
+    assert "licence" not in run("build", "cell.yaml").stderr
+    (folder / "models" / "LICENSE").unlink()
     for name in ("arm", "tool"):
         model = folder / "models" / f"{name}.xml"
         model.write_text("<!-- SPDX-License-Identifier: CC0-1.0 -->\n" + model.read_text())

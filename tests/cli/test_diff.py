@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from cli.shell import RECIPE, run, snapshot
 
 
@@ -26,6 +27,13 @@ def test_exit_codes(folder: Path) -> None:
     assert run("diff", "cell.yaml", "new.yaml", "--set", "x").exit_code == 2
     assert run("diff", "cell.yaml", "new.yaml", "--only", "body").exit_code == 0
     assert snapshot(folder) == before
+
+
+@pytest.mark.parametrize("option", ["--tolerance", "--timeout"])
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1e999", "-1"])
+def test_what_is_no_amount_is_a_usage_error(folder: Path, option: str, value: str) -> None:
+    result = run("diff", "cell.yaml", "cell.yaml", f"{option}={value}")
+    assert result.exit_code == 2 and option in result.stderr and result.stdout == ""
 
 
 def test_formats(folder: Path) -> None:

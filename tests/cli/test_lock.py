@@ -450,6 +450,18 @@ def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value:
         assert f"  = note: its {key} is `" in result.stderr
 
 
+@pytest.mark.parametrize("what", ["commit", "tree", "sha256", "package", "version"])
+def test_a_file_of_ones_own_has_no_pin(work: Path, what: str) -> None:
+    run("lock", "cell.yaml")
+    lock = json.loads((work / "cell.lock").read_text())
+    source = next(each for each in lock["sources"].values() if each["kind"] == "path")
+    source[what] = "0" * (64 if what == "sha256" else 40)
+    (work / "cell.lock").write_text(json.dumps(lock))
+    result = run("check", "cell.yaml")
+    assert result.exit_code == 1 and "error[lock-invalid]: what `cell.lock` says of" in result.stderr
+    assert f"  = note: a source of kind `path` has no {what}\n" in result.stderr
+
+
 @pytest.mark.parametrize("command", [("build", "--no-verify"), ("build", "--all"), ("plan",), ("check",)])
 def test_a_lock_of_other_versions_is_told_to_who_asks_for_it(work: Path, command: tuple[str, ...]) -> None:
     run("lock", "cell.yaml")

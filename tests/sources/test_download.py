@@ -159,6 +159,54 @@ def test_a_server_that_says_nothing(web: Any, get: Callable[..., Any]) -> None:
     assert "after 5 tries" in caught.value.notes[0]
 
 
+@pytest.mark.parametrize("chunked", [False, True])
+def test_a_server_that_drips_is_as_good_as_silent(
+    web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path, chunked: bool
+) -> None:
+    release = threading.Event()
+
+    def page(handler: Any) -> None:
+        start = int(handler.headers.get("Range", "bytes=0-").removeprefix("bytes=").removesuffix("-"))
+        if len(web.asked) == 3:
+            answer(handler, CONTENT[start:], status=206, ETag='"one"',
+                   Content_Range=f"bytes {start}-{len(CONTENT) - 1}/{len(CONTENT)}")  # fmt: skip
+            return
+        handler.send_response(206 if start else 200)
+        handler.send_header("ETag", '"one"')
+        if start:
+            handler.send_header("Content-Range", f"bytes {start}-{len(CONTENT) - 1}/{len(CONTENT)}")
+        if chunked:
+            handler.send_header("Transfer-Encoding", "chunked")
+        else:
+            handler.send_header("Content-Length", str(len(CONTENT) - start))
+        handler.end_headers()
+        for byte in CONTENT[start:]:
+            if release.wait(0.05):
+                break
+            handler.wfile.write(b"1\r\n%c\r\n" % byte if chunked else bytes([byte]))
+
+    web.pages["/a"] = page
+    get(f"{web.url}/a", MJCOMPOSE_TIMEOUT="0.5")
+    release.set()
+    assert (tmp_path / "file.part").read_bytes() == CONTENT
+    first, second = (int(asked[1]["Range"][6:-1]) for asked in web.asked[1:])
+    assert 0 < first < second < 1000
+
+
+def test_what_comes_slowly_to_its_end_is_whole(web: Any, get: Callable[..., Any], tmp_path: Path) -> None:
+    def page(handler: Any) -> None:
+        handler.send_response(200)
+        handler.send_header("Content-Length", "3")
+        handler.end_headers()
+        for byte in (b"a", b"bc"):
+            time.sleep(0.15)
+            handler.wfile.write(byte)
+
+    web.pages["/a"] = page
+    get(f"{web.url}/a", MJCOMPOSE_TIMEOUT="0.25")
+    assert (tmp_path / "file.part").read_bytes() == b"abc" and len(web.asked) == 1
+
+
 def test_a_host_that_is_gone(get: Callable[..., Any]) -> None:
     with pytest.raises(SourceError) as caught:
         get("http://127.0.0.1:9/a.zip")

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from composer.sources import licence
+from composer.sources.licence_name import is_licence
 
 
 def write(root: Path, *names: str) -> None:
@@ -66,20 +67,39 @@ def test_a_relative_path_is_searched_from_where_it_starts(
     assert licence.find(Path("../models/arm.xml")) == ((tmp_path / "LICENSE").resolve(),)
 
 
-def test_a_folder_called_licenses_is_no_licence(tmp_path: Path) -> None:
-    write(tmp_path, ".git/HEAD", "LICENSES/MIT.txt", "model.xml")
-    assert found(tmp_path, "model.xml") == []
+def test_all_texts_in_a_folder_called_licenses_are_licences(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        ".git/HEAD",
+        "LICENSE.md",
+        "LICENSES/CC-BY-4.0.txt",
+        "LICENSES/MIT.txt",
+        "LICENSES/left/hand/NOTICE",
+        "LICENSES/.hidden",
+        "LICENSES/check.py",
+        "arm/model.xml",
+    )
+    wanted = [
+        "LICENSE.md",
+        *(f"LICENSES/{each}" for each in ("CC-BY-4.0.txt", "MIT.txt", "left/hand/NOTICE")),
+    ]
+    assert found(tmp_path, "arm/model.xml") == wanted
+
+
+def test_a_model_below_a_folder_called_licenses_is_no_licence(tmp_path: Path) -> None:
+    write(tmp_path, "licenses/arm/readme.txt", "licenses/arm/arm.xml")
+    assert found(tmp_path, "licenses/arm/arm.xml", tmp_path / "licenses") == []
 
 
 @pytest.mark.parametrize(
     "name", ["LICENSE", "licence.md", "LICENSE-MIT", "COPYING.LESSER", "NOTICE.txt", "Licenses.txt"]
 )
 def test_names_of_licences(name: str) -> None:
-    assert licence.is_licence(name)
+    assert is_licence(name)
 
 
 @pytest.mark.parametrize(
     "name", ["license.py", "licenses.json", "noticeboard", "README", "MY_LICENSE", "licensed.xml"]
 )
 def test_names_of_other_files(name: str) -> None:
-    assert not licence.is_licence(name)
+    assert not is_licence(name)

@@ -24,6 +24,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "mjct_robots/hands/b.stl": "",
         "mjct_robots-1.2.dist-info/METADATA": METADATA.format("mjct-robots", "1.2"),
         "mjct_robots-1.2.dist-info/licenses/LICENSE": "Apache",
+        "mjct_robots-1.2.dist-info/licenses/MIT.txt": "MIT",
         "mjct_models/c.xml": "<mujoco/>",
         "mjct_models_data-3.0.dist-info/METADATA": METADATA.format("mjct-models-data", "3.0"),
         "mjct_models_data-3.0.dist-info/top_level.txt": "mjct_models\n",
@@ -62,7 +63,8 @@ def test_a_dotted_name_is_a_folder(installed: Path) -> None:
 
 def test_the_licence_of_the_distribution_is_the_last_resort(installed: Path) -> None:
     source = resolve("package:mjct_robots/hands/b.xml", relative_to=Path(), environment={})
-    assert source.licences == (installed / "mjct_robots-1.2.dist-info" / "licenses" / "LICENSE",)
+    folder = installed / "mjct_robots-1.2.dist-info" / "licenses"
+    assert source.licences == (folder / "LICENSE", folder / "MIT.txt")
 
 
 def test_what_a_recipe_in_a_package_names_is_of_the_package(installed: Path) -> None:
@@ -74,7 +76,7 @@ def test_what_a_recipe_in_a_package_names_is_of_the_package(installed: Path) -> 
     for name, folder in (("./b.xml", "licenses"), ("../arms/a.xml", "arms")):
         inside = resolve(name, relative_to=recipe.path.parent, environment={}, fetching=fetching)
         assert (inside.package, inside.version) == ("mjct-robots", "1.2")
-        assert [file.parent.name for file in inside.licences] == [folder]
+        assert {file.parent.name for file in inside.licences} == {folder}
 
 
 def test_a_distribution_may_have_another_name(installed: Path) -> None:

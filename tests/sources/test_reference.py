@@ -61,6 +61,7 @@ def test_takes_apart(text: str, expected: tuple[Kind, str, str, str]) -> None:
         ("https://host/b.zip@sha256:12#x.xml", "64 digits"),
         ("https://host/b.zip", "the file inside the archive"),
         ("https://host#x.xml", "the archive"),
+        ("http://host/b.zip?token=hush#x.xml", "in `http://host/b.zip?token=…#x.xml`"),
         ("https://me:secret@host/b.zip#x.xml", "`https://me:…@host/b.zip#x.xml` holds a password"),
         ("git+https://me:secret@host/repo@v1#x.xml", "holds a password"),
     ],
@@ -70,6 +71,57 @@ def test_what_a_form_lacks(text: str, problem: str) -> None:
         parse(text)
     assert caught.value.code == "source-kind"
     assert problem in caught.value.message
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(
+            "token",
+            "access_token",
+            "private_token",
+            "api_key",
+            "apikey",
+            "apiKey",
+            "password",
+            "secret",
+            "sig",
+        ),
+        *(
+            "signature",
+            "X-Amz-Signature",
+            "X-Goog-Credential",
+            "Client-Secret",
+            "auth",
+            "%74oken",
+            "AWSAccessKey",
+        ),
+    ],
+)
+@pytest.mark.parametrize(
+    "address",
+    [
+        "https://host/b.zip?raw=1&{}=hush&x=2#x.xml",
+        f"https://host/b.zip?{{}}=hush@sha256:{'0' * 64}#x.xml",
+        "git+https://host/repo?{}=hush@v1#x.xml",
+    ],
+)
+def test_a_secret_in_a_query_is_refused_and_not_told(address: str, name: str) -> None:
+    with pytest.raises(SourceError) as caught:
+        parse(address.format(name))
+    assert f"{name}=…" in caught.value.message and "holds a secret" in caught.value.message
+    assert "hush" not in caught.value.message + str(caught.value.help)
+
+
+@pytest.mark.parametrize("query", ["raw=1", "design=2", "path=token/a.zip", "author=me", "token=", "v=@v"])
+def test_any_other_query_is_taken(query: str) -> None:
+    assert parse(f"https://host/b.zip?{query}#x.xml").name == f"https://host/b.zip?{query}"
+
+
+@pytest.mark.parametrize("token", ["ghp_hush", "github_pat_hush", "glpat-hush"])
+def test_a_token_for_a_name_is_refused(token: str) -> None:
+    with pytest.raises(SourceError, match="`git[+]https://…@host/repo@v1#x.xml` holds a secret"):
+        parse(f"git+https://{token}@host/repo@v1#x.xml")
 
 
 @pytest.mark.parametrize(

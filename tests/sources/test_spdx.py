@@ -61,6 +61,7 @@ def test_several_licences_hold_together(tmp_path: Path) -> None:
 def test_a_package_speaks_only_where_no_file_does(tmp_path: Path) -> None:
     assert licence_of(source(tmp_path, package="MIT")) == "MIT"
     assert licence_of(source(tmp_path, "", {"LICENSE": "Do as you please."}, "MIT")) is None
+    assert licence_of(source(tmp_path, "", {"LICENSE": " \n"}, "MIT")) == "MIT"
     assert licence_of(source(tmp_path)) is None
 
 

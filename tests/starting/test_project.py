@@ -211,9 +211,58 @@ def test_of_a_fork_no_comment_can_be_written(
 
 
 def test_nothing_is_overwritten(project: Path, shell: dict[str, str]) -> None:
-    ran = sh("mjcompose new --project .", project, shell)
-    assert ran.returncode == 1 and "error[output-unwritable]" in ran.stderr and "README.md" in ran.stderr
-    assert sh("git status --porcelain", project, shell).stdout == ""
+    (project / "requirements.txt").write_text("numpy\n")
+    (project / "README.md").unlink()
+    (project / "README.md").symlink_to("nowhere")
+    ran = sh("mjcompose new --project . && git diff --name-only", project, shell)
+    assert ran.returncode == 0, ran.stderr
+    lines = ran.stdout.splitlines()
+    assert lines[-2:] == ["README.md", "requirements.txt"] and lines[-3].startswith("wrote 0 files to .; ")
+    assert "kept recipes/my_arms.lock" in lines and "kept README.md" in lines and "kept .gitignore" in lines
+    [told] = [
+        line for line in lines if line.startswith("kept requirements.txt; the project's own would have")
+    ]
+    assert "`mujoco==" in told and (project / "requirements.txt").read_text() == "numpy\n"
+
+
+def test_a_fresh_clone_keeps_what_it_has(tmp_path: Path, shell: dict[str, str]) -> None:
+    has = {"README.md": b"# arms\r\n", "LICENSE": b"MIT \xff", ".gitignore": b"build/\n"}
+    for name, content in has.items():
+        (tmp_path / name).write_bytes(content)
+    ran = sh(
+        "git init -q . && mjcompose new --project . && mjcompose check --locked recipes/*.yaml",
+        tmp_path,
+        shell,
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert {name: (tmp_path / name).read_bytes() for name in has} == has
+    told = ran.stdout.splitlines()
+    assert told[0] == "kept .gitignore; the project's own would have: `/build/`, `.venv/`, `MUJOCO_LOG.TXT`"
+    assert told[1] == "kept README.md" and told[2].startswith("wrote 9 files to .; build its model with: ")
+    assert (tmp_path / ".github" / "workflows" / "models.yml").is_file()
+
+
+@pytest.mark.parametrize(
+    ("path", "content"),
+    [
+        ("recipes/robots.yaml", "recipe: 1\n"),
+        ("recipes/robots.lock", "{}"),
+        ("models/pendulum/pendulum.xml", "<mujoco/>"),
+        ("recipes", "a file"),
+        (".gitignore/x", "below a folder"),
+    ],
+)
+def test_what_stands_in_the_way_of_the_project_is_an_error(
+    tmp_path: Path, shell: dict[str, str], path: str, content: str
+) -> None:
+    folder = tmp_path / "robots"
+    (folder / path).parent.mkdir(parents=True)
+    (folder / path).write_text(content)
+    ran = sh("mjcompose new --project robots", tmp_path, shell)
+    assert ran.returncode == 1 and "error[output-unwritable]" in ran.stderr
+    assert f"`robots/{path.removesuffix('/x')}` is there already" in ran.stderr
+    assert [each for each in folder.rglob("*") if each.is_file()] == [folder / path]
+    assert list(tmp_path.iterdir()) in ([folder], [folder, tmp_path / "tools"], [tmp_path / "tools", folder])
 
 
 def test_a_folder_that_has_other_things_keeps_them(tmp_path: Path, shell: dict[str, str]) -> None:

@@ -1,0 +1,73 @@
+"""Files of values (`--set-file`) as the build cache knows them: what they said is kept, so that a change is told."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+_OPTION = "`--set-file "
+_MOST = 1 << 16
+_TEXT = "text:"
+
+
+def name_of(file: object) -> str:
+    """What a file of values is called among the parts of a question. No I/O."""
+    return f"{_OPTION}{file}`"
+
+
+def content_of(data: bytes) -> str:
+    """What a question has of such a file: its text, or its sha256 if it is large or no text. No I/O."""
+    if len(data) <= _MOST:
+        try:
+            return _TEXT + data.decode()
+        except UnicodeDecodeError:
+            pass
+    from hashlib import sha256
+
+    return sha256(data).hexdigest()
+
+
+def is_file(name: str) -> bool:
+    return name.startswith(_OPTION)
+
+
+def changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
+    r"""What such a file says otherwise, a line for each value. No I/O.
+
+    >>> list(changes("`--set-file a.yaml`", "text:load: 1\npose: [1, 2]\n", "text:load: 2\npose: [1, 2]\n"))
+    ['`load` in `a.yaml` was 1, is 2']
+    """
+    if was is None or now is None:
+        yield f"{name} is {'no longer ' if now is None else ''}given"
+        return
+    file = f"`{name.removeprefix(_OPTION)}"
+    before, after = _values(was), _values(now)
+    if before is None or after is None:
+        yield f"{file} changed; which of its values is not known"
+    elif before == after:
+        yield f"{file} changed, but none of its values"
+    else:
+        for each in sorted({*before, *after}):
+            old, new = before.get(each), after.get(each)
+            if new is None:
+                yield f"`{each}` in {file} was {old}, is no longer there"
+            elif old != new:
+                yield f"`{each}` in {file} " + (
+                    f"is {new}, is new" if old is None else f"was {old}, is {new}"
+                )
+
+
+def _values(content: str) -> dict[str, str] | None:
+    """The values by name, as they are written; None where that is not known."""
+    if not content.startswith(_TEXT):
+        return None
+    from composer.diagnostics.sink import Sink
+    from composer.document import Mapping, Scalar, load, to_python
+
+    node = load(content.removeprefix(_TEXT), "", Sink())
+    if not isinstance(node, Mapping):
+        return None
+    return {
+        name: value.text if isinstance(value, Scalar) else json.dumps(to_python(value), ensure_ascii=False)
+        for name, (_, value) in node.entries.items()
+    }
