@@ -16,6 +16,7 @@ from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, crash_help, verify
 from composer.verify.culprit import culprit
+from composer.verify.left_behind import left_behind
 from composer.verify.told import Told, told, unknown_attribute
 from composer.verify.unread import unread
 
@@ -65,6 +66,13 @@ def judge(
     ):  # a newer one may have more attributes
         for element, name in unread(model.root):
             tell(unknown_attribute(element, name), element, model, context)
+    for flex in left_behind(model.root, version):
+        context.sink.warning(
+            "not-supported",
+            f"MuJoCo {version} leaves the flex `{flex.get('name')}` where it would be without the frame around it",
+            model.origins.span(flex, model.file),
+            help="build with MuJoCo 4.0, which moves it, or put it into a body",
+        )
     return verified.compiled
 
 

@@ -77,6 +77,7 @@ OF_THIS_MUJOCO = {
     "keyword_of_older_mujoco",
     "copies_warning",
     "integrator_of_flex",
+    "flex_not_pinned",
 }
 
 

@@ -59,6 +59,7 @@ def test_nothing_is_written_where_the_gain_is_the_same(workshop: Workshop) -> No
     linked.check()
 
 
+@pytest.mark.mujoco4("a `<position>` keeps the gain of its class")
 def test_a_gain_that_cannot_be_written_is_refused(workshop: Workshop) -> None:
     model = MODEL.format(LOST, ' class="x"')
     for fault in (workshop.link(BASE, model).fault, workshop.link(model, BASE).fault):

@@ -68,6 +68,7 @@ def arm6_torque(root: Node) -> None:
     leave_out(root, "actuator/*", "keyframe")
     write_on(root, "option", timestep="0.001", integrator="Euler")
     write_on(root, "//default[@class='arm6']/joint", damping="3")
+    del one(root, "//default[@class='arm6']/position").attrib["inheritrange"]
     put(root, "//default[@class='arm6']", '<motor ctrlrange="-180 180"/>')
     put(root, "//default[@class='wrist']", '<motor ctrlrange="-40 40"/>')
     for joint in ("shoulder_pan", "shoulder_lift", "elbow"):

@@ -452,6 +452,7 @@ def test_renamed_elements_are_found_by_their_new_name() -> None:
     assert composition.hand_differences(renamed={"geom": {"plate": "tray"}}) == []
 
 
+@pytest.mark.mujoco4("keys of attached models cannot be deleted from a spec")
 def test_merged_keys_are_compared_by_the_entries_of_the_part() -> None:
     def merge(spec: mujoco.MjSpec) -> None:
         for key in list(spec.keys):
