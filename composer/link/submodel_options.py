@@ -12,9 +12,10 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.sink import Sink
 from composer.link.agreement import default_of, merged, set_value, written
 from composer.link.linking import Linking
+from composer.link.submodels import parse_held
 from composer.tree.files import join
 from composer.tree.line import line_of, set_line
-from composer.tree.parse import parse_file, parse_text
+from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 
 # Of `visual` and `size` MuJoCo merges these, of `option` everything.
@@ -49,14 +50,7 @@ def _read(unit: Unit, file: str) -> Unit | None:
     """A sub-model; what is wrong with it is told where it is bundled."""
     known = unit.contents.get(file) if file else None
     if isinstance(known, bytes):
-        return parse_text(
-            known,
-            Sink(),
-            file=file,
-            directory=Path(file).parent,
-            label=Path(file).stem,
-            contents=unit.contents,
-        )
+        return parse_held(unit, file, known, Sink())
     return parse_file(known or Path(join(str(unit.directory), file)), Sink()) if file else None
 
 

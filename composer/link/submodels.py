@@ -12,6 +12,7 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.sink import Sink
 from composer.link.compiler import FOLDERS
 from composer.link.files import ASSETS, inside
 from composer.link.linking import FileUse, Linking
@@ -59,7 +60,7 @@ def _bundle(
         return
     before = linking.sink.error_count
     if isinstance(known, bytes):
-        shown, sub = file, _parse(linking, unit, file, known)
+        shown, sub = file, parse_held(unit, file, known, linking.sink)
     else:
         shown = _shown(unit, source) if known is None else source
         sub = parse_file(Path(source), linking.sink, file=shown, span=linking.span(unit, element, "file"))
@@ -77,12 +78,12 @@ def _bundle(
     linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
 
 
-def _parse(linking: Linking, unit: Unit, file: str, data: bytes) -> Unit | None:
+def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
     """A sub-model in memory; its files are there too, seen from its own folder."""
     folder, _, name = join("", file).rpartition("/")
     return parse_text(
         data,
-        linking.sink,
+        sink,
         file=file,
         directory=Path(join(str(unit.directory), folder)) if folder else unit.directory,
         label=posixpath.splitext(name)[0],
