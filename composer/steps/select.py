@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cache, lru_cache
 from typing import Any
 
 from lxml.etree import _Element as Node
@@ -122,13 +123,23 @@ def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
 
 def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) -> bool:
     """Whether the condition is about an attribute that other elements of the family have, and this one cannot."""
+    missing = _names_in(str(selector.where)) - scope.keys() - kind_of(node).attributes.keys()
+    return bool(missing) and not missing.isdisjoint(_attributes_of(selector.tag))
+
+
+@lru_cache(maxsize=64)
+def _names_in(condition: str) -> frozenset[str]:
+    """The names in a condition; what is wrong with it is told where it is evaluated."""
     try:
-        names = {each.name for each in Template.parse(str(selector.where)).names()}
+        return frozenset(each.name for each in Template.parse(condition).names())
     except ExpressionError:
-        return False
-    own = kind_of(node).attributes
-    others = {name for path in paths_of(selector.tag) for name in GRAMMAR.element(path).attributes}
-    return any(name not in scope and name not in own and name in others for name in names)
+        return frozenset()
+
+
+@cache
+def _attributes_of(family: str) -> frozenset[str]:
+    """What any element of a family has."""
+    return frozenset(name for path in paths_of(family) for name in GRAMMAR.element(path).attributes)
 
 
 def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant: Any) -> Any:
