@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.span import Span
 
 
@@ -29,7 +30,8 @@ class Diagnostic:
     """A message with its code, its place, what exists instead (`notes`) and what to write (`help`).
 
     `code` is one of `CODES`. The first line of `help` is a sentence; further lines, if any, are text that
-    may be pasted into the file.
+    may be pasted into the file. `cells` are the models that it is about, in a run that looks at several of a recipe;
+    it is empty where the diagnostic is about the recipe as a whole.
     """
 
     code: str
@@ -38,3 +40,4 @@ class Diagnostic:
     severity: Severity = Severity.ERROR
     notes: tuple[Note, ...] = ()
     help: str | None = None
+    cells: tuple[CellName, ...] = ()

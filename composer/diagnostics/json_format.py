@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from typing import Any
 
 from composer.diagnostics.diagnostic import Diagnostic
@@ -13,7 +14,7 @@ def render(diagnostic: Diagnostic) -> str:
     """One JSON object on one line, ASCII only, with the same keys for every diagnostic.
 
     >>> render(Diagnostic("bad-name", "no"))
-    '{"severity": "error", "code": "bad-name", "message": "no", "span": null, "notes": [], "help": null}'
+    '{"severity": "error", "code": "bad-name", "message": "no", "span": null, "notes": [], "help": null, "cells": []}'
     """
     return json.dumps(
         {
@@ -23,6 +24,7 @@ def render(diagnostic: Diagnostic) -> str:
             "span": _span(diagnostic.span),
             "notes": [{"message": note.message, "span": _span(note.span)} for note in diagnostic.notes],
             "help": diagnostic.help,
+            "cells": [asdict(cell) for cell in diagnostic.cells],
         }
     )
 

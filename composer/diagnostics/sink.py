@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 
+from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.codes import CODES, OF_FILES
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
@@ -22,6 +24,7 @@ class Sink:
     def __init__(self) -> None:
         # A dict keeps the order of insertion and finds repetitions in constant time.
         self._found: dict[Diagnostic, None] = {}
+        self._cells: dict[Diagnostic, dict[CellName, None]] = {}
         self.error_count = 0
         """How often there was an error, those told before and those not told included."""
         self._forgiven: set[str] = set()
@@ -57,6 +60,17 @@ class Sink:
             self.error_count += 1
         if diagnostic not in self._found and not (self._forgiven and self._is_forgiven(diagnostic)):
             self._found[diagnostic] = None
+
+    def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
+        """Add what was found in one cell; equal ones of several cells are one that names them all.
+
+        What is known of the recipe as a whole stays without a cell.
+        """
+        if diagnostic in self._found and diagnostic not in self._cells:
+            return
+        self.add(diagnostic)
+        if diagnostic in self._found:
+            self._cells.setdefault(diagnostic, {})[cell] = None
 
     def error(
         self,
@@ -94,16 +108,20 @@ class Sink:
     @property
     def diagnostics(self) -> list[Diagnostic]:
         """All diagnostics, in the order they were added."""
-        return list(self._found)
+        return [self._with_cells(each) for each in self._found]
 
     def sorted(self) -> list[Diagnostic]:
         """All diagnostics by file, line and column; those without a place come last, in their order."""
-        return sorted(self._found, key=_place)
+        return sorted(self.diagnostics, key=_place)
 
     @property
     def errors(self) -> list[Diagnostic]:
         """The errors that are told, in the order they were added."""
-        return [each for each in self._found if each.severity is Severity.ERROR]
+        return [each for each in self.diagnostics if each.severity is Severity.ERROR]
+
+    def _with_cells(self, diagnostic: Diagnostic) -> Diagnostic:
+        cells = self._cells.get(diagnostic)
+        return replace(diagnostic, cells=tuple(cells)) if cells else diagnostic
 
     @property
     def has_errors(self) -> bool:
