@@ -41,8 +41,8 @@ def render(diagnostic: Diagnostic) -> str:
 def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:
     r"""A workflow command of a kind, such as `error`, with everything escaped.
 
-    >>> command("notice", "a\\nb", {"title": "c, d"})
-    '::notice title=c%2C d::a%0Ab'
+    >>> command("notice", "a%b", {"title": "c, d"})
+    '::notice title=c%2C d::a%25b'
     """
     about = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
     return f"::{kind} {about}::{_data(message)}"
