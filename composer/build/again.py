@@ -14,7 +14,7 @@ import json
 import os
 import sys
 
-from composer.build.outputs import is_written, note_written
+from composer.build.outputs import is_another, is_written, note_written
 from composer.build.stamp import stamp_of
 from composer.build.surroundings import environment_parts, python_version
 from composer.build.tool import tool_stamp
@@ -76,7 +76,10 @@ def _done_again(arguments: Sequence[str], environment: Mapping[str, str]) -> lis
     if receipt["out"] is not None:
         out, content = receipt["out"]
         if not is_written(store, out, content):
-            if receipt["pieces"] is None or not _write(out, receipt["pieces"], receipt["inputs"], store):
+            # A model of other values is replaced by the command itself, which says so.
+            if receipt["pieces"] is None or is_another(store, out, content):
+                return None
+            if not _write(out, receipt["pieces"], receipt["inputs"], store):
                 return None
             told = receipt["told_if_written"]
             with contextlib.suppress(OSError):  # somebody else's store, which may be read

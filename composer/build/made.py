@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from composer.build.cache import Answer, Cache
@@ -24,8 +24,8 @@ class Made:
     Of the latter there is what the form of its output needs: `packed` for archives, `text` for text alone, `bundle` for
     folders and MuJoCo's binary form, and nothing where the output `is_written` already. `inputs` are the files that it
     was made of; `answer` is what the cache will say next time, None where it must be asked. `why` says in words why the
-    cache did not know it. `draws` are the numbers that a sample has drawn, by their columns in a table; None for what
-    is no sample.
+    cache did not know it. `replaced` is what the output before was made of, as far as that differs. `draws` are the
+    numbers that a sample has drawn, by their columns in a table; None for what is no sample.
     """
 
     name: str
@@ -45,6 +45,7 @@ class Made:
     inputs: tuple[str, ...] = ()
     answer: Answer | None = None
     draws: Mapping[str, Value] | None = None
+    replaced: Mapping[str, Any] = field(default_factory=dict)
 
 
 def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], question: Question | None) -> Made:

@@ -16,14 +16,26 @@ if TYPE_CHECKING:
 
 def is_written(store: str | PathLike[str], out: str, content: str) -> bool:
     """Whether an output is as it was when `note_written` was told that this is its content."""
+    return _written(store, out) == content
+
+
+def is_another(store: str | PathLike[str], out: str, content: str) -> bool:
+    """Whether an output is as it was left, with another content than this."""
+    return _written(store, out) not in (None, content)
+
+
+def _written(store: str | PathLike[str], out: str) -> str | None:
+    """The content of an output that is as it was left; None of any other."""
     text = blobs.get(store, "asked", _key(out))
     try:
         known: object = None if text is None else json.loads(text)
     except (ValueError, RecursionError):
-        return False
+        return None
     if not isinstance(known, list) or len(known) != 3 or not isinstance(known[1], list):
-        return False
-    return known == [content, known[1], _stamps([out, *known[1]]) or None]
+        return None
+    content, beside, stamps = known
+    whole = isinstance(content, str) and stamps == (_stamps([out, *beside]) or None)
+    return content if whole else None
 
 
 def note_written(

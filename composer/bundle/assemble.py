@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
-from composer.bundle.licences import licence_files, licence_folder
+from composer.bundle.licences import Licences, licence_files
 from composer.bundle.manifest import (
     Check,
     Draw,
@@ -58,9 +58,8 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
     before = context.sink.error_count
     uses = tuple(uses)
     files = collect(model, uses, context.sink, context.shown)
-    licences = {label: source.licences for label, source in sources(plan)}
     try:
-        files.update(licence_files(licences))
+        files.update(_licences(sources(plan)).files)
         if context.sink.error_count > before:
             return None
         return Bundle({**files, MODEL: write(model.root)})
@@ -102,7 +101,8 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
     plan, compiled, model = making.plan, making.compiled, making.model
     named = list(sources(plan))
     portable = Portable(plan.path, (source for _, source in named), _origins(plan), model, context)
-    inputs = tuple(_input(label, source, bundle, portable) for label, source in named)
+    licences = _licences(named)
+    inputs = tuple(_input(source, licences.of[label], portable) for label, source in named)
     renamed = renamed_in(model, making.members)
     index = None
     if compiled is not None and compiled.index is not None:
@@ -203,8 +203,15 @@ def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:
             yield label.strip(plan.separator) or model.path.stem, model
 
 
-def _input(label: str, source: Source, bundle: Bundle, portable: Portable) -> Input:
-    start = licence_folder(label) + "/"
+def _licences(named: Iterable[tuple[str, Source]]) -> Licences:
+    """Of every label; a base may be called like a part."""
+    found: dict[str, list[Path]] = {}
+    for label, source in named:
+        found.setdefault(label, []).extend(source.licences)
+    return licence_files(found)
+
+
+def _input(source: Source, licences: tuple[str, ...], portable: Portable) -> Input:
     origin = source.origin
     return Input(
         path=as_text(_path_of(source, portable)),
@@ -215,7 +222,7 @@ def _input(label: str, source: Source, bundle: Bundle, portable: Portable) -> In
         if origin is None
         else Origin(id=origin.id, commit=origin.commit, tree=origin.tree, sha256=origin.sha256),
         licence=licence_of(source),
-        licences=tuple(path for path in bundle.files if path.startswith(start)),
+        licences=licences,
         package=source.package,
         version=source.version,
     )

@@ -4,35 +4,58 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 LICENCES = "LICENSES"
 _UNSAFE = re.compile(r"[^\w.+@=-]+")
 
 
+@dataclass(frozen=True, slots=True)
+class Licences:
+    """`files` are paths in the bundle and contents; `of` has the paths of each label."""
+
+    files: Mapping[str, bytes]
+    of: Mapping[str, tuple[str, ...]]
+
+
 def licence_files(
     licences: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = Path.read_bytes
-) -> dict[str, bytes]:
-    """Paths in the bundle and contents: `LICENSES/LABEL/FILE NAME`.
+) -> Licences:
+    """Every licence file once, as `LICENSES/LABEL/FILE NAME`: equal bytes of one name have the first of their labels.
 
     `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Files
     of one label with the same name and different content are numbered. Raises OSError when a file cannot be
     read.
     """
-    found: dict[str, bytes] = {}
+    files: dict[str, bytes] = {}
+    of: dict[str, tuple[str, ...]] = {}
     taken: set[str] = set()
-    for label, files in sorted(licences.items()):
-        for file in sorted(files):
-            content = read(file)
-            path = f"{licence_folder(label)}/{_segment(file.name)}"
-            stem, suffix = path.removesuffix(file.suffix), file.suffix
-            number = 1
-            while path.casefold() in taken and found.get(path) != content:
-                number += 1
-                path = f"{stem}-{number}{suffix}"
-            taken.add(path.casefold())
-            found[path] = content
-    return found
+    placed: dict[tuple[str, bytes], str] = {}
+    known: dict[Path, bytes] = {}
+    for label, sources in sorted(licences.items()):
+        paths: dict[str, None] = {}
+        for file in sorted(sources):
+            if file not in known:
+                known[file] = read(file)
+            name, content = _segment(file.name), known[file]
+            if (name, content) not in placed:
+                path = _free(f"{licence_folder(label)}/{name}", file.suffix, taken)
+                placed[name, content] = path
+                files[path] = content
+            paths[placed[name, content]] = None
+        of[label] = tuple(paths)
+    return Licences(files, of)
+
+
+def _free(path: str, suffix: str, taken: set[str]) -> str:
+    """The path, numbered if there is one like it already."""
+    stem, number = path.removesuffix(suffix), 1
+    while path.casefold() in taken:
+        number += 1
+        path = f"{stem}-{number}{suffix}"
+    taken.add(path.casefold())
+    return path
 
 
 def licence_folder(label: str) -> str:

@@ -49,7 +49,10 @@ class Input(_Part):
     sha256: str
     origin: Origin | None = Field(default=None, description="null for a file that is named by its path.")
     licence: str | None = Field(default=None, description="As an SPDX expression; null when it is not known.")
-    licences: tuple[str, ...] = Field(default=(), description="Its licence files, as paths in this bundle.")
+    licences: tuple[str, ...] = Field(
+        default=(),
+        description="Its licence files, as paths in this bundle; equal ones of several parts are one file.",
+    )
     package: str | None = Field(default=None, description="The Python package it came from.")
     version: str | None = Field(default=None, description="The version of that package, or the commit.")
 

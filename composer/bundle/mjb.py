@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 import tempfile
 from importlib import metadata
 from pathlib import Path
@@ -47,28 +46,23 @@ def write_mjb(
 def manifest_beside(out: Path) -> Path:
     """Where the manifest of a compiled model is. No I/O.
 
-    >>> manifest_beside(Path("build/arm.mujoco-4.0.0.mjb")).as_posix()
-    'build/arm.mujoco-4.0.0.manifest.json'
+    >>> manifest_beside(Path("build/arm.mjb")).as_posix()
+    'build/arm.manifest.json'
     """
     return out.with_suffix(f".{MANIFEST}")
 
 
 def with_version(out: str, version: str | None = None) -> str:
-    """The name of a compiled model, which only one version of MuJoCo reads, with that version in it.
+    """The name of a compiled model, in which `{mujoco}` is the version of MuJoCo, the only one that reads it.
 
-    `{mujoco}` says where; without it the version goes before the suffix, unless the name has it already. No I/O but
-    for the version of the MuJoCo that is installed, where none is given.
+    No I/O but for the version of the MuJoCo that is installed, where none is given.
 
-    >>> with_version("build/arm.mjb", "4.0.0"), with_version("{mujoco}/arm.mjb", "4.0.0")
-    ('build/arm.mujoco-4.0.0.mjb', '4.0.0/arm.mjb')
-    >>> with_version("v14.0.0/arm.mjb", "4.0.0"), with_version("arm-4.0.0.mjb", "4.0.0")
-    ('v14.0.0/arm.mujoco-4.0.0.mjb', 'arm-4.0.0.mjb')
+    >>> with_version("build/arm-{mujoco}.mjb", "4.0.0"), with_version("build/arm.mjb", "4.0.0")
+    ('build/arm-4.0.0.mjb', 'build/arm.mjb')
     """
-    version = version or metadata.version("mujoco")
-    says = re.compile(rf"(?<![0-9.]){re.escape(version)}(?![0-9])")
-    if "{mujoco}" in out or says.search(Path(out).name):
-        return out.replace("{mujoco}", version)
-    return f"{out[: -len('.mjb')]}.mujoco-{version}{out[-len('.mjb') :]}"
+    if "{mujoco}" not in out:
+        return out
+    return out.replace("{mujoco}", version or metadata.version("mujoco"))
 
 
 def _manifest(text: bytes, name: str, content: bytes) -> bytes:

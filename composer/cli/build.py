@@ -177,7 +177,7 @@ def _note(made: Made, maker: Maker, wanted: Wanted, context: Context, set_files:
     from composer.build.receipt import Output, note
 
     record = maker.cache.record(made.answer) if wanted.kind in ("archive", "text") else None
-    reported, known = told_by_report(context, wanted.form), replace(made, built=None, why=())
+    reported, known = told_by_report(context, wanted.form), replace(made, built=None, why=(), replaced={})
     silent = is_quiet() and wanted.form != "json"
     same, anew = (
         [
@@ -194,6 +194,7 @@ def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Ses
     """Write a model where it is wanted; gives it as it was written, or None where that cannot be, which is told."""
     from composer.bundle.licence_table import tell_unlicensed
     from composer.bundle.output_error import OutputError
+    from composer.bundle.replaced import made_of
 
     clear_progress()
     target = wanted.target(made.name, made.mujoco)
@@ -205,7 +206,11 @@ def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Ses
             text = text_alone(composed.model, composed.files, target, context.folder)
             made = maker.with_text(made, text, context)
         if not made.is_written:
+            before = None if wanted.kind in ("text", "usd") else made_of(context.folder / target)
             maker.note_written(made, _write(made, target, maker, wanted, context, session))
+            now = None if before is None else made_of(context.folder / target)
+            if before is not None and now is not None:
+                made = replace(made, replaced=before.other_than(now))
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         return None

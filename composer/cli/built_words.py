@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from composer.cli.wanted import Wanted
+from composer.expr.value import shown
 
 if TYPE_CHECKING:
     from composer.build.made import Made
@@ -26,6 +27,8 @@ def said(made: Made, wanted: Wanted) -> str:
         }
         if made.merged:
             told["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
+        if made.replaced:
+            told["replaced"] = dict(made.replaced)
         if wanted.licenses:
             told["licences"] = [asdict(row) for row in made.licences]
         if wanted.why:
@@ -51,7 +54,9 @@ def said(made: Made, wanted: Wanted) -> str:
 
 
 def remarks(made: Made, wanted: Wanted) -> Iterator[str]:
-    """What was merged, and why it was built or not, a line each."""
+    """What it replaced, what was merged, and why it was built or not, a line each."""
+    if made.replaced:
+        yield _replacing(made.replaced)
     if made.merged:
         yield _merging(made)
     if wanted.why:
@@ -61,6 +66,13 @@ def remarks(made: Made, wanted: Wanted) -> Iterator[str]:
             yield from (
                 f"  not built again: {line}" for line in made.why or ("nothing that it depends on changed",)
             )
+
+
+def _replacing(before: Mapping[str, Any]) -> str:
+    if "recipe" in before:
+        return f"  replaced the model of {before['recipe']}"
+    values = ", ".join(f"{name} = {shown(value)}" for name, value in before.items())
+    return f"  replaced the model with {values}"
 
 
 def _merging(made: Made) -> str:

@@ -77,7 +77,7 @@ class _Download:
     known: Version
 
     def run(self) -> Version | None:
-        from urllib3.exceptions import HTTPError, LocationValueError
+        from urllib3.exceptions import HTTPError, LocationValueError, NameResolutionError
 
         last, pause = "", 0.0
         for attempt in range(_TRIES):
@@ -95,6 +95,8 @@ class _Download:
                 ) from None
             except HTTPError as error:
                 last, pause = _in_short(error), 0.0
+                if isinstance(getattr(error, "original_error", error), NameResolutionError):
+                    raise self._no_name(last) from None
                 if "CERTIFICATE_VERIFY_FAILED" in last:
                     raise self._untrusted(last) from None
         raise SourceError(
@@ -103,6 +105,15 @@ class _Download:
             notes=(f"after {_TRIES} tries: {last}",),
             help="try again later, which goes on from where it broke off; with `--offline` what is in the store"
             " is used",
+        )
+
+    def _no_name(self, said: str) -> SourceError:
+        """There is no network, or no such server: another try a second later finds the same."""
+        return SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched: the name of its server cannot be resolved",
+            notes=(said,),
+            help="check the network and the address; with `--offline` what is in the store is used",
         )
 
     def _untrusted(self, said: str) -> SourceError:

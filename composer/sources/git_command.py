@@ -18,12 +18,14 @@ from composer.sources.patience import patience
 _TRIES = 3
 _PAUSE = 0.5
 _PASSING = re.compile(
-    r"could not resolve host|temporary failure|timed out|timeout|connection (refused|reset|closed)|early eof"
+    r"temporary failure|timed out|timeout|connection (refused|reset|closed)|early eof"
     r"|rpc failed|unexpected disconnect|hung up unexpectedly|couldn't connect|failed to connect|error: 5\d\d"
     r"|operation too slow",
     re.IGNORECASE,
 )
 """What another try may get past."""
+_NO_NAME = re.compile("could not resolve host", re.IGNORECASE)
+"""There is no network, or no such name: another try a second later finds the same."""
 _ADVICE = re.compile(
     r"(hint|warning): |Please make sure you have the correct access|and the repository exists", re.I
 )
@@ -53,7 +55,8 @@ class Git:
             try:
                 return self._once(arguments, folder, stdin)
             except GitFailure as failure:
-                if attempt + 1 == tries or not _PASSING.search(failure.said):
+                passing = _PASSING.search(failure.said) and not _NO_NAME.search(failure.said)
+                if attempt + 1 == tries or not passing:
                     raise
                 self.progress(f"{_last_line(failure.said)}; trying again")
                 time.sleep(_PAUSE * 2**attempt)

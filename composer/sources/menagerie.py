@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
+from urllib.request import getproxies, proxy_bypass
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
@@ -17,6 +20,7 @@ from composer.sources.reference import Reference
 from composer.sources.source import Source
 
 _PACKAGE = "mujoco-menagerie"
+_WITHOUT_NETWORK = "without a network, set `MENAGERIE_ROOT` to a folder that holds the robots"
 
 
 def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetching) -> Source:
@@ -90,6 +94,22 @@ def _entry(robot: Any, reference: Reference) -> Any:
     )
 
 
+def _check_server(url: str, reference: Reference) -> None:
+    """Fail at once where the name of the server cannot be resolved: the package would try for ten seconds."""
+    host = urlsplit(url).hostname
+    if not host or (set(getproxies()) & {"http", "https", "all"} and not proxy_bypass(host)):
+        return  # a folder; or a proxy resolves the name
+    try:
+        socket.getaddrinfo(host, None)
+    except OSError as error:
+        raise SourceError(
+            "source-not-found",
+            f"`{reference.text}` could not be fetched: the name of its server cannot be resolved",
+            notes=(f"{host}: {(error.strerror or str(error)).lower()}",),
+            help=_WITHOUT_NETWORK,
+        ) from None
+
+
 def _folder(
     library: Any, robot: Any, reference: Reference, environment: Mapping[str, str], fetching: Fetching
 ) -> Path:
@@ -113,6 +133,7 @@ def _folder(
         if fetching.offline:
             raise not_at_hand(reference, f"the cache of `{_PACKAGE}`")
         fetching.progress(f"fetching {reference.id}")
+        _check_server(cache.base_url, reference)
     try:
         return Path(robot.path(cache))
     except (library.MenagerieError, OSError) as fault:
@@ -120,5 +141,5 @@ def _folder(
             "source-not-found",
             f"`{reference.text}` could not be fetched",
             notes=(str(fault),),
-            help="without a network, set `MENAGERIE_ROOT` to a folder that holds the robots",
+            help=_WITHOUT_NETWORK,
         ) from fault

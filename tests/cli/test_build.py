@@ -17,7 +17,6 @@ MODEL_FILES = {
     "model.xml",
     "assets/arm/cover.obj",
     "LICENSES/arm/LICENSE",
-    "LICENSES/tool/LICENSE",
     "manifest.json",
 }
 
@@ -100,7 +99,7 @@ def test_warnings_stay_out_of_the_text(folder: Path) -> None:
 
 def test_mjb(folder: Path) -> None:
     assert run("build", "cell.yaml", "--no-verify", "-o", "cell.mjb").exit_code == 0
-    compiled = folder / f"cell.mujoco-{mujoco.__version__}.mjb"
+    compiled = folder / "cell.mjb"  # exactly what was named, for make and its like
     assert mujoco.MjModel.from_binary_path(str(compiled)).nmesh == 1
     manifest = json.loads(compiled.with_suffix(".manifest.json").read_text())
     assert [each["path"] for each in manifest["files"]] == [compiled.name]
@@ -211,11 +210,11 @@ def test_what_was_built_as_json(folder: Path) -> None:
     assert len(told["sha256"]) == 64 and told["sizes"]["nbody"] == 4
 
 
-@pytest.mark.parametrize("recipe", ["wrong.yaml", "rejected.yaml", "nowhere.yaml"])
-def test_findings(folder: Path, recipe: str) -> None:
+@pytest.mark.parametrize(("recipe", "code"), [("wrong.yaml", 1), ("rejected.yaml", 1), ("nowhere.yaml", 2)])
+def test_findings(folder: Path, recipe: str, code: int) -> None:
     before = snapshot(folder)
     result = run("build", recipe, "-o", "out.zip")
-    assert result.exit_code == 1
+    assert result.exit_code == code
     assert result.stdout == ""
     assert result.stderr.endswith("1 error\n")
     assert snapshot(folder) == before
@@ -428,3 +427,26 @@ def test_nothing_is_merged_unasked(folder: Path) -> None:
     assert (folder / "out" / "model.xml").read_text().count("<mesh ") == 2
     alone = run("build", "cell.yaml", "--dedup", "--json", "--no-verify", "-o", "out/")
     assert "merged" not in json.loads(alone.stdout)
+
+
+def test_a_model_of_other_values_is_replaced_and_that_is_said(folder: Path) -> None:
+    recipe = folder / "cell.yaml"
+    recipe.write_text(
+        recipe.read_text() + "params: {mass: 1}\nedit: [{select: {geom: rod}, set: {mass: '${mass}'}}]\n"
+    )
+    line = "  replaced the model with mass = 1\n"
+    first, again = (run("build", "cell.yaml", "--no-verify") for _ in range(2))
+    assert "replaced" not in first.stdout + again.stdout
+    assert line in run("build", "cell.yaml", "--no-verify", "--set", "mass=2").stdout
+    told = json.loads(run("build", "cell.yaml", "--no-verify", "--json").stdout)
+    assert told["replaced"] == {"mass": 2}
+    for out in ("a/", "a.mjb"):
+        assert "replaced" not in run("build", "cell.yaml", "--no-verify", "-o", out).stdout
+        assert line in run("build", "cell.yaml", "--no-verify", "-o", out, "--set", "mass=2").stdout
+    (folder / "other.yaml").write_text(recipe.read_text())
+    assert "  replaced the model of cell.yaml\n" in run("build", "other.yaml", "--no-verify").stdout
+    # What changes in the recipe itself is what one builds again for.
+    recipe.write_text(recipe.read_text().replace("rod", "palm").replace("geom: palm", "geom: tool/palm"))
+    run("build", "cell.yaml", "--no-verify")
+    recipe.write_text(recipe.read_text().replace("name: cell", "name: cell\ndescription: new"))
+    assert "replaced" not in run("build", "cell.yaml", "--no-verify").stdout

@@ -200,9 +200,9 @@ def test_a_manifest_that_is_none(cell: Path, text: str, told: str) -> None:
         composer.load(cell)
 
 
-def test_the_version_stands_in_the_name_once() -> None:
-    assert with_version("a.mujoco-4.0.0.mjb", "4.0.0") == "a.mujoco-4.0.0.mjb"
-    assert with_version("a.mjb").endswith(f"{mujoco.__version__}.mjb")
+def test_the_version_stands_in_the_name_where_it_is_asked_for() -> None:
+    assert with_version("a.mjb") == "a.mjb"
+    assert with_version("a-{mujoco}.mjb") == f"a-{mujoco.__version__}.mjb"
 
 
 def test_importing_composer_imports_nothing_heavy() -> None:

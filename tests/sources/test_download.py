@@ -214,6 +214,19 @@ def test_a_host_that_is_gone(get: Callable[..., Any]) -> None:
     assert "refused" in caught.value.notes[0]
 
 
+def test_a_name_that_cannot_be_resolved_is_asked_for_once(
+    get: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def wait(seconds: float) -> None:
+        raise AssertionError("it is tried again")
+
+    monkeypatch.setattr("composer.sources.download.time.sleep", wait)
+    for proxy in ({}, {"https_proxy": "http://proxy.invalid:3128"}):
+        with pytest.raises(SourceError, match="the name of its server cannot be resolved") as caught:
+            get("https://nobody.invalid/a.zip", **proxy)
+        assert caught.value.code == "source-fetch"
+
+
 @pytest.mark.parametrize("status", [401, 403, 418])
 def test_what_is_not_given_is_not_asked_for_again(
     web: Any, get: Callable[..., Any], answer: Callable[..., None], status: int

@@ -208,3 +208,16 @@ def test_a_host_that_does_not_answer(own_environment: dict[str, str]) -> None:
         )
     assert caught.value.code == "source-fetch"
     assert sum("trying again" in line for line in told) == 2
+
+
+def test_a_host_whose_name_cannot_be_resolved_is_asked_for_once(own_environment: dict[str, str]) -> None:
+    told: list[str] = []
+    with pytest.raises(SourceError) as caught:
+        resolve(
+            "git+https://nobody.invalid/robots@v1#arm.xml",
+            relative_to=Path(),
+            environment=own_environment,
+            fetching=Fetching(progress=told.append),
+        )
+    assert caught.value.code == "source-fetch"
+    assert not any("trying again" in line for line in told)

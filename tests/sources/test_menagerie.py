@@ -161,3 +161,23 @@ def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
     assert error.code == "source-not-found"
     assert "`mujoco-menagerie`, which is not installed" in error.message
     assert error.help == 'run `pip install "mjcompose[menagerie]"`'
+
+
+@needs_library
+def test_a_server_whose_name_cannot_be_resolved_fails_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import mujoco_menagerie
+
+    def path(*_: object) -> None:
+        raise AssertionError("the package is asked, which tries several times")
+
+    for name in ("http_proxy", "https_proxy", "all_proxy"):
+        monkeypatch.delenv(name, raising=False)
+        monkeypatch.delenv(name.upper(), raising=False)
+    monkeypatch.setattr(type(mujoco_menagerie.get("robotiq_2f85")), "path", path)
+    error = fail(
+        "menagerie:robotiq_2f85", MENAGERIE_CACHE_DIR=tmp_path, MENAGERIE_BASE_URL="https://nobody.invalid"
+    )
+    assert error.code == "source-not-found" and "cannot be resolved" in error.message
+    assert error.help is not None and "MENAGERIE_ROOT" in error.help

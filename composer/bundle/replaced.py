@@ -1,0 +1,70 @@
+"""What an output was made of before another build takes its place."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from composer.bundle.bundle import MANIFEST
+from composer.bundle.mjb import manifest_beside
+
+_MAX = 64 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class MadeOf:
+    """The recipe of a model and what it was built with; `values` are parameters, variants, the cell and the sample."""
+
+    recipe: str
+    values: Mapping[str, Any]
+
+    def other_than(self, new: MadeOf) -> dict[str, Any]:
+        """What of this is different in the new one: its recipe, or the values that it had.
+
+        >>> MadeOf("a.yaml", {"x": 1, "y": 2}).other_than(MadeOf("a.yaml", {"x": 3, "y": 2}))
+        {'x': 1}
+        >>> MadeOf("a.yaml", {}).other_than(MadeOf("b.yaml", {}))
+        {'recipe': 'a.yaml'}
+        """
+        if self.recipe != new.recipe:
+            return {"recipe": self.recipe}
+        return {
+            name: value
+            for name, value in self.values.items()
+            if name in new.values and new.values[name] != value
+        }
+
+
+def made_of(out: Path) -> MadeOf | None:
+    """What the manifest of an output says; None where there is none, or nothing to be read."""
+    try:
+        told = json.loads(_manifest(out))
+        values = {**told["params"], **told["variants"]}
+        if told["cell"] is not None:
+            values["cell"] = told["cell"]
+        if told["sample"] is not None:
+            values["sample"] = told["sample"]
+        return MadeOf(str(told["recipe"]["path"]), values)
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        RecursionError,
+        NotImplementedError,
+        zipfile.BadZipFile,
+    ):
+        return None  # it is whatever it is: `staged_file` says whether it may be replaced
+
+
+def _manifest(out: Path) -> bytes:
+    if out.is_dir():
+        return (out / MANIFEST).read_bytes()
+    if out.suffix == ".mjb":
+        return manifest_beside(out).read_bytes()
+    with zipfile.ZipFile(out) as archive, archive.open(MANIFEST) as file:
+        return file.read(_MAX)
