@@ -11,11 +11,13 @@ else
 BIN := $(VENV)/bin
 endif
 STAMP := $(VENV)/.ready$(if $(MUJOCO),-mujoco-$(MUJOCO))
+# The same environment without tests and linters, which a demo does not need; what wants those completes it.
+LIGHT := $(VENV)/.light$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
 .PHONY: demo test test-usd lint format bench fidelity schemas constraints clean
 .DELETE_ON_ERROR:
 
-demo: $(STAMP)
+demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
 	@$(BIN)/mjcompose build recipes/demo.yaml -o build/demo.zip
 	@echo "The bundle is build/demo.zip: model.xml, its assets, the licences of its parts and manifest.json."
 	@echo "Look at it:  unzip -o -q build/demo.zip -d build/demo && $(BIN)/python -m mujoco.viewer --mjcf=build/demo/model.xml"
@@ -63,7 +65,13 @@ constraints:
 clean:
 	rm -rf $(VENV) .venv-usd build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 
+$(LIGHT): pyproject.toml constraints.txt .ci/setup
+	@VENV="$(VENV)" MUJOCO="$(MUJOCO)" EXTRAS=menagerie bash .ci/setup
+	@touch $@
+	@mkdir -p build
+
 $(STAMP): pyproject.toml constraints.txt .ci/setup
-	@VENV="$(VENV)" MUJOCO="$(MUJOCO)" bash .ci/setup
+	@add=; [ ! -e $(LIGHT) ] || [ -n "$$(find $^ -newer $(LIGHT))" ] || add=1; \
+	  VENV="$(VENV)" MUJOCO="$(MUJOCO)" ADD=$$add bash .ci/setup
 	@rm -f $(VENV)/.ready* && touch $@
 	@mkdir -p build
