@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from composer.cli import completing
+
 if TYPE_CHECKING:
     from composer.context import Context
     from composer.document import Node
@@ -17,10 +19,12 @@ if TYPE_CHECKING:
 def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """`--set`, `--set-file` and `--variant`; the command gets them as `sets`, `set_files` and `variants`."""
     for option in reversed((
-        click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="The value of a parameter."),
+        click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="The value of a parameter.",
+                     shell_complete=completing.parameters),
         click.option("--set-file", "set_files", multiple=True, type=click.Path(path_type=Path), metavar="FILE",
                      help="A YAML file with values of parameters and variants by name."),
-        click.option("--variant", "variants", multiple=True, metavar="AXIS=VALUE", help="The value of a variant."),
+        click.option("--variant", "variants", multiple=True, metavar="AXIS=VALUE", help="The value of a variant.",
+                     shell_complete=completing.variants),
     )):  # fmt: skip
         command = option(command)
     return command

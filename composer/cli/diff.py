@@ -10,6 +10,7 @@ import click
 
 from composer.cli.amount import Amount
 from composer.cli.choices import choice_options, chosen_values
+from composer.cli.matrix import pick_option
 from composer.cli.reporting import (
     USAGE,
     clear_progress,
@@ -32,7 +33,7 @@ _KINDS = (
 @click.argument("a")
 @click.argument("b")
 @choice_options
-@click.option("--pick", metavar="CELL", help="Compare this cell of the matrix, or this sample.")
+@pick_option
 @click.option("--only", multiple=True, type=click.Choice(_KINDS), metavar="KIND",
               help="Compare this kind of element, or `option`, `visual`, `statistic`, `count`, `address`.")  # fmt: skip
 @click.option("--tolerance", type=Amount(min=0), default=0.0, show_default=True,

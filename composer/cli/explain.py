@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from composer.cli import completing
 from composer.cli.choices import choice_options, chosen_values
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.matrix import cell_options, chosen_cell
@@ -24,7 +25,7 @@ from composer.cli.reporting import (
 
 @click.command()
 @click.argument("model", type=click.Path(path_type=Path))
-@click.argument("query")
+@click.argument("query", shell_complete=completing.elements)
 @click.argument("attribute", required=False)
 @choice_options
 @cell_options

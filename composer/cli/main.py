@@ -55,6 +55,11 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 _FAILED, _INTERRUPTED, _BUG = 1, 130, 70
 
+if "_MJCOMPOSE_COMPLETE" in os.environ:
+    from composer.cli import completing
+
+    completing.install()
+
 
 class _Verbs(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from composer.cli import completing
 from composer.cli.reporting import USAGE, exit_code
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in reversed((
         click.option("--all", "every", is_flag=True,
                      help="Every cell of the recipe's matrix and every sample, or the one model that it is."),
-        click.option("--pick", "picks", multiple=True, metavar="CELL",
+        click.option("--pick", "picks", multiple=True, metavar="CELL", shell_complete=completing.cells,
                      help="This cell of the matrix, or this sample; AXIS=VALUE[,AXIS=VALUE...] means all cells with"
                           " these values."),
         click.option("--sample", "only_samples", multiple=True, type=click.IntRange(min=0), metavar="NUMBER",
@@ -32,16 +33,17 @@ def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
+def pick_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--pick` of a command that looks at one model; the command gets `pick`."""
+    return click.option("--pick", metavar="CELL", shell_complete=completing.cells,
+                        help="This cell of the matrix or this sample; or AXIS=VALUE[,...].")(command)  # fmt: skip
+
+
 def cell_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """`--pick` and `--sample` of a command that looks at one model; the command gets `pick` and `sample`."""
-    for option in reversed((
-        click.option("--pick", metavar="CELL",
-                     help="This cell of the matrix, or this sample; or AXIS=VALUE[,AXIS=VALUE...]."),
-        click.option("--sample", type=click.IntRange(min=0), metavar="NUMBER",
-                     help="This sample of what the recipe draws; 0, the default, is the model without draws."),
-    )):  # fmt: skip
-        command = option(command)
-    return command
+    numbered = click.option("--sample", type=click.IntRange(min=0), metavar="NUMBER",
+                            help="This sample of what the recipe draws; 0, the default, has no draws.")  # fmt: skip
+    return pick_option(numbered(command))
 
 
 def chosen_cells(

@@ -1,0 +1,97 @@
+"""Completion of what only the recipe knows, as the shells ask for it."""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cli.shell import environment, run
+from click.shell_completion import ShellComplete
+
+from composer.cli import main as main_module
+
+STUDY = """
+recipe: 1
+name: study
+base: ./models/arm.xml
+params: {mass: 1, reach: 2}
+variants: {speed: {slow: {}, fast: {}}}
+matrix: {axes: {mass: [1, 2], speed: [slow, fast]}}
+"""
+PROGRAM = "from composer.cli.main import main; main(prog_name='mjcompose')"
+
+
+@pytest.fixture
+def study(folder: Path) -> Path:
+    (folder / "study.yaml").write_text(STUDY)
+    return folder
+
+
+def offered(*words: str) -> list[str]:
+    """What is offered for the last word."""
+    shell = ShellComplete(main_module.main, {}, "mjcompose", "_MJCOMPOSE_COMPLETE")
+    return [item.value for item in shell.get_completions(list(words[:-1]), words[-1])]
+
+
+def test_what_the_recipe_has(study: Path) -> None:
+    cells = ["study-1-slow", "study-1-fast", "study-2-slow", "study-2-fast"]
+    for verb in ("build", "check", "plan"):
+        assert offered(verb, "study.yaml", "--pick", "") == cells
+    assert offered("build", "study.yaml", "--pick", "study-2") == cells[2:]
+    assert offered("explain", "study.yaml", "world", "--pick", "study-2-f") == cells[3:]
+    assert offered("diff", "study.yaml", "cell.yaml", "--pick", "study-2-f") == cells[3:]
+    assert offered("build", "study.yaml", "--set", "") == ["mass=", "reach="]
+    assert offered("build", "study.yaml", "--variant", "speed=f") == ["speed=fast"]
+    assert offered("explain", "study.yaml", "sh") == ["shoulder"]
+    assert offered("build", "study.yaml", "--qui") == ["--quiet"]
+
+
+@pytest.mark.parametrize("recipe", ["gone.yaml", "models", "wrong.yaml", "models/arm.xml"])
+def test_nothing_is_offered_and_nothing_said_where_it_cannot_be_read(
+    study: Path, recipe: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert offered("build", recipe, "--pick", "") == []
+    assert offered("build", "--pick", "") == []
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_line_for_the_start_file() -> None:
+    for shell in ("bash", "zsh", "fish"):
+        assert f"_MJCOMPOSE_COMPLETE={shell}_source" in run("completion", shell).stdout
+    assert run("completion", "csh").exit_code == 2
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("mjcompose build study.yaml --variant speed=f", ["fast"]),
+        ("mjcompose build study.yaml --variant spe", ["speed=slow", "speed=fast"]),
+        ("mjcompose build study.yaml --set m", ["mass="]),
+        ("mjcompose pl", ["plan"]),
+    ],
+)
+def test_bash_takes_an_equals_sign_for_the_end_of_a_word(study: Path, line: str, told: list[str]) -> None:
+    """As bash calls the function: with the line, and with what replaces what stands after the last `=` in it."""
+    source = subprocess.run(
+        [sys.executable, "-c", PROGRAM], env=environment(_MJCOMPOSE_COMPLETE="bash_source"), check=True,
+        capture_output=True, text=True, cwd=study,
+    ).stdout  # fmt: skip
+    (function,) = {line.split("()")[0] for line in source.splitlines() if line.endswith("completion() {")}
+    (study / "mjcompose").write_text(
+        f"#!/bin/sh\nexec {shlex.quote(sys.executable)} -c {shlex.quote(PROGRAM)}\n"
+    )
+    (study / "mjcompose").chmod(0o755)
+    program = (
+        f"complete() {{ :; }}; compopt() {{ :; }}\n{source}\n"
+        f"COMP_LINE={shlex.quote(line)}; COMP_POINT=${{#COMP_LINE}}; COMP_WORDS=($COMP_LINE); COMP_CWORD=3\n"
+        f"{function} ./mjcompose\nprintf '%s\\n' \"${{COMPREPLY[@]}}\"\n"
+    )
+    done = subprocess.run(
+        ["bash", "-c", program], env=environment(), capture_output=True, text=True, cwd=study
+    )
+    assert (done.stdout.split(), done.stderr) == (told, "")
