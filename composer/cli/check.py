@@ -93,7 +93,7 @@ def command(
             cells = every or bool(picks) or bool(only_samples)
             if not cells or not look.cells(picks, only_samples, given):
                 look.one(given)
-            if not cells:
+            if not cells and not look.code:
                 look.count_cells(given)
         report(context, form, err=junit == "-")
         suites += look.suites

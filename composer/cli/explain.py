@@ -68,9 +68,15 @@ def command(
     if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    if pick is not None and (cell := chosen_cell(model, pick, sample, given, context, "explain")) is not None:
+    if pick is not None:
+        if model.suffix.lower() == ".xml":
+            raise click.UsageError(f"{model} is not a recipe and has no cells: leave --pick out")
+        cell, code = chosen_cell(model, pick, sample, given, context, "explain")
+        if cell is None:
+            report(context, form)
+            sys.exit(code)
         given, sample = {**given, **cell.given}, cell.sample
-    explained = None if context.sink.has_errors else explain(model, asked, context, sample or 0, given)
+    explained = explain(model, asked, context, sample or 0, given)
     if explained is None or context.sink.has_errors:  # warnings are for those who check or build
         report(context, form)
     if explained is None:

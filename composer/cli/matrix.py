@@ -75,14 +75,17 @@ def chosen_cells(
 
 def chosen_cell(
     recipe: Path, pick: str, sample: int | None, given: dict[str, Node], context: Context, verb: str
-) -> Cell | None:
-    """The one cell that the options choose; None where there is none, which the context's sink gets."""
+) -> tuple[Cell | None, int]:
+    """The one cell that the options choose, None where there is none; and the exit code, 0 without a fault.
+
+    Faults go to the context's sink.
+    """
     from composer.build.cells import cells_of, check_axes_are_free, picked_one
 
     every = cells_of(recipe, context, given)
     if context.sink.has_errors:
-        return None
+        return None, exit_code(context.folder, [recipe])
     cell = picked_one(every, pick, sample, context.sink, str(recipe))
     if cell is not None:
         check_axes_are_free([cell], given, context.sink, f"{verb} without `--pick`")
-    return None if context.sink.has_errors else cell
+    return (None, USAGE) if context.sink.has_errors else (cell, 0)

@@ -57,10 +57,10 @@ def command(
     if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    cell = None if pick is None else chosen_cell(recipe, pick, sample, given, context, "plan")
-    if pick is not None and cell is None:
+    cell, code = (None, 0) if pick is None else chosen_cell(recipe, pick, sample, given, context, "plan")
+    if code:
         report(context, form)
-        sys.exit(exit_code(context.folder, [recipe]))
+        sys.exit(code)
     like, cells = None, []
     if cell is not None:
         plan = make_plan(recipe, context, {**given, **cell.given}, cell.sample, cell.name)

@@ -266,3 +266,16 @@ def test_names_that_are_no_text(recipes: Path) -> None:
     assert again.stdout.startswith(b"caf\xe9.zip is up to date\n")
     assert first.stdout.startswith(b"wrote caf\xe9.zip\n")
     assert subprocess.run(words, env=environment(), capture_output=True).returncode == 0
+
+
+def test_a_model_of_other_values_is_replaced_by_a_run_that_says_so(recipes: Path) -> None:
+    (recipes / "cell.yaml").write_text(RECIPE + "params: {x: 1}\noption: {gravity: [0, 0, '${x}']}\n")
+    one, two = (("build", "cell.yaml", "--no-verify", "--set", f"x={x}") for x in (1, 2))
+    for _ in range(2):
+        assert command(*one)[0] in ("run", "told")
+        command(*two)
+    assert command(*two)[0] == "told"
+    how, code, told, _ = command(*one)
+    assert (how, code) == ("run", 0) and "  replaced the model with x = 2\n" in told
+    how, code, told, _ = command(*one)
+    assert how == "told" and "replaced" not in told and "is up to date" in told

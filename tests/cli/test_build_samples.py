@@ -197,3 +197,33 @@ def test_the_name_of_a_cell_means_all_its_samples(folder: Path) -> None:
     assert list(digests(folder / "one")) == [f"{cells[0]}-s000{n}.zip" for n in range(4)]
     alone = run("build", "r.yaml", "--pick", cells[0], "-o", "one.zip")
     assert alone.exit_code == 2 and "error[output-kind]" in alone.stderr and not (folder / "one.zip").exists()
+
+
+def test_faults_name_the_cell_and_the_sample(folder: Path) -> None:
+    check = "check: {light: {mass: {range: [0, 1]}}}\n"
+    (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS + check)
+    for form in ("build", "check"):
+        lines = run(form, "r.yaml", "--pick", "ball-2", "--sample", "1", "--json").stdout.splitlines()
+        fault, summary = map(json.loads, lines)
+        cell = {"name": "ball-2-s0001", "cell": "ball-2", "sample": 1}
+        assert fault["code"] == "check-failed" and fault["cells"] == [cell]
+        assert summary == {"recipe": "r.yaml", "cells": 1, "failed": [cell]}
+
+
+def test_one_sample_of_all_cells(folder: Path) -> None:
+    (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS)
+    result = run("build", "r.yaml", "--sample", "2", "--no-verify", "-o", "x/{name}.zip")
+    assert result.exit_code == 0, result.output
+    assert list(digests(folder / "x")) == ["ball-1-s0002.zip", "ball-2-s0002.zip"]
+    gone = run("build", "r.yaml", "--sample", "9")
+    assert gone.exit_code == 2 and "there is no sample 9: the recipe has the samples 0 to 3" in gone.stderr
+    (folder / "one.yaml").write_text(HEAD)
+    assert run("check", "one.yaml", "--sample", "1").exit_code == 2
+
+
+def test_one_model_needs_no_name_in_its_output(folder: Path) -> None:
+    (folder / "one.yaml").write_text(HEAD)
+    result = run("build", "one.yaml", "--all", "--no-verify", "-o", "x/")
+    assert result.exit_code == 0 and (folder / "x" / "model.xml").is_file(), result.output
+    several = run("build", "r.yaml", "--all", "--no-verify", "-o", "y/")
+    assert several.exit_code == 2 and "several models cannot all be `y/`" in several.stderr

@@ -75,3 +75,21 @@ def test_of_a_build_with_values(folder: Path) -> None:
     assert told.exit_code == 0 and "study.yaml:3" in told.stdout
     result = run("explain", "models/arm.xml", "joint", "--set", "x=3")
     assert result.exit_code == 1 and "`models/arm.xml` is no recipe and has no parameters" in result.stderr
+
+
+def test_of_a_cell_and_a_sample(folder: Path) -> None:
+    (folder / "study.yaml").write_text(
+        "recipe: 1\nname: a\nparams: {x: 1}\nmatrix: {axes: {x: [1, 3]}}\n"
+        "add: [{to: world, site: {name: s, pos: ['${x}', 0, 0], size: [1]}}]\n"
+        "randomize: {seed: 1, samples: 2, fields: {f: {select: {site: s}, attr: 'size[0]', uniform: [5, 6]}}}\n"
+    )
+    assert "3 0 0" in run("explain", "study.yaml", "site s pos", "--pick", "x=3").stdout
+    first, sample = (
+        run("explain", "study.yaml", "site s size", *more)
+        for more in (("--pick", "a-3"), ("--pick", "a-3", "--sample", "2"))
+    )
+    assert (first.exit_code, sample.exit_code) == (0, 0) and first.stdout != sample.stdout
+    named = run("explain", "study.yaml", "site s size", "--pick", "a-3-s0002")
+    assert named.stdout == sample.stdout
+    gone = run("explain", "study.yaml", "site s size", "--pick", "a-3", "--sample", "3")
+    assert gone.exit_code == 2 and "there is no sample 3: the recipe has the samples 0 to 2" in gone.stderr

@@ -168,3 +168,14 @@ def test_a_variant_without_such_a_value(folder: Path) -> None:
         assert "1 error\n" in result.stderr
     result = run("plan", "study.yaml", "--variant", "tol=hand")
     assert result.exit_code == 1 and "1 error\n" in result.stderr
+
+
+def test_one_cell(folder: Path) -> None:
+    (folder / "study.yaml").write_text(REQUIRED.replace("[2, 3]", "[2, 3], load: [1, 5]"))
+    told = run("plan", "study.yaml", "--pick", "mass=3,load=5")
+    assert told.exit_code == 0 and told.stdout.startswith("m3-l5: the model of study.yaml\n")
+    several = run("plan", "study.yaml", "--pick", "mass=3")
+    assert several.exit_code == 2 and "`--pick mass=3` chooses" in several.stderr
+    assert "cells that exist: m3-l1, m3-l5" in several.stderr
+    fixed = run("plan", "study.yaml", "--pick", "m3-l5", "--set", "load=2")
+    assert "`load` is an axis of the matrix" in fixed.stderr and "plan without `--pick`" in fixed.stderr
