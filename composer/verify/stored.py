@@ -99,14 +99,15 @@ def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compare
             nowhere = Source(Path(), "path", "")
             yield Compared(_member(part, nowhere), obscure=part.obscure or found)
         else:
-            yield judge.compare(_member(part, found), part.changed)
+            yield judge.compare(_member(part, found), part.changed, part.replaced_keys)
 
 
 def _member(part: Part, source: Source) -> Member:
     pose = None if part.pos is None or part.quat is None else Pose(part.pos, part.quat)
     return Member(
-        part.part, part.prefix, source, part.body, pose, part.keys, part.welded, part.stands, part.changed,
-        part.obscure, part.subtree,
+        part.part, part.prefix, source, body=part.body, pose=pose, keys=part.keys, welded=part.welded,
+        stands=part.stands, changed=part.changed, replaced_keys=part.replaced_keys, obscure=part.obscure,
+        subtree=part.subtree,
     )  # fmt: skip
 
 

@@ -198,6 +198,7 @@ EDITED = {
     "a mass": "edit: [{select: {body: two/b}, scale: {mass: 2}}]",
     "a class": "default: {two/: {joint: {damping: 1}}}\nedit: [{select: {default: two/}, set: {joint: {damping: 2}}}]",
     "a name": "edit: [{select: {body: two/b}, rename: tool}, {select: {joint: two/j}, rename: wrist}]",
+    "a key of both parts": "keyframe: {home: {from: {one: home}, qpos: {two/j: 0.1rad}}}",
 }
 
 
@@ -208,6 +209,24 @@ def test_what_the_recipe_edits_is_no_change(folder: Path, check: Check, edits: s
     assert told == []
     assert stored is not None
     assert all(part.ok for part in stored.parts)
+
+
+@pytest.mark.parametrize("keyframes", ["merge", "prefix"])
+def test_a_key_that_a_nested_recipe_writes_is_no_change(folder: Path, check: Check, keyframes: str) -> None:
+    inner = "recipe: 1\nbase: ./parts/part.xml\nkeyframe: {home: {qpos: {j: 0.1rad}}}\n"
+    (folder / "inner.yaml").write_text(inner)
+    _again(folder, f"recipe: 1\nattach: {{in: {{model: ./inner.yaml, keyframes: {keyframes}}}}}\n")
+    stored, told = check()
+    assert told == []
+    assert stored is not None
+    assert [part.ok for part in stored.parts] == [True]
+
+
+def test_a_key_that_the_recipe_does_not_write_is_still_compared(folder: Path, check: Check) -> None:
+    _again(folder, RECIPE + "keyframe: {other: {qpos: {one/j: 0.1rad}}}\n")
+    model = folder / "out" / "model.xml"
+    model.write_text(model.read_text().replace('qpos="0.5', 'qpos="0.4'))
+    assert [each.partition(":")[0] for each in check()[1]] == ["error bundle-changed", "error part-changed"]
 
 
 def test_what_a_part_edits_is_no_change_in_others(folder: Path, check: Check) -> None:
