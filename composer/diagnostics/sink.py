@@ -11,6 +11,9 @@ from composer.diagnostics.span import Span
 
 _QUOTED = re.compile(r"`([^`]*)`")
 _STEP = re.compile(r"[/:.\s]")
+_SEVERITIES = tuple(Severity)
+_OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
+"""How the files of models end, which are most often somebody else's."""
 
 
 class Sink:
@@ -97,8 +100,10 @@ class Sink:
         return list(self._found)
 
     def sorted(self) -> list[Diagnostic]:
-        """All diagnostics by file, line and column; those without a place come last, in their order."""
-        return sorted(self._found, key=_place)
+        """Errors, then warnings, then notes. In each: what a person wrote for this run (recipes, options, a program),
+        then files of models; by file, line and column. What has no place comes last, in the order it was found.
+        """
+        return sorted(self._found, key=_rank)
 
     @property
     def errors(self) -> list[Diagnostic]:
@@ -111,6 +116,8 @@ class Sink:
         return self.error_count > 0
 
 
-def _place(diagnostic: Diagnostic) -> tuple[bool, str, int, int]:
-    span = diagnostic.span
-    return (True, "", 0, 0) if span is None else (False, span.file, span.line, span.column)
+def _rank(diagnostic: Diagnostic) -> tuple[int, bool, bool, str, int, int]:
+    severity, span = _SEVERITIES.index(diagnostic.severity), diagnostic.span
+    if span is None:
+        return severity, True, True, "", 0, 0
+    return severity, False, span.file.lower().endswith(_OF_MODELS), span.file, span.line, span.column

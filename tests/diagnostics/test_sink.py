@@ -32,6 +32,21 @@ def test_sorted_by_place_with_unplaced_last() -> None:
     assert [str(each.span) for each in sink.sorted()] == ["a:9:2", "a:9:5", "a:10:1", "b:1:1", "None"]
 
 
+def test_errors_come_first_and_those_of_a_recipe_before_those_of_models() -> None:
+    sink = Sink()
+    sink.note("bad-name", "x", Span("a.yaml", 1, 1))
+    sink.warning("bad-name", "x", Span("a.yaml", 1, 1))
+    sink.warning("bad-name", "x")
+    sink.error("bad-name", "x", Span("gripper.XML", 1, 1))
+    sink.error("bad-name", "x")
+    sink.error("bad-name", "x", Span("robot.yaml", 9, 1))
+    sink.error("bad-name", "x", Span("--set mass", 1, 1))
+    assert [(str(each.severity), str(each.span)) for each in sink.sorted()] == [
+        ("error", "--set mass:1:1"), ("error", "robot.yaml:9:1"), ("error", "gripper.XML:1:1"), ("error", "None"),
+        ("warning", "a.yaml:1:1"), ("warning", "None"), ("note", "a.yaml:1:1"),
+    ]  # fmt: skip
+
+
 def test_only_errors_are_errors() -> None:
     sink = Sink()
     assert not sink.has_errors
