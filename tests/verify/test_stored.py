@@ -98,10 +98,9 @@ def test_away_from_its_sources_a_part_is_not_compared(folder: Path, check: Check
     stored, told = check(here="elsewhere")
     assert stored is not None
     assert not any(part.ok for part in stored.parts)
-    assert told == [
-        "warning part-not-compared: `one/` is not compared with its source: "
-        "its source `./parts/part.xml` is not found; also `two/`"
-    ]
+    (only,) = told
+    assert only.startswith("warning part-not-compared: `one/` is not compared with its source: ")
+    assert only.endswith("its source `./parts/part.xml` is not found; also `two/`")
     assert check(here="elsewhere", recipe="recipe.yaml")[1] == []
 
 
