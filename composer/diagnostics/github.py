@@ -25,7 +25,7 @@ def render(diagnostic: Diagnostic) -> str:
     properties["title"] = diagnostic.code
 
     lines = [diagnostic.message]
-    for note in diagnostic.notes:
+    for note in diagnostic.listed():
         lines.append(f"note: {note.span}: {note.message}" if note.span else f"note: {note.message}")
     if diagnostic.help is not None:
         lines.append(f"help: {diagnostic.help}")

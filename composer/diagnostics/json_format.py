@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.diagnostics.span import Span
 
 
@@ -13,7 +13,7 @@ def render(diagnostic: Diagnostic) -> str:
     """One JSON object on one line, ASCII only, with the same keys for every diagnostic.
 
     >>> render(Diagnostic("bad-name", "no"))
-    '{"severity": "error", "code": "bad-name", "message": "no", "span": null, "notes": [], "help": null}'
+    '{"severity": "error", "code": "bad-name", "message": "no", "span": null, "notes": [], "help": null, "others": []}'
     """
     return json.dumps(
         {
@@ -21,10 +21,15 @@ def render(diagnostic: Diagnostic) -> str:
             "code": diagnostic.code,
             "message": diagnostic.message,
             "span": _span(diagnostic.span),
-            "notes": [{"message": note.message, "span": _span(note.span)} for note in diagnostic.notes],
+            "notes": [_note(note) for note in diagnostic.notes],
             "help": diagnostic.help,
+            "others": [_note(each) for each in diagnostic.others],
         }
     )
+
+
+def _note(note: Note) -> dict[str, Any]:
+    return {"message": note.message, "span": _span(note.span)}
 
 
 def _span(span: Span | None) -> dict[str, Any] | None:

@@ -60,7 +60,7 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     following = iter(excerpts)
     if diagnostic.span is not None:
         lines += shown(next(following), kind, "^")
-    for note in diagnostic.notes:
+    for note in diagnostic.listed():
         if note.span is None:
             lines += remark("note", note.message)
         else:

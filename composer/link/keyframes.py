@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Cause, Note
 from composer.link import numbers
 from composer.link.key_layouts import VECTORS, final_layout, keys_of, refer_anew
 from composer.link.layout import Layout
@@ -129,6 +129,9 @@ def _times_differ(linking: Linking, key: Key, other: Key) -> None:
         other.span("time"),
         notes=(Note("the other one is here", key.span("time")),),
         help="write `keyframes: prefix` in one of the parts to keep its keys apart",
+        cause=Cause(
+            f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"
+        ),
     )
 
 
@@ -177,4 +180,5 @@ def _check_kept(linking: Linking) -> None:
                     f"`plastic` of {called(key)} cannot be carried over yet",
                     linking.span(unit, key, "plastic"),
                     help="leave the keys out: `keyframes: none`",
+                    cause=Cause(f"plastic in {unit.file}", called(key)),
                 )

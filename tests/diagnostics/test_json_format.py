@@ -31,6 +31,7 @@ def test_everything_is_there() -> None:
             },
         ],
         "help": "h",
+        "others": [],
     }
 
 

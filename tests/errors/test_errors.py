@@ -29,7 +29,6 @@ SEVERAL = {
     "several_sources",
     "several_names",
     "several_stages",
-    "conflicts",
     "check_failed",
     "check_names",
     "check_nested",
