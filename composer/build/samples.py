@@ -63,7 +63,7 @@ def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
         return
     assert isinstance(count, int | float)
     for sample in range(int(count) + 1):
-        yield replace(cell, name=sample_name(cell.name, sample), sample=sample)
+        yield replace(cell, name=sample_name(cell.name, sample), sample=sample, is_sample=True)
 
 
 def _check_axes(concrete: Mapping, cell: Cell, sink: Sink) -> None:

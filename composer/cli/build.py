@@ -12,20 +12,25 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.amount import Amount
 from composer.cli.built_words import remarks, said
 from composer.cli.caching import caching, caching_options
 from composer.cli.choices import choice_options, chosen_values, named_choices
 from composer.cli.fetching import fetching, fetching_options
+from composer.cli.matrix import cells_options
+from composer.cli.output import output_option
 from composer.cli.reporting import (
-    FINDINGS,
     USAGE,
     arguments,
+    clear_progress,
+    exit_code,
+    is_quiet,
     progress,
     report,
     reporting_options,
+    say,
     told_by_report,
 )  # fmt: skip
+from composer.cli.timeout import timeout_option
 from composer.cli.wanted import Wanted, for_shared_assets, kind_of_output
 
 if TYPE_CHECKING:
@@ -39,22 +44,13 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("recipe", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", "out", metavar="OUT",
-    help="DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output), FILE.mjb or FILE.usdz (also .usd,"
-    " .usda, .usdc), in which {name} is the name of the model; default: build/{name}.zip. The name of an MJB gets the"
-    " version of MuJoCo, at {mujoco} or before the suffix.",
-)  # fmt: skip
+@output_option(
+    "DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output), FILE.mjb or FILE.usdz (also .usd, .usda,"
+    " .usdc). {name} is the name of the model, and {mujoco} in that of an MJB the version of MuJoCo, the only one that"
+    " reads it. Default: build/{name}.zip."
+)
 @choice_options
-@click.option(
-    "--all",
-    "every",
-    is_flag=True,
-    help="Build every cell of the recipe's matrix and every sample, or the one model that it is.",
-)
-@click.option(
-    "--pick", "picks", multiple=True, metavar="CELL", help="Build this cell of the matrix, or this sample."
-)
+@cells_options
 @click.option(
     "--samples",
     metavar="FILE",
@@ -66,8 +62,7 @@ if TYPE_CHECKING:
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
 @click.option("--licenses", is_flag=True, help="Print the licence of every part.")
-@click.option("--timeout", type=Amount(min=0, min_open=True), default=300, show_default=True,
-              help="Seconds that MuJoCo may take.")  # fmt: skip
+@timeout_option
 @caching_options
 @fetching_options
 @reporting_options
@@ -79,6 +74,7 @@ def command(
     variants: tuple[str, ...],
     every: bool,
     picks: tuple[str, ...],
+    only_samples: tuple[int, ...],
     samples: str | None,
     shared_assets: bool,
     no_verify: bool,
@@ -88,7 +84,6 @@ def command(
     no_cache: bool,
     why: bool,
     form: str,
-    as_json: bool,
 ) -> None:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     from composer.build.maker import Maker
@@ -96,14 +91,14 @@ def command(
     from composer.bundle.output_error import OutputError
     from composer.context import Context
 
-    form = "json" if as_json else form
     how = fetching()
     context = Context(fetching=how)
+    one = not every and not picks and not only_samples
     try:
         if shared_assets:
-            out, kind = for_shared_assets(out, one=not every and not picks)
+            out, kind = for_shared_assets(out, one=one)
         else:
-            kind = kind_of_output(out, many=every or len(picks) > 1)
+            kind = kind_of_output(out)
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         report(context, form)
@@ -117,7 +112,6 @@ def command(
     )  # fmt: skip
     with caching(context, no_cache) as cache:
         maker = Maker(recipe, order, cache, context, kind, partial(wanted.place, context.folder))
-        one = not every and not picks
         reasons: tuple[str, ...] = ()
         if one:
             known, reasons = maker.recall(maker.question(), context)
@@ -133,7 +127,7 @@ def command(
             if not one:
                 from composer.cli.build_cells import build_cells
 
-                sys.exit(build_cells(maker, wanted, given, picks, context, session, samples))
+                sys.exit(build_cells(maker, wanted, given, picks, only_samples, context, session, samples))
             sys.exit(build_one(maker, wanted, given, context, session, reasons, set_files))
 
 
@@ -164,12 +158,12 @@ def finish(
     made = None if made is None else put(made, maker, wanted, context, session)
     report(context, wanted.form, err=wanted.out == "-")
     if made is None or context.sink.has_errors:
-        return FINDINGS
+        return exit_code(context.folder, [maker.recipe])
     if wanted.out == "-":
         for line in remarks(made, wanted):
-            click.echo(line, err=True)
+            say(line, err=True)
         return 0
-    click.echo(said(made, wanted))
+    say(said(made, wanted), form=wanted.form)
     if wanted.kind != "usd":
         _note(made, maker, wanted, context, set_files)
     return 0
@@ -184,8 +178,12 @@ def _note(made: Made, maker: Maker, wanted: Wanted, context: Context, set_files:
 
     record = maker.cache.record(made.answer) if wanted.kind in ("archive", "text") else None
     reported, known = told_by_report(context, wanted.form), replace(made, built=None, why=())
+    silent = is_quiet() and wanted.form != "json"
     same, anew = (
-        [*reported, (False, f"{said(replace(known, is_written=is_written), wanted)}\n")]
+        [
+            *reported,
+            *([] if silent else [(False, f"{said(replace(known, is_written=is_written), wanted)}\n")]),
+        ]
         for is_written in (True, False)
     )
     output = Output(os.fspath(target), maker.content(made), anew, record)
@@ -197,6 +195,7 @@ def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Ses
     from composer.bundle.licence_table import tell_unlicensed
     from composer.bundle.output_error import OutputError
 
+    clear_progress()
     target = wanted.target(made.name, made.mujoco)
     try:
         if wanted.kind == "text" and made.built is not None:

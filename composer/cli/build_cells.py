@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.build.cells import build_cells as built_cells
-from composer.build.cells import cells_of, picked
+from composer.build.cells import made_cells
 from composer.build.sample_table import FILE, SampleTable
 from composer.bundle.output_error import OutputError
 from composer.cli.build import build_one, finish, put
 from composer.cli.built_words import said
 from composer.cli.counting import counting
-from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report
+from composer.cli.matrix import chosen_cells
+from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report, say
+from composer.cli.tally import Tally
 from composer.cli.wanted import Wanted, kind_of_output
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ def build_cells(
     wanted: Wanted,
     given: dict[str, Node],
     picks: tuple[str, ...],
+    only_samples: tuple[int, ...],
     context: Context,
     session: Session,
     table: str | None = None,
@@ -38,53 +40,45 @@ def build_cells(
     What was drawn goes to `table`; without one, beside the models where all are built.
     """
     recipe = maker.recipe
-    every = cells_of(recipe, context, given)
-    if not every and not context.sink.has_errors:
-        if not picks:
-            made, why = maker.recall(maker.question(), context)
-            if made is not None:
-                return finish(made, maker, wanted, context, session)
-            return build_one(maker, wanted, given, context, session, why)
-        context.sink.error("missing-key", f"`{recipe}` has neither `matrix` nor `randomize`: it is one model",
-                           help="build it without `--pick`")  # fmt: skip
-    chosen = picked(every, picks, context.sink) if picks else every
-    for name in dict.fromkeys(name for cell in chosen for name in cell.given if name in given):
-        context.sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
-                           help="do not set it, or build without `--all` and `--pick`")  # fmt: skip
-    if context.sink.has_errors:
+    chosen, code = chosen_cells(recipe, picks, only_samples, given, context, "build")
+    if code:
         report(context, wanted.form)
-        return USAGE if chosen and not picks else FINDINGS
+        return code
+    if not chosen:
+        made, why = maker.recall(maker.question(), context)
+        if made is not None:
+            return finish(made, maker, wanted, context, session)
+        return build_one(maker, wanted, given, context, session, why)
     try:
-        kind_of_output(wanted.out, many=len(chosen) > 1)
+        kind_of_output(wanted.out, len(chosen))
     except OutputError as error:
         context.sink.error(error.code, error.message, help=error.help)
         report(context, wanted.form)
         return USAGE
-    failed: list[str] = []
-    running = built_cells(maker, chosen, context, given, session)
+    tally = Tally(recipe, len(chosen))
+    running = made_cells(maker, chosen, context, given, session)
     samples = SampleTable()
-    whole = 0
     try:
-        for cell, own, made in counting(running, len(chosen), lambda each: each[0].name):
-            made = None if made is None else put(made, maker, wanted, own, session)
-            for diagnostic in own.sink.diagnostics:
-                context.sink.add(diagnostic)
-            if made is None or own.sink.has_errors:
-                failed.append(cell.name)
-            else:
-                whole += 1
-                click.echo(said(made, wanted))
+        for each in counting(running, len(chosen), lambda each: each.cell.name):
+            cell, own = each.cell, each.context
+            made = None if each.made is None else put(each.made, maker, wanted, own, session)
+            tally.take(
+                cell.label, own.sink.diagnostics, context.sink, failed=made is None or own.sink.has_errors
+            )
+            if made is not None and not own.sink.has_errors:
+                say(said(made, wanted), form=wanted.form)
                 if made.draws is not None:
                     samples.add(cell.name, cell.sample, made.draws)
     except (KeyboardInterrupt, SystemExit) as ended:
-        click.echo(_how_to_go_on(whole, len(chosen), maker), err=True)
+        click.echo(_how_to_go_on(tally.whole, len(chosen), maker), err=True)
         return ended.code if isinstance(ended, SystemExit) and isinstance(ended.code, int) else INTERRUPTED
     finally:  # of an interrupted run too
-        _put_table(samples, table or (None if picks else _beside(wanted.out)), wanted.form, context)
+        _put_table(
+            samples, table or (None if picks or only_samples else _beside(wanted.out)), wanted.form, context
+        )
     report(context, wanted.form)
-    if failed and wanted.form == "text":
-        click.echo(f"{len(failed)} of {len(chosen)} cells failed: {', '.join(failed)}", err=True)
-    return FINDINGS if failed or context.sink.has_errors else 0
+    tally.say(wanted.form)
+    return FINDINGS if context.sink.has_errors else 0
 
 
 def _beside(out: str) -> str:
@@ -101,7 +95,7 @@ def _put_table(samples: SampleTable, path: str | None, form: str, context: Conte
             context.sink.error(error.code, error.message, help=error.help)
         else:
             if form == "text":
-                click.echo(f"wrote {path}: what was drawn for {samples.count} models")
+                say(f"wrote {path}: what was drawn for {samples.count} models")
     samples.close()
 
 

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from composer.cli.reporting import FINDINGS, USAGE, report
+from composer.cli.reporting import FINDINGS, USAGE, format_options, report, reporting_options, say
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from composer.context import Context
     from composer.sources.error import SourceError
     from composer.sources.store import Store
@@ -29,8 +31,8 @@ def command() -> None:
 
 
 @command.command()
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def info(as_json: bool) -> None:
+@format_options(("text", "json"))
+def info(form: str) -> None:
     """Print where the store is, its size, and what is in it."""
     from composer.sources.blob import blobs_in
 
@@ -39,7 +41,7 @@ def info(as_json: bool) -> None:
     built = list(blobs_in(store.folder))
     size_built = sum(blob.size for blob in built)
     size = sum(entry.size for entry in entries) + size_built
-    if as_json:
+    if form == "json":
         told = [
             {
                 "kind": each.kind,
@@ -76,7 +78,8 @@ def info(as_json: bool) -> None:
     "--size", metavar="SIZE", help="Keep at most this much, as 500M or 2G; default: the store's bound."
 )
 @click.option("--all", "everything", is_flag=True, help="Remove all of it.")
-def prune(size: str | None, everything: bool) -> None:
+@reporting_options
+def prune(size: str | None, everything: bool, form: str) -> None:
     """Remove what was used longest ago, and what killed processes left.
 
     Without options, what was used in the last hour stays: a build may be reading it.
@@ -91,13 +94,18 @@ def prune(size: str | None, everything: bool) -> None:
     try:
         removed = store.prune(limit, grace=GRACE if size is None and not everything else 0)
     except SourceError as error:
-        _fail(error, context)
-    click.echo(f"removed {_count(removed)}, {_bytes(sum(entry.size for entry in removed))}")
+        _fail(error, context, form=form)
+    size_removed = sum(entry.size for entry in removed)
+    if form == "json":
+        click.echo(json.dumps({"removed": len(removed), "size": size_removed}))
+        return
+    say(f"removed {_count(removed)}, {_bytes(size_removed)}")
 
 
 @command.command()
 @click.option("--fix", is_flag=True, help="Remove what is damaged: it is fetched again when it is needed.")
-def verify(fix: bool) -> None:
+@reporting_options
+def verify(fix: bool, form: str) -> None:
     """Hash every file in the store again, and tell what is damaged.
 
     Damaged files of built models are removed: they are built again when they are needed.
@@ -112,11 +120,11 @@ def verify(fix: bool) -> None:
     for blob in built:
         if blob.is_damaged:
             blob.path.unlink(missing_ok=True)
-            click.echo(f"removed {blob.path}: it was damaged")
+            _say_removed(blob.path, form)
     for folder in (headless := store.headless(entries)):
         if fix:
             store.remove_headless(folder)
-            click.echo(f"removed {folder}: it was damaged")
+            _say_removed(folder, form)
         else:
             context.sink.error(
                 "store-unusable",
@@ -130,8 +138,8 @@ def verify(fix: bool) -> None:
             try:
                 store.remove(entry)
             except SourceError as error:
-                _fail(error, context)
-            click.echo(f"removed {entry.folder}: it was damaged")
+                _fail(error, context, form=form)
+            _say_removed(entry.folder, form)
             continue
         context.sink.error(
             "store-unusable",
@@ -139,10 +147,21 @@ def verify(fix: bool) -> None:
             notes=[Note(line.replace("was locked", "was stored")) for line in damage[:8]],
             help=_FIX,
         )
-    report(context, "text")
+    report(context, form)
     if context.sink.has_errors:
         sys.exit(FINDINGS)
-    click.echo(f"looked at {_count([*entries, *headless, *built])}")
+    looked_at = [*entries, *headless, *built]
+    if form == "json":
+        click.echo(json.dumps({"looked_at": len(looked_at)}))
+        return
+    say(f"looked at {_count(looked_at)}")
+
+
+def _say_removed(path: Path, form: str) -> None:
+    if form == "json":
+        click.echo(json.dumps({"removed": str(path)}))
+        return
+    say(f"removed {path}: it was damaged")
 
 
 def _store() -> tuple[Store, Context]:
@@ -157,9 +176,9 @@ def _store() -> tuple[Store, Context]:
         _fail(error, context, USAGE)
 
 
-def _fail(error: SourceError, context: Context, code: int = FINDINGS) -> NoReturn:
+def _fail(error: SourceError, context: Context, code: int = FINDINGS, form: str = "text") -> NoReturn:
     context.sink.error(error.code, error.message, help=error.help)
-    report(context, "text")
+    report(context, form)
     sys.exit(code)
 
 

@@ -10,7 +10,15 @@ import click
 
 from composer.cli.amount import Amount
 from composer.cli.choices import choice_options, chosen_values
-from composer.cli.reporting import USAGE, progress, report
+from composer.cli.reporting import (
+    USAGE,
+    clear_progress,
+    format_options,
+    progress,
+    quiet_option,
+    report,
+)  # fmt: skip
+from composer.cli.timeout import timeout_option
 
 _DIFFERENT = 1
 _FORMATS = ("text", "json", "markdown")
@@ -32,11 +40,9 @@ _KINDS = (
 @click.option("--all", "everything", is_flag=True, help="Tell also what MuJoCo computes from other numbers.")
 @click.option("--renders", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
               help="Put pictures of both here: of the whole, and of every camera that both have.")  # fmt: skip
-@click.option("--timeout", type=Amount(min=0, min_open=True), default=300, show_default=True,
-              help="Seconds that MuJoCo may take for each model.")  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
-@click.option("--format", "form", type=click.Choice(_FORMATS), default="text", show_default=True,
-              help="How the differences are printed.")  # fmt: skip
+@timeout_option
+@format_options(_FORMATS)
+@quiet_option
 def command(
     a: str,
     b: str,
@@ -49,7 +55,6 @@ def command(
     everything: bool,
     renders: Path | None,
     timeout: float,
-    as_json: bool,
     form: str,
 ) -> None:
     """Tell what changes from model A to model B, by the line that is the reason.
@@ -64,7 +69,6 @@ def command(
     from composer.diff.text import render as in_text
     from composer.engine import Limits, Session
 
-    form = "json" if as_json else form
     context = Context()
     given = chosen_values(sets, set_files, variants, context)
     found = None
@@ -78,6 +82,7 @@ def command(
     if found is None:
         report(context, "json" if form == "json" else "text")
         sys.exit(USAGE)
+    clear_progress()
     if form == "json":
         click.echo(json.dumps(as_data(found), indent=2, ensure_ascii=False))
     elif form == "markdown":

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import click
 
-from composer.cli.reporting import FINDINGS
+from composer.cli.reporting import FINDINGS, format_options
 
 _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3")
 _EXTRAS = {
@@ -37,11 +37,11 @@ class Finding:
 
 
 @click.command()
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(as_json: bool) -> None:
+@format_options(("text", "json"))
+def command(form: str) -> None:
     """Say what this installation is and can do. The exit code is 1 if something is missing that every build needs."""
     findings = [*_installed(), *_mujoco(), _git(), _store(), *_extras()]
-    if as_json:
+    if form == "json":
         click.echo(json.dumps([asdict(each) for each in findings], indent=2))
     else:
         width = max(len(each.what) for each in findings)

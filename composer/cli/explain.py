@@ -10,7 +10,16 @@ import click
 
 from composer.cli.choices import choice_options, chosen_values
 from composer.cli.fetching import fetching, fetching_options
-from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, source_reader
+from composer.cli.matrix import cell_options, chosen_cell
+from composer.cli.reporting import (
+    FINDINGS,
+    USAGE,
+    clear_progress,
+    exit_code,
+    report,
+    reporting_options,
+    source_reader,
+)
 
 
 @click.command()
@@ -18,13 +27,7 @@ from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, s
 @click.argument("query")
 @click.argument("attribute", required=False)
 @choice_options
-@click.option(
-    "--sample",
-    type=click.IntRange(min=0),
-    default=0,
-    metavar="NUMBER",
-    help="Of a recipe that draws values: the sample; 0, the default, is the model without draws.",
-)
+@cell_options
 @fetching_options
 @reporting_options
 def command(
@@ -34,9 +37,9 @@ def command(
     sets: tuple[str, ...],
     set_files: tuple[Path, ...],
     variants: tuple[str, ...],
-    sample: int,
+    pick: str | None,
+    sample: int | None,
     form: str,
-    as_json: bool,
 ) -> None:
     """Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
 
@@ -55,18 +58,23 @@ def command(
     from composer.explain.query import read
     from composer.explain.text import render
 
-    form = "json" if as_json else form
     context = Context(fetching=fetching())
     asked = read(query, attribute, context.sink)
     if asked is None:
         report(context, form)
         sys.exit(USAGE)
     given = chosen_values(sets, set_files, variants, context)
-    explained = None if context.sink.has_errors else explain(model, asked, context, sample, given)
+    if context.sink.has_errors:
+        report(context, form)
+        sys.exit(USAGE)
+    if pick is not None and (cell := chosen_cell(model, pick, sample, given, context, "explain")) is not None:
+        given, sample = {**given, **cell.given}, cell.sample
+    explained = None if context.sink.has_errors else explain(model, asked, context, sample or 0, given)
     if explained is None or context.sink.has_errors:  # warnings are for those who check or build
         report(context, form)
     if explained is None:
-        sys.exit(FINDINGS)
+        sys.exit(exit_code(context.folder, [model]))
+    clear_progress()
     if form == "json":
         click.echo(json.dumps(as_data(explained), indent=2, ensure_ascii=False))
     else:

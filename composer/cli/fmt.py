@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import json
 import os
 import stat
 import sys
@@ -12,7 +13,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.reporting import FINDINGS, report
+from composer.cli.reporting import FINDINGS, exit_code, report, reporting_options, say
+from composer.diagnostics import github
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -22,10 +24,11 @@ STDIN = "-"
 
 @click.command()
 @click.argument("recipes", nargs=-1, required=True)
+@reporting_options
 @click.option(
     "--check", is_flag=True, help="Write nothing; print what would change and exit with 1 if anything would."
 )
-def command(recipes: tuple[str, ...], check: bool) -> None:
+def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
     """Put each of RECIPES into its canonical layout; `-` is standard input, formatted to standard output.
 
     Comments, blank lines, anchors and the choice between lines and brackets are kept. The values are read again
@@ -46,13 +49,28 @@ def command(recipes: tuple[str, ...], check: bool) -> None:
         if recipe == STDIN and not check:
             sys.stdout.buffer.write(result)
         elif result != source and check:
-            click.echo(_difference(source, result, shown), nl=False)
+            _tell(shown, _difference(source, result, shown), form)
         elif result != source and _write(Path(recipe), result, context):
-            click.echo(f"formatted {shown}")
-    report(context, "text")
+            _tell(shown, None, form)
+    report(context, form)
     if check and differing:
         click.echo(f"{differing} of {len(recipes)} would change", err=True)
-    sys.exit(FINDINGS if context.sink.has_errors or (check and differing) else 0)
+    if context.sink.has_errors:
+        sys.exit(exit_code(context.folder, [Path(each) for each in recipes if each != STDIN]))
+    sys.exit(FINDINGS if check and differing else 0)
+
+
+def _tell(file: str, difference: str | None, form: str) -> None:
+    """A file that was formatted, or would be: then by what it differs."""
+    if form == "json":
+        what = {"formatted": file} if difference is None else {"would_format": file, "diff": difference}
+        click.echo(json.dumps(what))
+    elif difference is None:
+        say(f"formatted {file}")
+    elif form == "github":
+        click.echo(github.command("error", f"`mjcompose fmt` would change {file}", {"file": file}))
+    else:
+        click.echo(difference, nl=False)
 
 
 def _read(recipe: str, context: Context) -> bytes | None:

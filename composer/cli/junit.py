@@ -13,6 +13,7 @@ from composer.diagnostics.junit import Case, Suite, report
 
 if TYPE_CHECKING:
     from composer.context import Context
+    from composer.diagnostics.cell_name import CellName
     from composer.verify.outcome import Outcome
 
 MODEL = "model"
@@ -24,14 +25,16 @@ def junit_option(command: Callable[..., Any]) -> Callable[..., Any]:
                         " standard output).")(command)  # fmt: skip
 
 
-def suite_of(recipe: Path, outcomes: Sequence[Outcome], context: Context) -> Suite:
-    """What was found of a recipe: that there is a model is the first case, then come its checks."""
+def suite_of(
+    recipe: Path, outcomes: Sequence[Outcome], context: Context, cell: CellName | None = None
+) -> Suite:
+    """What was found of a recipe, or of one cell: that there is a model is the first case, then come its checks."""
     of_checks = {each for outcome in outcomes for each in outcome.told}
     others = [each for each in context.sink.errors if each not in of_checks]
     shown = context.shown(recipe)
     cases = [Case(MODEL, MODEL, others, shown)]
     cases += [Case(each.name, each.kind, each.told, each.span.file, each.span.line) for each in outcomes]
-    return Suite(shown, cases)
+    return Suite(shown if cell is None else f"{shown}: {cell.name}", cases, cell)
 
 
 def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:

@@ -23,11 +23,10 @@ def command(
     set_files: tuple[Path, ...],
     variants: tuple[str, ...],
     form: str,
-    as_json: bool,
 ) -> None:
     """Lock the sources of RECIPE: commits, hashes and licences go to a file beside it, ARM.lock for ARM.yaml.
 
     What is locked already stays as it is; new sources are added, files of your own are hashed anew, and what is
     no longer used is taken out.
     """
-    write_lock(recipe, None, "json" if as_json else form, (sets, set_files, variants))
+    write_lock(recipe, None, form, (sets, set_files, variants))

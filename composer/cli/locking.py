@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.reporting import FINDINGS, USAGE, report
+from composer.cli.reporting import USAGE, exit_code, report, say
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -32,17 +32,19 @@ def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str, chosen: C
 
     context = Context(fetching=fetching())
     given = chosen_values(*chosen, context)
-    told = None if context.sink.has_errors else made_lock(recipe, names, context, given)
+    wrong_values = context.sink.has_errors
+    told = None if wrong_values else made_lock(recipe, names, context, given)
     report(context, form)
     if told is None:
-        sys.exit(USAGE if any(each.code == "unknown-name" for each in context.sink.errors) else FINDINGS)
+        unknown = wrong_values or any(each.code == "unknown-name" for each in context.sink.errors)
+        sys.exit(USAGE if unknown else exit_code(context.folder, [recipe]))
     path, changes = told
     if form == "json":
         click.echo(json.dumps({"lock": path, "changes": changes}))
         return
     for line in changes:
-        click.echo(f"  {line}")
-    click.echo(f"wrote {path}" if changes else f"{path} is up to date")
+        say(f"  {line}")
+    say(f"wrote {path}" if changes else f"{path} is up to date")
 
 
 def made_lock(

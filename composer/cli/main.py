@@ -28,7 +28,26 @@ _VERBS = {
     "import": "Propose the recipe that makes a merged model of its parts.",
     "doctor": "Say what this installation is and can do.",
     "schema": "Print the JSON Schema of recipes, for editors.",
+    "completion": "Print the line that makes a shell complete commands, options and names.",
+    "help": "Print what a command does and its options.",
+    "version": "Print the version.",
 }
+
+# What other tools call it, and what to write here.
+_CALLED = {
+    **dict.fromkeys(("init", "create", "start"), "mjcompose new"),
+    **dict.fromkeys(("validate", "lint", "test"), "mjcompose check"),
+    "format": "mjcompose fmt",
+    **dict.fromkeys(("compile", "make", "compose", "generate"), "mjcompose build"),
+    **dict.fromkeys(("show", "describe"), "mjcompose plan RECIPE` or `mjcompose explain RECIPE NAME"),
+    **dict.fromkeys(("inspect", "where", "why"), "mjcompose explain RECIPE NAME"),
+    **dict.fromkeys(("compare",), "mjcompose diff"),
+    **dict.fromkeys(("render", "picture"), "mjcompose diff RECIPE RECIPE --renders DIR"),
+    **dict.fromkeys(("view", "open", "viewer"), "mjcompose build RECIPE -o build/view/` and"
+                    " `python -m mujoco.viewer --mjcf=build/view/model.xml"),
+    "clean": "mjcompose cache prune",
+    "upgrade": "mjcompose update",
+}  # fmt: skip
 
 
 # Pydantic would look for plugins in every package that is installed, which takes longer than a small build.
@@ -62,7 +81,9 @@ class _Verbs(click.Group):
             from composer.diagnostics.suggest import closest
 
             near = closest(verb, _VERBS)
-            if verb.endswith((".yaml", ".yml")):
+            if verb in _CALLED:
+                help = f" Write `{_CALLED[verb]}`."
+            elif verb.endswith((".yaml", ".yml")):
                 help = f" Write `mjcompose build {verb}`."
             else:
                 help = f" Did you mean `{near[0]}`?" if near else ""
@@ -75,23 +96,24 @@ class _Verbs(click.Group):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            click.echo("interrupted: nothing was written", err=True)
+            _say_aside("interrupted: nothing was written")
             ctx.exit(_INTERRUPTED)
+        except click.NoSuchOption as error:
+            near = _near_options(error)
+            raise click.NoSuchOption(error.option_name, possibilities=near, ctx=error.ctx) from None
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except BrokenPipeError:
             raise  # the reader of the output has gone, which click takes care of
         except OSError as error:
             what = f"`{error.filename}`: " if error.filename else ""
-            click.echo(f"cannot go on: {what}{(error.strerror or str(error)).lower()}", err=True)
+            _say_aside(f"cannot go on: {what}{(error.strerror or str(error)).lower()}")
             ctx.exit(_FAILED)
         except UnicodeEncodeError as error:
             if error.encoding.startswith("utf"):
                 self._bug(ctx, error)
             what = error.object[error.start : error.end].encode("ascii", "backslashreplace").decode()
-            click.echo(
-                f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1", err=True
-            )
+            _say_aside(f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1")
             ctx.exit(_FAILED)
         except Exception as error:
             self._bug(ctx, error)
@@ -99,12 +121,30 @@ class _Verbs(click.Group):
     def _bug(self, ctx: click.Context, error: Exception) -> None:
         if os.environ.get("MJCOMPOSE_TRACEBACK"):
             raise error
-        click.echo(_bug(error), err=True)
+        _say_aside(_bug(error))
         ctx.exit(_BUG)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(_VERBS.items()))
+
+
+def _say_aside(words: str) -> None:
+    """To standard error, in the place of a line that tells of progress."""
+    from composer.cli.reporting import clear_progress
+
+    clear_progress()
+    click.echo(words, err=True)
+
+
+def _near_options(error: click.NoSuchOption) -> list[str]:
+    """The options that were probably meant; click itself suggests whatever begins alike."""
+    from composer.diagnostics.suggest import closest
+
+    if error.ctx is None:
+        return []
+    known = {name for each in error.ctx.command.get_params(error.ctx) for name in each.opts}
+    return closest(error.option_name, known)
 
 
 def _print_any_name() -> None:
@@ -128,6 +168,10 @@ def _bug(error: Exception) -> str:
 
 
 @click.command(cls=_Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.version_option(__version__, prog_name="mjcompose")
+@click.version_option(__version__, "-V", "--version", prog_name="mjcompose")
 def main() -> None:
-    """Compose MuJoCo models from recipes."""
+    """Compose MuJoCo models from recipes.
+
+    Exit codes: 0 all is well, 1 something is wrong in the files, 2 the command itself is wrong or names a file that
+    does not exist.
+    """

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.reporting import FINDINGS, report
+from composer.cli.reporting import FINDINGS, report, reporting_options, say
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -25,13 +27,14 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Write a repository to the folder PATH: recipe, lock, parts, CI and README. What is there is kept.",
 )
-def command(path: Path | None, project: bool) -> None:
+@reporting_options
+def command(path: Path | None, project: bool, form: str) -> None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds as it stands."""
     from composer.bundle.output_error import OutputError, unwritable
     from composer.context import Context
 
     context = Context()
-    told = ""
+    told = _Told("", (), ())
     try:
         told = _project(path, context) if project else _recipe(path or Path("model.yaml"), context)
     except OutputError as error:
@@ -39,13 +42,25 @@ def command(path: Path | None, project: bool) -> None:
     except OSError as error:
         failure = unwritable(path or Path("model.yaml"), error)
         context.sink.error(failure.code, failure.message, help=failure.help)
-    report(context, "text")
+    report(context, form)
     if context.sink.has_errors:
         sys.exit(FINDINGS)
-    click.echo(told)
+    if form == "json":
+        click.echo(json.dumps({"wrote": list(told.wrote), "kept": list(told.kept)}))
+        return
+    say(told.words)
 
 
-def _recipe(path: Path, context: Context) -> str:
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What is said, and the paths of what was written and of what was there already."""
+
+    words: str
+    wrote: tuple[str, ...]
+    kept: tuple[str, ...]
+
+
+def _recipe(path: Path, context: Context) -> _Told:
     from composer.bundle.staging import staged_file
     from composer.context import as_text
     from composer.starting.recipe import starter
@@ -58,13 +73,14 @@ def _recipe(path: Path, context: Context) -> str:
             f"`{path}` is there already and is left as it is",
             help="choose another name, or remove the file",
         )
-        return ""
+        return _Told("", (), ())
     with staged_file(path) as stage:
         stage.write_text(starter(as_text(path.stem)), encoding="utf-8")
-    return f"wrote {path}; build it with: mjcompose build {shlex.quote(str(path))}"
+    words = f"wrote {path}; build it with: mjcompose build {shlex.quote(str(path))}"
+    return _Told(words, (str(path),), ())
 
 
-def _project(folder: Path | None, context: Context) -> str:
+def _project(folder: Path | None, context: Context) -> _Told:
     from importlib import metadata
 
     from composer.cli.locking import made_lock
@@ -86,7 +102,9 @@ def _project(folder: Path | None, context: Context) -> str:
     if "README.md" in kept:
         start = f"build its model with: mjcompose build {shlex.quote(str(folder / recipe))}"
     count = f"{len(written)} file{'' if len(written) == 1 else 's'}"
-    return "\n".join([*(_kept(path, folder, files) for path in kept), f"wrote {count} to {folder}; {start}"])
+    words = [*(_kept(path, folder, files) for path in kept), f"wrote {count} to {folder}; {start}"]
+    wrote, left = (tuple(str(folder / path) for path in paths) for paths in (written, kept))
+    return _Told("\n".join(words), wrote, left)
 
 
 def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:

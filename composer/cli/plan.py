@@ -13,7 +13,8 @@ import click
 
 from composer.cli.choices import choice_options, chosen_values
 from composer.cli.fetching import fetching, fetching_options
-from composer.cli.reporting import FINDINGS, report, reporting_options
+from composer.cli.matrix import cell_options, chosen_cell
+from composer.cli.reporting import FINDINGS, USAGE, exit_code, report, reporting_options
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("recipe", type=click.Path(path_type=Path))
 @choice_options
+@cell_options
 @click.option(
     "--expanded", is_flag=True, help="Print the concrete recipe, with the file and line of every value."
 )
@@ -34,10 +36,11 @@ def command(
     sets: tuple[str, ...],
     set_files: tuple[Path, ...],
     variants: tuple[str, ...],
+    pick: str | None,
+    sample: int | None,
     expanded: bool,
     licenses: bool,
     form: str,
-    as_json: bool,
 ) -> None:
     """Print what a build of RECIPE will do, step by step, and the cells of its matrix."""
     from composer.build.cells import cells_of
@@ -47,13 +50,26 @@ def command(
     from composer.plan.expanded import expanded_text
     from composer.plan.make import make_plan
     from composer.plan.matrix import of_first_cell
+    from composer.plan.samples import check_sample
 
-    form = "json" if as_json else form
     context = Context(fetching=fetching())
     given = chosen_values(sets, set_files, variants, context)
-    like = of_first_cell(recipe, context, given)
-    plan = make_plan(recipe, context, {**given, **(like[1] if like else {})})
-    cells = cells_of(recipe, context, given) if plan is not None else []
+    if context.sink.has_errors:
+        report(context, form)
+        sys.exit(USAGE)
+    cell = None if pick is None else chosen_cell(recipe, pick, sample, given, context, "plan")
+    if pick is not None and cell is None:
+        report(context, form)
+        sys.exit(exit_code(context.folder, [recipe]))
+    like, cells = None, []
+    if cell is not None:
+        plan = make_plan(recipe, context, {**given, **cell.given}, cell.sample, cell.name)
+    else:
+        like = of_first_cell(recipe, context, given)
+        plan = make_plan(recipe, context, {**given, **(like[1] if like else {})}, sample or 0)
+        if plan is not None:
+            check_sample(plan, sample or 0, context.sink)
+            cells = cells_of(recipe, context, given)
     subtrees: Subtrees = {}
     if plan is not None and plan.takes_subtrees and not expanded:
         from composer.steps.left_behind import left_behind
@@ -61,7 +77,7 @@ def command(
         subtrees = left_behind(plan, context)
     report(context, form)
     if plan is None:
-        sys.exit(FINDINGS)
+        sys.exit(exit_code(context.folder, [recipe]))
     if licenses:
         _say_licences(plan, context, form)
     elif expanded:

@@ -1,10 +1,11 @@
-"""Diagnostics to the terminal, a JSON reader or GitHub, and the exit code that says how it went."""
+"""What a command says: diagnostics and results, to the terminal, a JSON reader or GitHub; and its exit codes."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -16,16 +17,58 @@ from composer.diagnostics import github, json_format, text
 
 FINDINGS, USAGE, INTERRUPTED = 1, 2, 130
 ARGUMENTS = "composer.arguments"
+_QUIET, _JSON, _STANDING = "composer.quiet", "composer.json", "composer.standing"
 _FORMATS = ("text", "json", "github")
 
 
 def reporting_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--format` for diagnostics; `--json` is short for `--format json`."""
-    command = click.option("--json", "as_json", is_flag=True, help="The same as --format json.")(command)
-    return click.option(
-        "--format", "form", type=click.Choice(_FORMATS), default="text", show_default=True,
-        help="How diagnostics are printed.",
-    )(command)  # fmt: skip
+    """`--format`, `--json` and `--quiet`; the command gets the first as `form`, for the last see `say`."""
+    return format_options(_FORMATS)(quiet_option(command))
+
+
+def format_options(formats: Iterable[str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """`--format` with these values, and `--json`, which is short for `--format json`; the command gets `form`."""
+
+    def note(ctx: click.Context, parameter: click.Parameter, given: bool) -> None:
+        ctx.meta[_JSON] = given
+
+    def form(ctx: click.Context, parameter: click.Parameter, given: str) -> str:
+        return "json" if ctx.meta.get(_JSON) else given
+
+    def options(command: Callable[..., Any]) -> Callable[..., Any]:
+        command = click.option("--json", is_flag=True, expose_value=False, is_eager=True, callback=note,
+                               help="The same as --format json.")(command)  # fmt: skip
+        return click.option("--format", "form", type=click.Choice(tuple(formats)), default="text",
+                            show_default=True, callback=form, help="How the output is printed.")(command)  # fmt: skip
+
+    return options
+
+
+def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--quiet`, which is not an argument of the command: `say` and `progress` know."""
+
+    def note(ctx: click.Context, parameter: click.Parameter, given: bool) -> None:
+        ctx.meta[_QUIET] = given
+
+    return click.option("-q", "--quiet", is_flag=True, expose_value=False, callback=note,
+                        help="Print only what is wrong.")(command)  # fmt: skip
+
+
+def exit_code(folder: Path, named: Iterable[Path]) -> int:
+    """The code of a command that failed: of its usage where a file that it was given does not exist."""
+    return FINDINGS if all((folder / each).exists() for each in named) else USAGE
+
+
+def say(words: str, *, err: bool = False, form: str = "text") -> None:
+    """Print a result. A quiet command says nothing to people of what went well; programs still get their JSON."""
+    if form != "json" and is_quiet():
+        return
+    clear_progress()
+    click.echo(words, err=err)
+
+
+def is_quiet() -> bool:
+    return bool(_meta().get(_QUIET))
 
 
 def report(context: Context, form: str, *, err: bool = False) -> None:
@@ -33,6 +76,7 @@ def report(context: Context, form: str, *, err: bool = False) -> None:
 
     With `err` these go to standard error too, for a command that has a model to print.
     """
+    clear_progress()
     if told := _told(context, form):
         click.echo(told, nl=False, err=err or form == "text", color=use_color())
 
@@ -62,9 +106,28 @@ def use_color() -> bool:
 
 
 def progress(message: str) -> None:
-    """A line on standard error while something takes long; only on a terminal."""
-    if on_terminal():
+    """A line on standard error while something takes long; only on a terminal, where the next output replaces it."""
+    if not on_terminal() or is_quiet():
+        return
+    if os.environ.get("TERM") == "dumb":
         click.echo(message, err=True)
+        return
+    clear_progress()
+    width = shutil.get_terminal_size().columns - 1
+    click.echo(message[:width], err=True, nl=False)
+    _meta()[_STANDING] = True
+
+
+def clear_progress() -> None:
+    """Remove the line of `progress`, if one stands."""
+    if _meta().pop(_STANDING, False):
+        click.echo("\r\x1b[K", err=True, nl=False)
+
+
+def _meta() -> dict[str, Any]:
+    """What the command that runs remembers; nothing outside of one."""
+    context = click.get_current_context(silent=True)
+    return {} if context is None else context.meta
 
 
 def arguments() -> list[str]:

@@ -23,10 +23,9 @@ def command(
     set_files: tuple[Path, ...],
     variants: tuple[str, ...],
     form: str,
-    as_json: bool,
 ) -> None:
     """Lock the sources of RECIPE as they are now: branches where they have moved to, archives as they are served.
 
     NAME is a part's prefix, `base`, or a source as the lock names it; without one all sources are updated.
     """
-    write_lock(recipe, names, "json" if as_json else form, (sets, set_files, variants))
+    write_lock(recipe, names, form, (sets, set_files, variants))

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.amount import Amount
-from composer.cli.reporting import FINDINGS, progress, report, reporting_options
+from composer.cli.reporting import exit_code, progress, report, reporting_options, say
+from composer.cli.timeout import timeout_option
 
 if TYPE_CHECKING:
     from composer.verify.stored import Stored
@@ -20,10 +20,9 @@ if TYPE_CHECKING:
 @click.argument("bundles", metavar="BUNDLE...", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("--recipe", type=click.Path(path_type=Path),
               help="The recipe it was built from: where the sources of its parts are looked for.")  # fmt: skip
-@click.option("--timeout", type=Amount(min=0, min_open=True), default=300, show_default=True,
-              help="Seconds that MuJoCo may take for each model.")  # fmt: skip
+@timeout_option
 @reporting_options
-def command(bundles: tuple[Path, ...], recipe: Path | None, timeout: float, form: str, as_json: bool) -> None:
+def command(bundles: tuple[Path, ...], recipe: Path | None, timeout: float, form: str) -> None:
     """Verify each BUNDLE, a folder, .zip or .mjz.
 
     Its files have the hashes of the manifest, MuJoCo compiles it, the order of joints, actuators, sensors and
@@ -33,18 +32,18 @@ def command(bundles: tuple[Path, ...], recipe: Path | None, timeout: float, form
     from composer.engine import Limits, Session
     from composer.verify.stored import verify_stored
 
-    form = "json" if as_json else form
-    wrong = False
+    code = 0
     for bundle in bundles:
         context = Context()
         progress(f"verifying {bundle}")
         with Session(Limits(seconds=timeout)) as session:
             stored = verify_stored(bundle, context, session, recipe)
         report(context, form)
-        wrong |= context.sink.has_errors
+        if context.sink.has_errors:
+            code = max(code, exit_code(context.folder, [bundle, *([] if recipe is None else [recipe])]))
         if stored is not None:
             _say(stored, str(bundle), form, ok=not context.sink.has_errors)
-    sys.exit(FINDINGS if wrong else 0)
+    sys.exit(code)
 
 
 def _say(stored: Stored, path: str, form: str, *, ok: bool) -> None:
@@ -58,6 +57,4 @@ def _say(stored: Stored, path: str, form: str, *, ok: bool) -> None:
     elif form == "text" and ok:
         unchanged = sum(each.ok for each in stored.parts)
         compared = f", {unchanged} of {len(stored.parts)} parts compared with their sources and unchanged"
-        click.echo(
-            f"{path}: ok: {len(stored.bundle.files)} files{compared if stored.parts else ', no parts'}"
-        )
+        say(f"{path}: ok: {len(stored.bundle.files)} files{compared if stored.parts else ', no parts'}")

@@ -44,8 +44,8 @@ class Wanted:
         return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
 
 
-def kind_of_output(out: str | None, many: bool) -> Form:
-    """What OUT asks for; raises OutputError where that cannot be told, or `many` models would go to one place."""
+def kind_of_output(out: str | None, models: int = 1) -> Form:
+    """What OUT asks for; raises OutputError where that cannot be told, or several models would go to one place."""
     from composer.bundle.form import Form, form_of
     from composer.bundle.output_error import OutputError
 
@@ -56,7 +56,7 @@ def kind_of_output(out: str | None, many: bool) -> Form:
     if unknown := next((word for word in _PLACEHOLDER.findall(out) if word not in known), None):
         help = f"write {' or '.join(f'`{word}`' for word in sorted(known))}, or leave the braces out"
         raise OutputError("output-kind", f"`{unknown}` stands for nothing in the output `{out}`", help)
-    if many and "{name}" not in out:
+    if models > 1 and "{name}" not in out:
         folder = out if out.endswith("/") else f"{out}/"
         help = f"write for instance `-o '{folder}{{name}}/'` or `-o '{folder}{{name}}.zip'`"
         raise OutputError("output-kind", f"several models cannot all be `{out}`", help)
@@ -81,7 +81,7 @@ def for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
     help = "write `--all -o 'build/{name}/'`"
     if one:
         raise OutputError("output-kind", "one model has nobody to share its assets with", help)
-    kind = kind_of_output(out, many=True)
+    kind = kind_of_output(out, models=2)
     if kind is not Form.FOLDER:
         raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
     if "{name}" in os.path.dirname(out.rstrip("/")):

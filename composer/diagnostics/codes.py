@@ -12,6 +12,7 @@ CODES: dict[str, str] = {
     "bundle-changed": "a file of a bundle is not what its manifest says",
     "bundle-manifest": "the manifest of a bundle is missing, broken or about another model",
     "cannot-format": "a file has a form that has no canonical layout",
+    "cells-not-checked": "a recipe has a matrix, and only one model of it was checked",
     "check-failed": "something that a recipe says must hold of the model does not",
     "class-clash": "two default classes would have the same name",
     "compiler-setting": "a compiler setting cannot be kept or may not be set",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.span import Span
 
 
@@ -40,7 +41,9 @@ class Diagnostic:
     """A message with its code, its place, what exists instead (`notes`) and what to write (`help`).
 
     `code` is one of `CODES`. The first line of `help` is a sentence; further lines, if any, are text that
-    may be pasted into the file. `others` are what else the message is true of, by the same cause.
+    may be pasted into the file. `others` are what else the message is true of, by the same cause. `cells` are the
+    models that it is about, in a run that looks at several of a recipe; it is empty where the diagnostic is about the
+    recipe as a whole.
     """
 
     code: str
@@ -50,6 +53,7 @@ class Diagnostic:
     notes: tuple[Note, ...] = ()
     help: str | None = None
     others: tuple[Note, ...] = ()
+    cells: tuple[CellName, ...] = ()
 
     def listed(self) -> tuple[Note, ...]:
         """The notes with one that lists the first of the `others`, one a line."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
+from composer.diagnostics.cell_name import CellName, listed
 from composer.diagnostics.diagnostic import Diagnostic, Severity
 
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
@@ -22,15 +25,31 @@ def render(diagnostic: Diagnostic) -> str:
         # GitHub accepts columns only within one line.
         if span.end_column is not None and span.end_line in (None, span.line):
             properties["endColumn"] = span.end_column
-    properties["title"] = diagnostic.code
+    cells = diagnostic.cells
+    properties["title"] = diagnostic.code if not cells else f"{diagnostic.code} in {_counted(cells)}"
 
     lines = [diagnostic.message]
     for note in diagnostic.listed():
         lines.append(f"note: {note.span}: {note.message}" if note.span else f"note: {note.message}")
+    if len(cells) > 1:
+        lines.append(f"cells: {listed(cells)}")
     if diagnostic.help is not None:
         lines.append(f"help: {diagnostic.help}")
-    listed = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
-    return f"::{_COMMAND[diagnostic.severity]} {listed}::{_data(chr(10).join(lines))}"
+    return command(_COMMAND[diagnostic.severity], "\n".join(lines), properties)
+
+
+def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:
+    r"""A workflow command of a kind, such as `error`, with everything escaped.
+
+    >>> command("notice", "a%b", {"title": "c, d"})
+    '::notice title=c%2C d::a%25b'
+    """
+    about = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
+    return f"::{kind} {about}::{_data(message)}"
+
+
+def _counted(cells: Sequence[CellName]) -> str:
+    return cells[0].name if len(cells) == 1 else f"{len(cells)} cells"
 
 
 def _data(text: str) -> str:

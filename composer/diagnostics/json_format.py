@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from typing import Any
 
 from composer.diagnostics.diagnostic import Diagnostic, Note
@@ -13,7 +14,7 @@ def render(diagnostic: Diagnostic) -> str:
     """One JSON object on one line, ASCII only, with the same keys for every diagnostic.
 
     >>> render(Diagnostic("bad-name", "no"))
-    '{"severity": "error", "code": "bad-name", "message": "no", "span": null, "notes": [], "help": null, "others": []}'
+    '{"severity": "error", "code": "bad-name", "message": "no", "span": null, "notes": [], "help": null, "others": [], "cells": []}'
     """
     return json.dumps(
         {
@@ -24,6 +25,7 @@ def render(diagnostic: Diagnostic) -> str:
             "notes": [_note(note) for note in diagnostic.notes],
             "help": diagnostic.help,
             "others": [_note(each) for each in diagnostic.others],
+            "cells": [asdict(cell) for cell in diagnostic.cells],
         }
     )
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from xml.etree import ElementTree as Xml
 
+from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.text import ReadSource, render
 
@@ -26,10 +27,16 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Suite:
-    """What was tested of one file."""
+    """What was tested of one file, or of one cell of it."""
 
     name: str
     cases: Sequence[Case]
+    cell: CellName | None = None
+
+    def properties(self) -> dict[str, str]:
+        """The cell and its parts, by name."""
+        found = {} if self.cell is None else asdict(self.cell)
+        return {name: str(value) for name, value in found.items() if value is not None}
 
 
 def report(suites: Iterable[Suite], read: ReadSource) -> str:
@@ -39,6 +46,10 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
         failures = sum(bool(case.told) for case in suite.cases)
         counts = {"tests": str(len(suite.cases)), "failures": str(failures), "errors": "0", "skipped": "0"}
         element = Xml.SubElement(root, "testsuite", {"name": _text(suite.name), **counts})
+        if properties := suite.properties():
+            listed = Xml.SubElement(element, "properties")
+            for name, value in properties.items():
+                Xml.SubElement(listed, "property", {"name": name, "value": _text(value)})
         for case in suite.cases:
             place = {"file": case.file, "line": None if case.line is None else str(case.line)}
             about = {"classname": f"{suite.name}.{case.kind}", "name": case.name, **place}

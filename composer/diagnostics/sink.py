@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
+from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.codes import CODES, OF_FILES
 from composer.diagnostics.diagnostic import Cause, Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
@@ -28,6 +29,7 @@ class Sink:
         # else was found of the same cause.
         self._found: dict[Diagnostic, dict[Note, None]] = {}
         self._causes: dict[tuple[str, Severity, str], Diagnostic] = {}
+        self._cells: dict[Diagnostic, dict[CellName, None]] = {}
         self.error_count = 0
         """How often there was an error, those told before and those not told included."""
         self._forgiven: set[str] = set()
@@ -70,6 +72,17 @@ class Sink:
                 return
         self._found[diagnostic] = {}
 
+    def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
+        """Add what was found in one cell; equal ones of several cells are one that names them all.
+
+        What is known of the recipe as a whole stays without a cell.
+        """
+        if diagnostic in self._found and diagnostic not in self._cells:
+            return
+        self.add(diagnostic)
+        if diagnostic in self._found:
+            self._cells.setdefault(diagnostic, {})[cell] = None
+
     def error(
         self,
         code: str,
@@ -109,10 +122,7 @@ class Sink:
     @property
     def diagnostics(self) -> list[Diagnostic]:
         """All diagnostics, in the order they were added."""
-        return [
-            replace(each, others=(*each.others, *others)) if others else each
-            for each, others in self._found.items()
-        ]
+        return [self._whole(each) for each in self._found]
 
     def sorted(self) -> list[Diagnostic]:
         """Errors, then warnings, then notes. In each: what a person wrote for this run (recipes, options, a program),
@@ -124,6 +134,13 @@ class Sink:
     def errors(self) -> list[Diagnostic]:
         """The errors that are told, in the order they were added."""
         return [each for each in self.diagnostics if each.severity is Severity.ERROR]
+
+    def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
+        """The diagnostic with all that was found of the same cause, and the cells that it is about."""
+        others, cells = self._found[diagnostic], self._cells.get(diagnostic)
+        if others:
+            diagnostic = replace(diagnostic, others=(*diagnostic.others, *others))
+        return replace(diagnostic, cells=tuple(cells)) if cells else diagnostic
 
     @property
     def has_errors(self) -> bool:

@@ -7,6 +7,7 @@ import unicodedata
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from composer.diagnostics.cell_name import listed
 from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.secret import masked
 from composer.diagnostics.span import Span
@@ -22,6 +23,8 @@ _COLOR = {
     "error": "\x1b[1;31m",
     "warning": "\x1b[1;33m",
     "note": "\x1b[1;36m",
+    "cell": "\x1b[1;36m",
+    "cells": "\x1b[1;36m",
     "help": "\x1b[1;32m",
     "bold": "\x1b[1m",
     "gutter": "\x1b[34m",
@@ -60,6 +63,8 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     following = iter(excerpts)
     if diagnostic.span is not None:
         lines += shown(next(following), kind, "^")
+    if cells := diagnostic.cells:
+        lines += remark("cell" if len(cells) == 1 else "cells", listed(cells))
     for note in diagnostic.listed():
         if note.span is None:
             lines += remark("note", note.message)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from composer import engine
-from composer.build.cells import cells_of
+from composer.build.cells import cells_of, check_axes_are_free, picked_one
 from composer.bundle.assemble import assemble
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle
 from composer.bundle.collect import collect
@@ -16,7 +16,6 @@ from composer.bundle.read import ReadError, read
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import exists_note
 from composer.diff.change import End
 from composer.diff.operand import Kind, Operand
 from composer.expand.matrix import Cell
@@ -112,21 +111,15 @@ def _recipe(operand: Operand, kept: str, session: Session, given: Given, pick: s
 
 
 def _cell(operand: Operand, given: Given, pick: str) -> Cell | None:
-    """The cell of this name; that there is none is told."""
+    """The cell that is picked; that there is none is reported."""
     sink = operand.context.sink
     every = cells_of(operand.path, operand.context, dict(given))
     if sink.has_errors:
         return None
-    cell = next((each for each in every if each.name == pick), None)
-    if cell is None:
-        message = f"the matrix of `{operand.label}` has no cell `{pick}`"
-        sink.error("unknown-name", message, notes=(exists_note("cell", [each.name for each in every], pick),))
-    elif set(cell.given) & set(given):
-        name = min(set(cell.given) & set(given))
-        sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
-                   help="do not set it, or compare without `--pick`")  # fmt: skip
-        return None
-    return cell
+    cell = picked_one(every, pick, None, sink, operand.label)
+    if cell is not None:
+        check_axes_are_free([cell], given, sink, "compare without `--pick`")
+    return None if sink.has_errors else cell
 
 
 def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from collections.abc import Mapping as Map
 from dataclasses import dataclass
 
+from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -28,13 +29,21 @@ MAX_CELLS = 100_000
 class Cell:
     """One combination: its name, and the value of every axis of the matrix that it sets, by name.
 
-    `sample` counts the draws that are made for it; 0 has none.
+    `cell` is the name of the combination, None without a matrix. `sample` counts the draws that are made for it; 0 has
+    none. `is_sample` says that it is one of several samples.
     """
 
     name: str
     given: dict[str, Node]
     span: Span
     sample: int = 0
+    cell: str | None = None
+    is_sample: bool = False
+
+    @property
+    def label(self) -> CellName:
+        """What diagnostics call it."""
+        return CellName(self.name, self.cell, self.sample if self.is_sample else None)
 
     def values(self) -> dict[str, Value | None]:
         return {name: plain(node) for name, node in self.given.items()}
@@ -54,7 +63,8 @@ def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None
     combinations = list(matrix.combinations())
     if sink.error_count > before:
         return []
-    made = [Cell(matrix.name_of(name, given), given, span) for given, span in combinations]
+    named = [(matrix.name_of(name, given), given, span) for given, span in combinations]
+    made = [Cell(each, given, span, cell=each) for each, given, span in named]
     if sink.error_count == before:
         _check_unique(made, matrix, sink)
     return made if sink.error_count == before else []

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from composer.bundle.collect import collect
 from composer.context import Context
-from composer.document.node import locate
 from composer.explain import query
 from composer.explain.explanation import (
     Explained,
@@ -15,7 +14,7 @@ from composer.explain.explanation import (
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
 from composer.plan.make import Given, make_plan
-from composer.plan.plan import Plan
+from composer.plan.samples import check_sample
 from composer.steps.compose import Composer
 from composer.steps.measure import measure_with
 from composer.tree.parse import parse_file
@@ -53,8 +52,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
         _no_recipe(path, context)
         return None
     plan = make_plan(path, context, given, sample)
-    if plan is not None and sample > (plan.randomize.samples if plan.randomize else 0):
-        _no_sample(plan, sample, context)
+    if plan is not None and not check_sample(plan, sample, context.sink):
         return None
     composed = None if plan is None else Composer(context, measure_with(context), watch=watch).compose(plan)
     if plan is None or composed is None:
@@ -62,12 +60,6 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
     collect(composed.model, composed.files, context.sink, context.shown)
     watch([composed.model], collect)
     return Traced(composed.model, watch, plan.separator, context.folder)
-
-
-def _no_sample(plan: Plan, sample: int, context: Context) -> None:
-    span = None if plan.randomize is None else locate(plan.document, ("randomize", "samples"))
-    there = "draws nothing" if plan.randomize is None else f"has the samples 0 to {plan.randomize.samples}"
-    context.sink.error("unknown-name", f"there is no sample {sample}: the recipe {there}", span)
 
 
 def _no_recipe(path: Path, context: Context) -> None:

@@ -39,10 +39,15 @@ Given = Map[str, Node]
 """Values of parameters and variants by name, each with the place where it is given."""
 
 
-def make_plan(recipe: Path, context: Context, given: Given | None = None, sample: int = 0) -> Plan | None:
-    """What a build of the recipe will do; None where it or what it refers to is at fault."""
+def make_plan(
+    recipe: Path, context: Context, given: Given | None = None, sample: int = 0, name: str | None = None
+) -> Plan | None:
+    """What a build of the recipe will do; None where it or what it refers to is at fault.
+
+    `name` and `sample` are as in `plan_what_remains`.
+    """
     before = context.sink.error_count
-    plan = plan_what_remains(recipe, context, given, sample=sample)
+    plan = plan_what_remains(recipe, context, given, name, sample)
     return plan if context.sink.error_count == before else None
 
 

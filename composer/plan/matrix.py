@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from composer.context import Context, as_text
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.document.node import Mapping, Node, Scalar, find
 from composer.expand.expand import expand, scope_of
@@ -76,7 +76,7 @@ def _draws_parameters(document: Mapping) -> bool:
 
 def _check_draws(matrix: Matrix, given: Map[str, Node], sink: Sink) -> None:
     """Tell what a cell would draw that its parameters may not be; what else is wrong with it is told elsewhere."""
-    looked_at: set[str] = set()
+    found: dict[str, list[Diagnostic]] = {}
     told = {(each.code, each.message, each.span) for each in sink.diagnostics}
     for cell in matrix.cells:
         concrete = expand(matrix.document, {**given, **cell.given}, Sink())
@@ -89,12 +89,10 @@ def _check_draws(matrix: Matrix, given: Map[str, Node], sink: Sink) -> None:
         drawn = [str(field.param) for field in randomize.of_parameters]
         known = [(concrete.scope.get(name), concrete.parameters.get(name)) for name in drawn]
         alike = repr((randomize, known))
-        if alike in looked_at:
-            continue
-        looked_at.add(alike)
-        own = Sink()
-        drawn_parameters(randomize, 0, concrete, document, own)
-        for each in own.diagnostics:
+        if alike not in found:
+            own = Sink()
+            drawn_parameters(randomize, 0, concrete, document, own)
+            found[alike] = own.diagnostics
+        for each in found[alike]:
             if (each.code, each.message, each.span) not in told:
-                told.add((each.code, each.message, each.span))
-                sink.add(replace(each, notes=(*each.notes, Note(f"so it is in the cell `{cell.name}`"))))
+                sink.add_of_cell(cell.label, each)

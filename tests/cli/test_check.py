@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -16,7 +17,7 @@ def test_a_right_recipe(folder: Path) -> None:
 
 def test_several_recipes(folder: Path) -> None:
     result = run("check", "wrong.yaml", "cell.yaml", "nowhere.yaml", "--no-verify")
-    assert result.exit_code == 1
+    assert result.exit_code == 2  # a recipe that does not exist
     assert result.stdout == "cell.yaml: ok\n"
     assert "error[attach-place]" in result.stderr and "error[file-not-found]" in result.stderr
 
@@ -55,7 +56,7 @@ def cases(text: str) -> dict[str, str | None]:
     """By suite and case, the type of its failure."""
     found: dict[str, str | None] = {}
     for suite in Xml.fromstring(text):
-        for case in suite:
+        for case in suite.iter("testcase"):
             failure = case.find("failure")
             found[f"{suite.get('name')} {case.get('name')}"] = (
                 None if failure is None else failure.get("type")
@@ -90,3 +91,71 @@ def test_junit_that_cannot_be_written(folder: Path) -> None:
 
 def test_usage() -> None:
     assert run("check").exit_code == 2
+
+
+STUDY = """
+recipe: 1
+name: study
+params: {m: 1}
+matrix: {axes: {m: [1, 2, 3]}, name: "study-${m}kg"}
+add: [{to: world, body: {name: b, geom: [{type: sphere, size: [0.1], mass: "${m}"}]}}]
+check: {light: {mass: {range: [0, 1.5]}}}
+"""
+HEAVY = [{"name": name, "cell": name, "sample": None} for name in ("study-2kg", "study-3kg")]
+
+
+def test_all_cells_are_checked_and_named(folder: Path) -> None:
+    (folder / "study.yaml").write_text(STUDY)
+    result = run("check", "study.yaml", "cell.yaml", "--all")
+    assert result.exit_code == 1 and result.stdout == "cell.yaml: ok\n"
+    assert result.stderr.count("error[check-failed]") == 2
+    assert "  = cell: study-2kg\n" in result.stderr
+    assert "2 of 3 cells failed: study-2kg, study-3kg\n" in result.stderr
+    told = list(map(json.loads, run("check", "study.yaml", "--all", "--json").stdout.splitlines()))
+    assert [each.get("cells") for each in told] == [HEAVY[:1], HEAVY[1:], 3]
+    assert told[-1] == {"recipe": "study.yaml", "cells": 3, "failed": HEAVY}
+    marks = run("check", "study.yaml", "--all", "--format", "github").stdout.splitlines()
+    assert "title=check-failed in study-2kg::" in marks[0]
+    assert marks[-1] == "::error title=study.yaml::2 of 3 cells failed: study-2kg, study-3kg"
+    assert cases(run("check", "study.yaml", "--all", "--junit", "-").stdout) == {
+        "study.yaml: study-1kg model": None,
+        "study.yaml: study-1kg light": None,
+        "study.yaml: study-2kg model": None,
+        "study.yaml: study-2kg light": "check-failed",
+        "study.yaml: study-3kg model": None,
+        "study.yaml: study-3kg light": "check-failed",
+    }
+
+
+def test_a_study_that_is_right(folder: Path) -> None:
+    (folder / "study.yaml").write_text(STUDY.replace("1.5", "9"))
+    assert run("check", "study.yaml", "--all").stdout == "study.yaml: ok, 3 models, 3 checks hold\n"
+    told = run("check", "study.yaml", "--all", "--json").stdout
+    assert json.loads(told) == {"recipe": "study.yaml", "cells": 3, "failed": []}
+
+
+def test_picked_cells(folder: Path) -> None:
+    (folder / "study.yaml").write_text(STUDY)
+    light = run("check", "study.yaml", "--pick", "study-1kg")
+    assert (light.exit_code, light.stdout) == (0, "study.yaml: ok, 1 model, 1 check holds\n")
+    heavy = run("check", "study.yaml", "--pick", "m=2", "--pick", "study-1kg")
+    assert heavy.exit_code == 1 and "1 of 2 cells failed: study-2kg" in heavy.stderr
+    for pick, words in (
+        ("study-4kg", "the matrix of `study.yaml` has no cell `study-4kg`"),
+        ("m=4", "no cell of `study.yaml` has `m` = `4`"),
+        ("m=2,x=1", "has no cell `m=2,x=1`"),
+    ):
+        wrong = run("check", "study.yaml", "--pick", pick)
+        assert wrong.exit_code == 2 and words in wrong.stderr
+    alone = run("check", "cell.yaml", "--pick", "study-1kg")
+    assert alone.exit_code == 2 and "error[missing-key]" in alone.stderr
+
+
+def test_cells_that_were_not_checked_are_reported(folder: Path) -> None:
+    (folder / "study.yaml").write_text(STUDY)
+    for _ in range(2):  # the second time from the cache
+        result = run("check", "study.yaml")
+        assert (result.exit_code, result.stdout) == (0, "study.yaml: ok, 1 check holds\n")
+        assert "note[cells-not-checked]: one model was checked, and the matrix has 3 cells" in result.stderr
+    assert json.loads(run("check", "study.yaml", "--json").stdout)["code"] == "cells-not-checked"
+    assert "cells-not-checked" not in run("build", "study.yaml").stderr

@@ -48,5 +48,5 @@ def test_nothing_is_overwritten(folder: Path) -> None:
 
 def test_a_model_that_is_not_there(folder: Path) -> None:
     result = run("import", "gone.xml", "models/tool.xml")
-    assert result.exit_code == 1 and "error[file-not-found]" in result.stderr
+    assert result.exit_code == 2 and "error[file-not-found]" in result.stderr
     assert not (folder / "gone.yaml").exists()

@@ -272,7 +272,7 @@ def test_what_a_merge_pins_in_two_ways_is_for_a_person_to_settle(work: Path) -> 
 
 def test_lock_of_no_recipe(work: Path) -> None:
     result = run("lock", "cel.yaml")
-    assert result.exit_code == 1
+    assert result.exit_code == 2
     assert "did you mean `cell.yaml`?" in result.stderr
     assert not (work / "cel.lock").exists()
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 import shlex
 import subprocess
 import sys
@@ -116,3 +117,90 @@ def test_help_of_every_verb_is_text_for_people(verb: str) -> None:
     result = run(verb, "--help")
     assert result.exit_code == 0 and result.stdout.startswith("Usage: mjcompose " + verb)
     assert "\\b" not in result.stdout and "`None`" not in result.stdout
+
+
+def test_version_and_help_as_commands() -> None:
+    assert run("version").stdout == run("-V").stdout == run("--version").stdout
+    assert run("help").stdout == run("--help").stdout
+    assert run("help", "build").stdout == run("build", "--help").stdout
+    assert run("help", "cache", "info").stdout == run("cache", "info", "--help").stdout
+    assert run("help", "biuld").exit_code == 2 and "`build`" in run("help", "biuld").stderr
+    assert run("help", "build", "x").exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("word", "command"),
+    [("init", "new"), ("validate", "check"), ("lint", "check"), ("format", "fmt"), ("show", "plan RECIPE")],
+)
+def test_what_other_tools_call_it(word: str, command: str) -> None:
+    result = run(word, "x")
+    assert result.exit_code == 2 and f"Write `mjcompose {command}`" in result.stderr
+
+
+def test_every_answer_names_a_command_that_exists() -> None:
+    for words in main_module._CALLED.values():
+        _, verb, *_ = words.split()
+        assert verb in main_module._VERBS
+
+
+def test_an_unknown_option(folder: Path) -> None:
+    """Only one that may be meant is suggested; click by itself suggests `--why` for `--watch`."""
+    result = run("build", "cell.yaml", "--watch")
+    assert result.exit_code == 2 and result.stderr.endswith("No such option '--watch'.\n")
+    assert "Did you mean '--why'?" in run("build", "cell.yaml", "--wy").stderr
+
+
+# What may be said to every command that does such a thing.
+SAME = {
+    "--json": {"build", "check", "verify", "plan", "explain", "lock", "update", "diff", "new", "fmt", "import", "doctor"},
+    "--quiet": {"build", "check", "verify", "plan", "explain", "lock", "update", "diff", "new", "fmt", "import"},
+    "--output": {"build", "import"},
+    "--pick": {"build", "check", "plan", "explain", "diff"},
+    "--sample": {"build", "check", "plan", "explain"},
+    "--all": {"build", "check"},
+    "--timeout": {"build", "check", "verify", "diff"},
+    "--set": {"build", "check", "plan", "explain", "lock", "update", "diff"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("option", list(SAME))
+def test_options_are_the_same_everywhere(option: str) -> None:
+    told = {verb: run(verb, "--help").stdout for verb in main_module._VERBS}
+    having = {
+        verb for verb, help in told.items() if re.search(rf"{option}\b(?!-)", help.partition("Options:")[2])
+    }
+    assert having - {"diff"} == SAME[option] - {"diff"}
+    assert "diff" in having or "diff" not in SAME[option]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("build", "gone.yaml"),
+        ("build", "gone.yaml", "--all"),
+        ("check", "gone.yaml"),
+        ("check", "gone.yaml", "--all"),
+        ("plan", "gone.yaml"),
+        ("plan", "gone.yaml", "--pick", "a"),
+        ("explain", "gone.yaml", "world"),
+        ("explain", "gone.xml", "world"),
+        ("lock", "gone.yaml"),
+        ("update", "gone.yaml"),
+        ("verify", "gone.zip"),
+        ("fmt", "gone.yaml"),
+        ("import", "gone.xml", "models/tool.xml"),
+        ("diff", "gone.yaml", "cell.yaml"),
+    ],
+)
+def test_a_file_that_does_not_exist_is_wrong_usage(folder: Path, words: tuple[str, ...]) -> None:
+    result = run(*words)
+    assert result.exit_code == 2 and "error[file-not-found]" in result.stderr, result.stderr
+
+
+def test_quiet(folder: Path) -> None:
+    for words in (("build", "cell.yaml"), ("build", "cell.yaml", "--why"), ("check", "cell.yaml"), ("lock", "cell.yaml"),
+                  ("new", "new.yaml")):  # fmt: skip
+        result = run(*words, "-q")
+        assert (result.exit_code, result.stdout, result.stderr) == (0, "", ""), words
+    assert "error[attach-place]" in run("check", "wrong.yaml", "--quiet").stderr
+    assert run("build", "cell.yaml", "-q", "--json").stdout.startswith("{")

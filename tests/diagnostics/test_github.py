@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from composer.diagnostics import Diagnostic, Note, Severity, Span, render_github
+from composer.diagnostics.cell_name import CellName
 
 
 def test_place_and_title() -> None:
@@ -42,4 +43,13 @@ def test_escapes() -> None:
 def test_note_with_a_place_names_it() -> None:
     assert render_github(Diagnostic("bad-name", "x", notes=(Note("n", Span("f", 2, 3)),))).endswith(
         "::x%0Anote: f:2:3: n"
+    )
+
+
+def test_cells_are_named() -> None:
+    cells = (CellName("a-1"), CellName("a-2"))
+    assert render_github(Diagnostic("bad-name", "x", cells=cells[:1])) == "::error title=bad-name in a-1::x"
+    assert (
+        render_github(Diagnostic("bad-name", "x", cells=cells))
+        == "::error title=bad-name in 2 cells::x%0Acells: a-1, a-2"
     )

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 
 from composer.diagnostics import Diagnostic, Note, Severity, Span, render_json
+from composer.diagnostics.cell_name import CellName
 
 
 def test_everything_is_there() -> None:
@@ -14,6 +15,7 @@ def test_everything_is_there() -> None:
             Severity.WARNING,
             (Note("n"), Note("m", Span("c", 1, 1))),
             "h",
+            cells=(CellName("a-1-s0002", "a-1", 2), CellName("a-2")),
         )
     )
     assert line.splitlines() == [line]
@@ -32,6 +34,10 @@ def test_everything_is_there() -> None:
         ],
         "help": "h",
         "others": [],
+        "cells": [
+            {"name": "a-1-s0002", "cell": "a-1", "sample": 2},
+            {"name": "a-2", "cell": None, "sample": None},
+        ],
     }
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 from xml.etree import ElementTree as Xml
 
 from composer.diagnostics import Diagnostic, Note, Span
+from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.junit import Case, Suite, report
 
 FAULT = Diagnostic(
@@ -31,3 +32,9 @@ def test_what_xml_cannot_hold_is_replaced() -> None:
     root = Xml.fromstring(report([Suite("a", [Case("n", "k", [fault])])], lambda _: None))
     failure = root.find(".//failure")
     assert failure is not None and failure.get("message") == "a�b�"
+
+
+def test_the_cell_of_a_suite_is_a_property() -> None:
+    root = Xml.fromstring(report([Suite("a.yaml", [], CellName("a-1-s0002", "a-1", 2))], lambda _: None))
+    found = {each.get("name"): each.get("value") for each in root.iter("property")}
+    assert found == {"name": "a-1-s0002", "cell": "a-1", "sample": "2"}

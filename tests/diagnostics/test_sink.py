@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from composer.diagnostics import Cause, Diagnostic, Note, Severity, Sink, Span
+from composer.diagnostics.cell_name import CellName
 
 
 def test_keeps_the_order_and_drops_repetitions() -> None:
@@ -98,3 +99,24 @@ def test_what_lacks_a_lost_name_is_not_told_but_counts() -> None:
         "`left` is wrong", "there is no body `cups`", "the repository `https://host/left/cup` cannot be fetched",
     ]  # fmt: skip
     assert sink.error_count == 5
+
+
+ONE, TWO = CellName("a-1", "a-1"), CellName("a-2", "a-2")
+
+
+def test_equal_faults_of_several_cells_are_one_that_names_them_all() -> None:
+    sink, fault = Sink(), Diagnostic("bad-name", "x")
+    for cell in (ONE, TWO, ONE):
+        sink.add_of_cell(cell, fault)
+    sink.add_of_cell(TWO, Diagnostic("bad-name", "y"))
+    told = [(each.message, each.cells) for each in sink.diagnostics]
+    assert told == [("x", (ONE, TWO)), ("y", (TWO,))]
+    assert sink.sorted() == sink.diagnostics == sink.errors
+    assert sink.has_errors
+
+
+def test_a_fault_of_the_whole_recipe_is_not_one_of_a_cell() -> None:
+    sink = Sink()
+    sink.warning("bad-name", "x")
+    sink.add_of_cell(ONE, sink.diagnostics[0])
+    assert [each.cells for each in sink.diagnostics] == [()]

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 
 from composer.diagnostics import Diagnostic, Note, Severity, Span, render, summary
+from composer.diagnostics.cell_name import CellName
 
 
 def lines(diagnostic: Diagnostic, source: str, color: bool = False) -> list[str]:
@@ -150,3 +152,11 @@ def test_summary() -> None:
     assert summary([error, error, warning]) == "2 errors, 1 warning"
     assert summary([warning, warning, note]) == "2 warnings, 1 note"
     assert summary([]) == "no errors"
+
+
+def test_cells_are_named() -> None:
+    cells = tuple(CellName(f"a-s000{n}", None, n) for n in range(3))
+    fault = Diagnostic("bad-name", "x", notes=(Note("n"),), cells=cells)
+    assert lines(fault, "")[1:] == ["  = cells: a-s0000 … a-s0002", "  = note: n"]
+    assert lines(replace(fault, cells=cells[:1]), "")[1] == "  = cell: a-s0000"
+    assert "a-s0000" in "".join(lines(fault, "", color=True))

@@ -113,6 +113,7 @@ NOT_A_BUILD = {
     **dict.fromkeys(
         ("bundle-changed", "bundle-manifest", "part-changed", "part-not-compared"), "tests/verify"
     ),
+    "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/diff",
     "no-rendering": "needs a machine without OpenGL: tests/diff",
     "cannot-format": "is not about a build: tests/formatting",

@@ -1,0 +1,18 @@
+"""`mjcompose completion SHELL`: the line that turns completion on."""
+
+from __future__ import annotations
+
+import click
+
+_LINES = {
+    "bash": 'eval "$(_MJCOMPOSE_COMPLETE=bash_source mjcompose)"',
+    "zsh": 'eval "$(_MJCOMPOSE_COMPLETE=zsh_source mjcompose)"',
+    "fish": "_MJCOMPOSE_COMPLETE=fish_source mjcompose | source",
+}
+
+
+@click.command()
+@click.argument("shell", type=click.Choice(tuple(_LINES)))
+def command(shell: str) -> None:
+    """Print the line for the start file of SHELL that makes it complete commands, options, cells and names."""
+    click.echo(_LINES[shell])

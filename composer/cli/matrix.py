@@ -1,0 +1,86 @@
+"""The options that choose cells of a recipe's matrix and samples of what it draws, and the cells that they choose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from composer.cli.reporting import USAGE, exit_code
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from composer.context import Context
+    from composer.document import Node
+    from composer.expand.matrix import Cell
+
+
+def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--all`, `--pick` and `--sample`; the command gets them as `every`, `picks` and `only_samples`."""
+    for option in reversed((
+        click.option("--all", "every", is_flag=True,
+                     help="Every cell of the recipe's matrix and every sample, or the one model that it is."),
+        click.option("--pick", "picks", multiple=True, metavar="CELL",
+                     help="This cell of the matrix, or this sample; AXIS=VALUE[,AXIS=VALUE...] means all cells with"
+                          " these values."),
+        click.option("--sample", "only_samples", multiple=True, type=click.IntRange(min=0), metavar="NUMBER",
+                     help="Only this sample, of all cells or of those that are picked; 0 is the model without draws."),
+    )):  # fmt: skip
+        command = option(command)
+    return command
+
+
+def cell_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--pick` and `--sample` of a command that looks at one model; the command gets `pick` and `sample`."""
+    for option in reversed((
+        click.option("--pick", metavar="CELL",
+                     help="This cell of the matrix, or this sample; or AXIS=VALUE[,AXIS=VALUE...]."),
+        click.option("--sample", type=click.IntRange(min=0), metavar="NUMBER",
+                     help="This sample of what the recipe draws; 0, the default, is the model without draws."),
+    )):  # fmt: skip
+        command = option(command)
+    return command
+
+
+def chosen_cells(
+    recipe: Path,
+    picks: Sequence[str],
+    samples: Sequence[int],
+    given: dict[str, Node],
+    context: Context,
+    verb: str,
+) -> tuple[list[Cell], int]:
+    """The cells that the options choose, none where the recipe is one model; and the exit code, 0 without a fault.
+
+    Faults go to the context's sink.
+    """
+    from composer.build.cells import cells_of, check_axes_are_free, of_samples, picked
+
+    every = cells_of(recipe, context, given)
+    if context.sink.has_errors:
+        return [], exit_code(context.folder, [recipe])
+    if not every and (picks or samples):
+        context.sink.error("missing-key", f"`{recipe}` has neither `matrix` nor `randomize`: it is one model",
+                           help=f"{verb} it without `--pick` and `--sample`")  # fmt: skip
+    chosen = picked(every, picks, context.sink, str(recipe)) if picks and every else every
+    if samples:
+        chosen = of_samples(chosen, samples, context.sink)
+    check_axes_are_free(chosen, given, context.sink, f"{verb} without `--all` and `--pick`")
+    return chosen, USAGE if context.sink.has_errors else 0
+
+
+def chosen_cell(
+    recipe: Path, pick: str, sample: int | None, given: dict[str, Node], context: Context, verb: str
+) -> Cell | None:
+    """The one cell that the options choose; None where there is none, which the context's sink gets."""
+    from composer.build.cells import cells_of, check_axes_are_free, picked_one
+
+    every = cells_of(recipe, context, given)
+    if context.sink.has_errors:
+        return None
+    cell = picked_one(every, pick, sample, context.sink, str(recipe))
+    if cell is not None:
+        check_axes_are_free([cell], given, context.sink, f"{verb} without `--pick`")
+    return None if context.sink.has_errors else cell

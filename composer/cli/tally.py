@@ -1,0 +1,56 @@
+"""How many of a recipe's cells were looked at, and which of them failed, in every format."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import click
+
+from composer.diagnostics import github
+from composer.diagnostics.cell_name import CellName, listed
+from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.sink import Sink
+
+
+@dataclass(slots=True)
+class Tally:
+    """`total` is how many there are to look at, `whole` how many were right."""
+
+    recipe: Path
+    total: int
+    whole: int = 0
+    failed: list[CellName] = field(default_factory=list)
+
+    def take(self, cell: CellName, found: Iterable[Diagnostic], sink: Sink, *, failed: bool) -> None:
+        """Count a cell, and hand on what was found of it."""
+        for diagnostic in found:
+            sink.add_of_cell(cell, diagnostic)
+        if failed:
+            self.failed.append(cell)
+        else:
+            self.whole += 1
+
+    def say(self, form: str, *, err: bool = False) -> list[tuple[bool, str]]:
+        """Print it: in JSON always, else where a cell failed. Gives what was printed, and whether to standard error."""
+        words = self._said(form)
+        if words is None:
+            return []
+        err = err or form == "text"
+        click.echo(words, err=err)
+        return [(err, f"{words}\n")]
+
+    def _said(self, form: str) -> str | None:
+        if form == "json":
+            told = {
+                "recipe": str(self.recipe),
+                "cells": self.total,
+                "failed": [asdict(each) for each in self.failed],
+            }
+            return json.dumps(told)
+        if not self.failed:
+            return None
+        words = f"{len(self.failed)} of {self.total} cells failed: {listed(self.failed)}"
+        return words if form == "text" else github.command("error", words, {"title": str(self.recipe)})
