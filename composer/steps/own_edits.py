@@ -19,6 +19,7 @@ from composer.steps.drop import drop
 from composer.steps.edit import edit, is_of_keys
 from composer.steps.editing import Editing
 from composer.steps.elements import Making
+from composer.steps.intervals import check_intervals
 from composer.steps.subtree import Wanted
 from composer.tree.key import Key, PartKeys
 from composer.tree.unit import Unit
@@ -74,6 +75,7 @@ class OwnEdits:
         for step in steps:
             edit(step, editing)
             self.watch([self.unit], step)
+        check_intervals(editing.making)
 
 
 def _still_meant(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:

@@ -21,6 +21,8 @@ HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
 # Cases that are about several faults, all of which are told.
 SEVERAL = {
+    "range_wrong_order",
+    "range_wrong_order_in_part",
     "several_expressions",
     "everything_at_once",
     "edit_beside_others",
