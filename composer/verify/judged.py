@@ -17,7 +17,7 @@ from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, crash_help, verify
 from composer.verify.culprit import culprit
 from composer.verify.left_behind import left_behind
-from composer.verify.told import Told, told, unknown_attribute
+from composer.verify.told import Told, kind_of, told, unknown_attribute
 from composer.verify.unread import unread
 
 _PLUGIN = re.compile(r"failed for plugin id (\d+)")
@@ -65,7 +65,7 @@ def judge(
         GRAMMAR.versions[-1]
     ):  # a newer one may have more attributes
         for element, name in unread(model.root):
-            tell(unknown_attribute(element, name), element, model, context)
+            _tell_unread(element, name, model, context)
     for flex in left_behind(model.root, version):
         context.sink.warning(
             "not-supported",
@@ -74,6 +74,20 @@ def judge(
             help="build with MuJoCo 4.0, which moves it, or put it into a body",
         )
     return verified.compiled
+
+
+def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> None:
+    """A typing error, most likely; a warning where models are known to write it, though it means nothing."""
+    kind = kind_of(element)
+    if kind is None or name not in kind.ignored:
+        tell(unknown_attribute(element, name), element, model, context)
+        return
+    context.sink.warning(
+        "unknown-attribute",
+        f"MuJoCo ignores `{name}` of `<{kind.tag}>`, which has no effect",
+        model.origins.span(element, model.file, name, key=True),
+        help=f"remove `{name}`",
+    )
 
 
 def tell(said: Told, element: Node | None, model: Unit, context: Context) -> None:
