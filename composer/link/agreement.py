@@ -17,6 +17,7 @@ from composer.diagnostics.span import Span
 from composer.grammar import GRAMMAR
 from composer.link import numbers
 from composer.link.linking import Linking, Part
+from composer.link.room import asked, bytes_of
 from composer.tree.unit import Unit
 
 SINGLETONS = ("option", "visual", "statistic")
@@ -276,6 +277,7 @@ def _flow(tree: Mapping[str, Any]) -> str:
 
 
 def _sizes(linking: Linking) -> None:
+    linking.room = asked(linking)
     for part in linking.parts:
         for section in part.unit.root.iterchildren("size"):
             for name, value in section.items():
@@ -308,18 +310,12 @@ def _one_memory(linking: Linking) -> None:
 def _enlarge(linking: Linking, name: str, value: str) -> None:
     have = [str(size.get(name)) for size in linking.base.root.iterchildren("size") if size.get(name)]
     if name == "memory":
-        if not have or _bytes(value) > _bytes(have[-1]):
+        if not have or bytes_of(value) > bytes_of(have[-1]):
             linking.base.section("size").set(name, value)
     elif name in _LARGEST or name.startswith("nuser_"):
         largest = max([int(value), *map(int, have)])
         if largest >= 0:
             linking.base.section("size").set(name, str(largest))
-
-
-def _bytes(text: str) -> float:
-    scale = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60}
-    text = text.strip().lower()
-    return float(text[:-1]) * scale[text[-1]] if text and text[-1] in scale else float(text or 0)
 
 
 _USERS = {

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
 from lxml.etree import _Element as Node
 
@@ -18,6 +18,9 @@ from composer.tree.key import Key, PartKeys
 from composer.tree.names import Names
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
+
+if TYPE_CHECKING:
+    from composer.link.room import Asked
 
 Policy = Literal["error", "warning", "merge"]
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -146,7 +149,7 @@ class Linking:
     written out, so that what is added to them adds no mass. `references` and `mocap_references` have what only MuJoCo
     can tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts whose keys say
     where something is in the world. `coming` has where the recipe writes the places, by kind and name, that it adds
-    when all parts hang.
+    when all parts hang. `room` is what the sources ask for of memory, where MuJoCo may have to give more.
     """
 
     base: Unit
@@ -184,6 +187,7 @@ class Linking:
     flexes: list[Flex] = field(default_factory=list)
     replicates: list[tuple[Unit, Node]] = field(default_factory=list)
     main_joint: dict[str, str] = field(default_factory=dict)
+    room: tuple[Asked, ...] = ()
 
     @property
     def composed(self) -> bool:

@@ -18,7 +18,7 @@ from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, crash_help, verify
 from composer.verify.culprit import culprit
 from composer.verify.left_behind import left_behind
-from composer.verify.told import Told, told, unknown_attribute
+from composer.verify.told import Told, kind_of, told, unknown_attribute
 from composer.verify.unread import unread
 
 _PLUGIN = re.compile(r"failed for plugin id (\d+)")
@@ -68,8 +68,7 @@ def judge(
         GRAMMAR.versions[-1]
     ):  # a newer one may have more attributes
         for element, name in unread(model.root):
-            cause = Cause(f"{element.tag} {name}", _called(element))
-            tell(unknown_attribute(element, name), element, model, context, cause)
+            _tell_unread(element, name, model, context)
     for flex in left_behind(model.root, version):
         context.sink.warning(
             "not-supported",
@@ -86,6 +85,21 @@ def _called(element: Node | None) -> str:
         return "the model"
     name = element.get("name")
     return f"`<{element.tag}>` `{name}`" if name else f"`<{element.tag}>`"
+
+
+def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> None:
+    """A typing error, most likely; a warning where models are known to write it, though it means nothing."""
+    kind = kind_of(element)
+    if kind is None or name not in kind.ignored:
+        cause = Cause(f"{element.tag} {name}", _called(element))
+        tell(unknown_attribute(element, name), element, model, context, cause)
+        return
+    context.sink.warning(
+        "unknown-attribute",
+        f"MuJoCo ignores `{name}` of `<{kind.tag}>`, which has no effect",
+        model.origins.span(element, model.file, name, key=True),
+        help=f"remove `{name}`",
+    )
 
 
 def tell(said: Told, element: Node | None, model: Unit, context: Context, cause: Cause | None = None) -> None:

@@ -51,6 +51,8 @@ BUILT = {
     "conflict_warning",
     "copies_warning",
     "edit_convert_loss",
+    "ignored_attribute",
+    "memory_of_part",
     "memory_warning",
     "subtree_cut",
 }
