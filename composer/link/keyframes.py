@@ -18,6 +18,7 @@ from composer.link.linking import Linking, Part
 from composer.link.part_keys import called, part_keys
 from composer.link.reference_rows import Reference
 from composer.tree.key import Key
+from composer.tree.key_number import KeyRecord, texts
 from composer.tree.line import line_of, set_line
 
 
@@ -28,7 +29,7 @@ def keyframes(linking: Linking) -> None:
         return
     linking.base.part_keys = part_keys(linking)
     keys = _merged(linking)
-    final = final_layout(linking)
+    final = linking.final_layout = final_layout(linking)
     if final is None:
         return
     if (
@@ -56,13 +57,17 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
     element = linking.base.root.makeelement("key")
     if key.name:
         element.set("name", key.name)
+    record = KeyRecord((key.element, *key.others))
     if key.time is not None:
-        element.set("time", key.time)
+        element.set("time", key.time.text)
+        record.numbers["time"] = [key.time]
     for vector in VECTORS:
         if vector in key.values:
             row = reference.row(vector, final, key.values[vector])
             if row:
-                element.set(vector, " ".join(row))
+                element.set(vector, " ".join(texts(row)))
+                record.numbers[vector] = row
+    linking.base.origins.keys[element] = record
     linking.base.origins.own(element, key.origins.owner(key.element, key.file))
     set_line(element, line_of(key.element))
     return element
@@ -122,19 +127,25 @@ def _name(part: Part | None, key: Key) -> str:
 
 def _join(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
     """Let a key also say what another one of its name says; the times of a `settled` one need not agree."""
+    key.others += (other.element, *other.others)
     if key.time is None:
         key.time = other.time
-    elif not settled and other.time is not None and numbers.read(other.time) != numbers.read(key.time):
+    elif (
+        not settled
+        and other.time is not None
+        and numbers.read(other.time.text) != numbers.read(key.time.text)
+    ):
         _times_differ(linking, key, other)
     for vector, columns in other.values.items():
         key.values.setdefault(vector, {}).update(columns)
 
 
 def _times_differ(linking: Linking, key: Key, other: Key) -> None:
+    assert key.time is not None and other.time is not None
     report = linking.sink.error if linking.conflict == "error" else linking.sink.warning
     report(
         "keyframe-conflict",
-        f"the keys `{key.name}` of two parts have different times: {other.time} and {key.time}",
+        f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}",
         other.span("time"),
         notes=(Note("the other one is here", key.span("time")),),
         help="write `keyframes: prefix` in one of the parts to keep its keys apart",

@@ -142,7 +142,8 @@ class Linking:
     the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
     `alignfree`. `asked` are the parts, by path, of whose keys the recipe makes its own; None where it makes no key.
     `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
-    recipe's, `replaced_keys` those of the parts, by name, in whose place they stand. Edits of what is linked note in
+    recipe's, `replaced_keys` those of the parts, by name, in whose place they stand;
+    `final_layout` is how the finished model lays them out. Edits of what is linked note in
     `reshaped` whose numbers in a key may be more or fewer now, and in `emptied` whose old numbers have no meaning any
     more; `edited` is that there may be edits. `grows` is that the recipe adds what rules for a whole model would
     reach. `weighed` are the bodies whose inertia has been
@@ -168,6 +169,7 @@ class Linking:
     base_class: str | None = None
     aligned: bool = False
     base_layout: Layout | None = None
+    final_layout: Layout | None = None
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)

@@ -51,6 +51,7 @@ class OwnEdits:
         if self.context.sink.error_count == before:
             inner = _still_meant(self.unit.part_keys, linking.emptied)
             keyframes(linking)
+            self.watch([self.unit], keyframes)
             self.unit.part_keys = inner
             self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
         self.unit.forget_classes()

@@ -93,7 +93,9 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
             return  # computed from poses
         source = getattr(top.model, array)
         places = np.arange(source.size).reshape(source.shape)
-        RELEASES[array](top.model, array, np.unique(seen_alike(places, source, self)[key] // source.shape[-1]))
+        RELEASES[array](
+            top.model, array, np.unique(seen_alike(places, source, self)[key] // source.shape[-1])
+        )
 
 
 def _in_place(name: str) -> Any:
