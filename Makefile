@@ -14,7 +14,7 @@ STAMP := $(VENV)/.ready$(if $(MUJOCO),-mujoco-$(MUJOCO))
 # The same environment without tests and linters, which a demo does not need; what wants those completes it.
 LIGHT := $(VENV)/.light$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
-.PHONY: demo test test-usd lint format bench fidelity schemas constraints clean
+.PHONY: demo test test-all test-usd lint format bench fidelity schemas constraints clean
 .DELETE_ON_ERROR:
 
 demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
@@ -22,8 +22,13 @@ demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
 	@echo "The bundle is build/demo.zip: model.xml, its assets, the licences of its parts and manifest.json."
 	@echo "Look at it:  unzip -o -q build/demo.zip -d build/demo && $(BIN)/python -m mujoco.viewer --mjcf=build/demo/model.xml"
 
+# The tests that take at most a few seconds each.
 test: $(STAMP)
-	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+	@$(BIN)/python -m pytest $(PYTEST_ARGS) -m "not slow"
+
+# These, and then the slow ones: whole sets of real models, and what starts other programs.
+test-all: test
+	@$(BIN)/python -m pytest $(PYTEST_ARGS) -m slow
 
 # The tests of USD, in an environment of their own: the converter wants an older MuJoCo and Python 3.12 or older.
 test-usd:

@@ -75,9 +75,18 @@ def from_json(text: bytes) -> Record:
 
 
 def _diagnostic(data: dict[str, Any]) -> Diagnostic:
-    notes = tuple(Note(each["message"], _span(each["span"])) for each in data["notes"])
+    notes, others = (
+        tuple(Note(each["message"], _span(each["span"])) for each in data[kind])
+        for kind in ("notes", "others")
+    )
     return Diagnostic(
-        data["code"], data["message"], _span(data["span"]), Severity(data["severity"]), notes, data["help"]
+        data["code"],
+        data["message"],
+        _span(data["span"]),
+        Severity(data["severity"]),
+        notes,
+        data["help"],
+        others,
     )
 
 

@@ -250,6 +250,7 @@ def _part(member: Member, number: int, renamed: Renamed) -> Part:
         welded=member.welded,
         stands=member.stands,
         changed=member.changed,
+        replaced_keys=member.replaced_keys,
         obscure=member.obscure or member.reduced,
         subtree=member.subtree,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},

@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from composer.diagnostics.diagnostic import Cause
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest
 from composer.link.linking import FileUse
@@ -54,9 +55,10 @@ def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = s
             _missing(model, use, error, sink, shown)
             return None
     if lfs.is_pointer(content):
-        told = f"`{shown(Path(use.source))}` is not the file itself but where Git LFS has it"
+        called = f"`{shown(Path(use.source))}`"
+        told = f"{called} is not the file itself but where Git LFS has it"
         span = model.origins.span(use.element, model.file, use.attribute)
-        sink.error("asset-missing", told, span, help=lfs.HELP)
+        sink.error("asset-missing", told, span, help=lfs.HELP, cause=Cause(f"lfs: {span.file}", called))
         return None
     return content
 
@@ -92,22 +94,30 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
         beside = []
         if isinstance(error, FileNotFoundError):
             message += f", and neither is the folder `{shown(source.parent)}`"
+    # What one folder lacks is one finding, unless each file needs a correction of its own.
+    folder: Path | None = None
     if near := closest(source.name, beside):
         help = f"did you mean `{near[0]}`?"
     elif elsewhere := _elsewhere(source):
         help = f"there is one at `{shown(elsewhere)}`"
+        folder = elsewhere.parent
     else:
         help = "compare the path with what is on the disk"
+        folder = source.parent
     if not isinstance(error, FileNotFoundError):
         message, help = (
             f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}",
             None,
         )
+        folder = None
     archive = in_archive(source)
     if archive is not None:
         message, help = f"`{shown(archive[0])}` has no file `{archive[1]}`", None
     span = model.origins.span(use.element, model.file, use.attribute)
-    sink.error("asset-missing", message, span, help=help)
+    cause = None
+    if folder is not None:
+        cause = Cause(f"{span.file}: {source.parent} {folder}", f"`{shown(source)}`")
+    sink.error("asset-missing", message, span, help=help, cause=cause)
 
 
 def _elsewhere(source: Path) -> Path | None:

@@ -84,6 +84,9 @@ class Part(_Part):
     changed: tuple[str, ...] = Field(
         default=(), description="The arrays of mjModel that the recipe changes in it."
     )
+    replaced_keys: tuple[str, ...] = Field(
+        default=(), description="Names of keyframes that the recipe writes in place of its own."
+    )
     obscure: str | None = Field(default=None, description="Why it cannot be compared with its source, if so.")
     subtree: str | None = Field(default=None, description="The one body that was taken of its source, if so.")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from composer.diagnostics.codes import CODES
-from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
+from composer.diagnostics.diagnostic import Cause, Diagnostic, Note, Severity
 from composer.diagnostics.failure import MjcomposeError
 from composer.diagnostics.github import render as render_github
 from composer.diagnostics.json_format import render as render_json
@@ -14,6 +14,7 @@ from composer.diagnostics.text import render, summary
 
 __all__ = [
     "CODES",
+    "Cause",
     "Diagnostic",
     "MjcomposeError",
     "Note",

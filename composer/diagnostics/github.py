@@ -29,7 +29,7 @@ def render(diagnostic: Diagnostic) -> str:
     properties["title"] = diagnostic.code if not cells else f"{diagnostic.code} in {_counted(cells)}"
 
     lines = [diagnostic.message]
-    for note in diagnostic.notes:
+    for note in diagnostic.listed():
         lines.append(f"note: {note.span}: {note.message}" if note.span else f"note: {note.message}")
     if len(cells) > 1:
         lines.append(f"cells: {listed(cells)}")

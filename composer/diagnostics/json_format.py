@@ -6,15 +6,15 @@ import json
 from dataclasses import asdict
 from typing import Any
 
-from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.diagnostics.span import Span
 
 
 def render(diagnostic: Diagnostic) -> str:
     """One JSON object on one line, ASCII only, with the same keys for every diagnostic.
 
-    >>> render(Diagnostic("bad-name", "no"))
-    '{"severity": "error", "code": "bad-name", "message": "no", "span": null, "notes": [], "help": null, "cells": []}'
+    >>> render(Diagnostic("bad-name", "no"))[:68]
+    '{"severity": "error", "code": "bad-name", "message": "no", "span": n'
     """
     return json.dumps(
         {
@@ -22,11 +22,16 @@ def render(diagnostic: Diagnostic) -> str:
             "code": diagnostic.code,
             "message": diagnostic.message,
             "span": _span(diagnostic.span),
-            "notes": [{"message": note.message, "span": _span(note.span)} for note in diagnostic.notes],
+            "notes": [_note(note) for note in diagnostic.notes],
             "help": diagnostic.help,
+            "others": [_note(each) for each in diagnostic.others],
             "cells": [asdict(cell) for cell in diagnostic.cells],
         }
     )
+
+
+def _note(note: Note) -> dict[str, Any]:
+    return {"message": note.message, "span": _span(note.span)}
 
 
 def _span(span: Span | None) -> dict[str, Any] | None:

@@ -8,11 +8,14 @@ from dataclasses import replace
 
 from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.codes import CODES, OF_FILES
-from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
+from composer.diagnostics.diagnostic import Cause, Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
 
 _QUOTED = re.compile(r"`([^`]*)`")
 _STEP = re.compile(r"[/:.\s]")
+_SEVERITIES = tuple(Severity)
+_OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
+"""How the files of models end, which are most often somebody else's."""
 
 
 class Sink:
@@ -22,8 +25,10 @@ class Sink:
     """
 
     def __init__(self) -> None:
-        # A dict keeps the order of insertion and finds repetitions in constant time.
-        self._found: dict[Diagnostic, None] = {}
+        # A dict keeps the order of insertion and finds repetitions in constant time. Each diagnostic has with it what
+        # else was found of the same cause.
+        self._found: dict[Diagnostic, dict[Note, None]] = {}
+        self._causes: dict[tuple[str, Severity, str], Diagnostic] = {}
         self._cells: dict[Diagnostic, dict[CellName, None]] = {}
         self.error_count = 0
         """How often there was an error, those told before and those not told included."""
@@ -53,13 +58,19 @@ class Sink:
             return False
         return any(map(self.forgives, _QUOTED.findall(diagnostic.message)))
 
-    def add(self, diagnostic: Diagnostic) -> None:
+    def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code not in CODES:
             raise KeyError(diagnostic.code)
         if diagnostic.severity is Severity.ERROR:
             self.error_count += 1
-        if diagnostic not in self._found and not (self._forgiven and self._is_forgiven(diagnostic)):
-            self._found[diagnostic] = None
+        if diagnostic in self._found or (self._forgiven and self._is_forgiven(diagnostic)):
+            return
+        if cause is not None:
+            first = self._causes.setdefault((diagnostic.code, diagnostic.severity, cause.key), diagnostic)
+            if first is not diagnostic:
+                self._found[first][Note(cause.subject, diagnostic.span)] = None
+                return
+        self._found[diagnostic] = {}
 
     def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
         """Add what was found in one cell; equal ones of several cells are one that names them all.
@@ -80,8 +91,9 @@ class Sink:
         *,
         notes: Iterable[Note] = (),
         help: str | None = None,
+        cause: Cause | None = None,
     ) -> None:
-        self.add(Diagnostic(code, message, span, Severity.ERROR, tuple(notes), help))
+        self.add(Diagnostic(code, message, span, Severity.ERROR, tuple(notes), help), cause)
 
     def warning(
         self,
@@ -91,8 +103,9 @@ class Sink:
         *,
         notes: Iterable[Note] = (),
         help: str | None = None,
+        cause: Cause | None = None,
     ) -> None:
-        self.add(Diagnostic(code, message, span, Severity.WARNING, tuple(notes), help))
+        self.add(Diagnostic(code, message, span, Severity.WARNING, tuple(notes), help), cause)
 
     def note(
         self,
@@ -102,25 +115,31 @@ class Sink:
         *,
         notes: Iterable[Note] = (),
         help: str | None = None,
+        cause: Cause | None = None,
     ) -> None:
-        self.add(Diagnostic(code, message, span, Severity.NOTE, tuple(notes), help))
+        self.add(Diagnostic(code, message, span, Severity.NOTE, tuple(notes), help), cause)
 
     @property
     def diagnostics(self) -> list[Diagnostic]:
         """All diagnostics, in the order they were added."""
-        return [self._with_cells(each) for each in self._found]
+        return [self._whole(each) for each in self._found]
 
     def sorted(self) -> list[Diagnostic]:
-        """All diagnostics by file, line and column; those without a place come last, in their order."""
-        return sorted(self.diagnostics, key=_place)
+        """Errors, then warnings, then notes. In each: what a person wrote for this run (recipes, options, a program),
+        then files of models; by file, line and column. What has no place comes last, in the order it was found.
+        """
+        return sorted(self.diagnostics, key=_rank)
 
     @property
     def errors(self) -> list[Diagnostic]:
         """The errors that are told, in the order they were added."""
         return [each for each in self.diagnostics if each.severity is Severity.ERROR]
 
-    def _with_cells(self, diagnostic: Diagnostic) -> Diagnostic:
-        cells = self._cells.get(diagnostic)
+    def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
+        """The diagnostic with all that was found of the same cause, and the cells that it is about."""
+        others, cells = self._found[diagnostic], self._cells.get(diagnostic)
+        if others:
+            diagnostic = replace(diagnostic, others=(*diagnostic.others, *others))
         return replace(diagnostic, cells=tuple(cells)) if cells else diagnostic
 
     @property
@@ -129,6 +148,8 @@ class Sink:
         return self.error_count > 0
 
 
-def _place(diagnostic: Diagnostic) -> tuple[bool, str, int, int]:
-    span = diagnostic.span
-    return (True, "", 0, 0) if span is None else (False, span.file, span.line, span.column)
+def _rank(diagnostic: Diagnostic) -> tuple[int, bool, bool, str, int, int]:
+    severity, span = _SEVERITIES.index(diagnostic.severity), diagnostic.span
+    if span is None:
+        return severity, True, True, "", 0, 0
+    return severity, False, span.file.lower().endswith(_OF_MODELS), span.file, span.line, span.column

@@ -65,7 +65,7 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
         lines += shown(next(following), kind, "^")
     if cells := diagnostic.cells:
         lines += remark("cell" if len(cells) == 1 else "cells", listed(cells))
-    for note in diagnostic.notes:
+    for note in diagnostic.listed():
         if note.span is None:
             lines += remark("note", note.message)
         else:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from composer.diagnostics.span import Span
 from composer.diff.elements import Elements
 from composer.explain.query import name_of
-from composer.explain.rows import VECTORS, rows
+from composer.explain.rows import VECTORS
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -26,10 +26,9 @@ def said(elements: Elements, key: Node | None, vector: str, entry: str) -> Said:
     traced = elements.traced
     if key is None or vector not in VECTORS:
         return Said(None, None, None)
-    for row in rows(traced.model, key, vector, traced.watch):
-        if name_of(row.holder) == entry:
-            if row.key is None:
-                return Said(row.holder, None, None)
-            text = row.key.attributes.get(vector)
-            return Said(row.holder, text, row.key.span(traced.model.origins, vector))
+    found = [each for each in traced.key_rows(key, vector) if name_of(each[0]) == entry]
+    if found:
+        said_by = [row for _, row in found if row.origin not in ("reference", "zero", "unknown")]
+        text = " ".join(row.written or row.value for row in said_by)
+        return Said(found[0][0], text or None, said_by[0].reason.span if said_by else None)
     return Said(None, key.get(vector), traced.written_at(key, vector))

@@ -99,16 +99,19 @@ def _reserved_start(it: Complaint) -> Fault | None:
 def _colon_in_flow(it: Complaint) -> Fault | None:
     if "plain scalar" not in it.context or "unexpected ':'" not in it.problem:
         return None
-    end = max(unquoted_end(it.text, it.since, True), it.at + 1)
-    key, _, value = it.text[it.since : end].partition(":")
+    # The scalar may go on over several lines; the fault is in the line of the colon.
+    start = max(it.since, it.line_start(it.at))
+    start += len(it.text[start : it.at]) - len(it.text[start : it.at].lstrip())
+    end = max(unquoted_end(it.text, start, True), it.at + 1)
+    key, _, value = it.text[start:end].partition(":")
     if _KEY.fullmatch(key) and value[:1] in ("[", "{", '"', "'"):
         return it.fault(
             f"there is no space behind the colon of `{key}`",
-            it.span(it.since, it.since + len(key) + 1),
+            it.span(start, start + len(key) + 1),
             f"write `{key}: {value}`",
         )
-    message = f"`{it.text[it.since : end]}` has a colon, and inside `[ ]` or `{{ }}` must be in quotes"
-    return it.unquoted("yaml-syntax", it.since, end, message)
+    message = f"`{it.text[start:end]}` has a colon, and inside `[ ]` or `{{ }}` must be in quotes"
+    return it.unquoted("yaml-syntax", start, end, message)
 
 
 def _glob_choice(it: Complaint) -> Fault | None:

@@ -54,6 +54,23 @@ class Listed:
 
 
 @dataclass(frozen=True, slots=True)
+class RowExplained:
+    """Numbers of a keyframe that belong to one joint, actuator or mocap body and are of one origin.
+
+    `origin` says what gave them: `file`, `entry` (of a `keyframe` section), `edit`, `reference` (configuration),
+    `zero`, `mujoco` or `unknown`. `written` is the text at the place in `reason`. `on_the_way` has what passed the
+    numbers on or changed them, in order.
+    """
+
+    label: str
+    value: str
+    origin: str
+    reason: Reason
+    written: str | None
+    on_the_way: tuple[Reason, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ElementExplained:
     """An element of the model, and how it came to be as it is.
 
@@ -105,7 +122,7 @@ class AttributeExplained:
     levels: tuple[LevelExplained, ...]
     in_force: Reason | None
     about: str | None
-    rows: tuple[Listed, ...]
+    rows: tuple[RowExplained, ...]
     notes: tuple[str, ...]
 
 

@@ -14,6 +14,7 @@ from composer.explain.explanation import (
     Explained,
     LevelExplained,
     Listed,
+    RowExplained,
 )
 
 ReadSource = Callable[[str], str | None]
@@ -94,9 +95,7 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterat
     if it.rows:
         yield ""
         yield "number by number"
-        yield from _table(
-            [(row.label, row.value or "", row.reason.words + _at(row.reason.span)) for row in it.rows]
-        )
+        yield from _table([(row.label, row.value, _row_origin(row)) for row in it.rows])
     first = next((each for each in it.levels if each.kind == "class"), None)
     if it.in_force is not None and first is not None:
         yield ""
@@ -110,6 +109,12 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterat
     for note in it.notes:
         yield ""
         yield f"note: {note}"
+
+
+def _row_origin(row: RowExplained) -> str:
+    place = _at(row.reason.span, ", " if row.reason.words else "")
+    passed = "".join(f", {each.words}{_at(each.span, ' ')}" for each in row.on_the_way)
+    return f"{row.reason.words}{place}{passed}"
 
 
 def _level(each: LevelExplained) -> tuple[str, str, str, str]:

@@ -162,7 +162,10 @@ class Trace:
 
     def _born(self, node: Node, cause: Cause) -> Life:
         owner = cause.unit.origins.owner(node, cause.unit.file)
-        made = cause if cause.linking is not None else None
+        laid_out = (
+            node in cause.unit.origins.keys
+        )  # by the edits of a part, which is not linked to anything yet
+        made = cause if cause.linking is not None or laid_out else None
         items = _items(node)
         parent = node.getparent()
         root = cause.unit.root
@@ -194,16 +197,13 @@ class Trace:
     def _succeed(self, life: Life, lost: list[Life]) -> None:
         """What a pass writes anew takes the place of elements: those of its tag and name that are no more."""
         assert life.made_by is not None
-        if life.tag == "key" and not isinstance(life.owner, str):
-            return  # a recipe writes it
-        for old in lost:
-            if old.tag == life.tag and dict(old.items).get("name") == life.name:
-                life.sources.append(old)
-        if life.tag == "key" and life.made_by.linking is not None:
-            for part in life.made_by.linking.parts:
-                own = (self.lives.get(key) for key in part.unit.root.iter("key"))
-                wanted = (life.name, life.name and life.name.removeprefix(part.prefix))
-                life.sources += [key for key in own if key is not None and key.name in wanted]
+        record = life.made_by.unit.origins.keys.get(life.node)
+        if record is not None:
+            life.sources += [self.lives[key] for key in record.keys if key in self.lives]
+        else:
+            for old in lost:
+                if old.tag == life.tag and dict(old.items).get("name") == life.name:
+                    life.sources.append(old)
         if len(life.sources) == 1:
             life.changes += _differences(
                 dict(life.sources[0].items), life.attributes, life.made_by, life.owner

@@ -23,9 +23,11 @@ from composer.explain.explanation import (
     LevelExplained,
     Listed,
     Reason,
+    RowExplained,
 )
 from composer.explain.missing import no_attribute, not_found
-from composer.explain.rows import VECTORS, rows
+from composer.explain.row_words import only_place, reason_of, row_explained
+from composer.explain.rows import VECTORS, NumberOrigin, key_origins, rows
 from composer.explain.trace import TAG, Change, Life, Move, Trace
 from composer.tree.attached import attached_notes
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
@@ -131,7 +133,9 @@ class Traced:
             levels=tuple(told),
             in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
             about=attribute.doc or None,
-            rows=tuple(self._rows(node, name)) if node.tag == "key" and name in VECTORS else (),
+            rows=tuple(row for _, row in self.key_rows(node, name))
+            if node.tag == "key" and name in VECTORS
+            else (),
             notes=tuple(self._notes(node, attribute)),
         )
 
@@ -150,11 +154,12 @@ class Traced:
             reason = Reason(words, self._level_span(winner.kind, winner.name, winner.writer, attribute))
         return Listed(self.labels[node], text, reason)
 
-    def _rows(self, key: Node, vector: str) -> Iterator[Listed]:
-        for holder, numbers, source in rows(self.model, key, vector, self.watch):
-            span = None if source is None else self._span(source, vector)
-            reason = Reason("the reference configuration" if source is None else "", span)
-            yield Listed(self.labels[holder], numbers, reason)
+    def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, RowExplained]]:
+        """The numbers of a key by the joint, actuator or mocap body that they belong to, and by their origin."""
+        for holder, numbers, origin in rows(self.model, key, vector, self.watch):
+            reason = self._row_reason(key, origin)
+            written = origin.written or (None if reason.span is None else self._slice(reason.span))
+            yield holder, row_explained(self.labels[holder], numbers, origin, reason, written)
 
     def _sets(self, node: Node) -> Iterator[Listed]:
         for child in node.iterchildren("*"):
@@ -282,6 +287,8 @@ class Traced:
         if node is None:
             return None
         life = self.watch.life(node)
+        if node.tag == "key" and attribute in (*VECTORS, "time") and node.get(attribute):
+            return self._only_place(node, attribute)
         if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
             return self.causes.made(life).span
         if len(life.sources) == 1:
@@ -290,6 +297,13 @@ class Traced:
             if change.cause.name not in REWRITES:
                 return self.causes.change(change, life).span or self._span(life)
         return self._span(life, attribute)
+
+    def _only_place(self, key: Node, attribute: str) -> Span | None:
+        origins = key_origins(self.model, key, attribute, self.watch)
+        return only_place(self._row_reason(key, origin) for origin in origins)
+
+    def _row_reason(self, key: Node, origin: NumberOrigin) -> Reason:
+        return reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
 
     def _notes(self, node: Node, attribute: Attribute) -> Iterator[str]:
         name = attribute.name

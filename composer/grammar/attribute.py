@@ -76,6 +76,11 @@ class Attribute:
         return self.type in NUMERIC
 
     @property
+    def is_interval(self) -> bool:
+        """The value is a lower and an upper end: MJCF calls every such pair a range (`ctrlrange`)."""
+        return self.type == "real" and self.min_length == self.max_length == 2 and self.name.endswith("range")
+
+    @property
     def is_reference(self) -> bool:
         """The value names one other element or several."""
         return self.type in REFERRING

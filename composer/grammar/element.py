@@ -69,6 +69,8 @@ class ElementType:
     rows_of: str | None = None
     """For an element inside `default`: the element whose attributes it repeats."""
     doc: str = ""
+    ignored: tuple[str, ...] = ()
+    """Attributes that models write and MuJoCo accepts, although no version gives them a meaning."""
 
     @property
     def takes_class(self) -> bool:

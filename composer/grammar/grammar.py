@@ -182,6 +182,7 @@ class Grammar:
             default=raw.get("default"),
             rows_of=rows_of,
             doc=self._data.get("docs", {}).get("elements", {}).get(path, ""),
+            ignored=tuple(raw.get("ignored", ())),
         )
         self._elements[path] = element
         return element

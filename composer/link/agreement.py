@@ -5,17 +5,19 @@ The model's value is the base's, where it writes one, else MuJoCo's default; wha
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from lxml.etree import _Element as Node
 
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Cause, Note
+from composer.diagnostics.span import Span
 from composer.grammar import GRAMMAR
 from composer.link import numbers
 from composer.link.linking import Linking, Part
+from composer.link.room import asked, bytes_of
 from composer.tree.unit import Unit
 
 SINGLETONS = ("option", "visual", "statistic")
@@ -33,6 +35,7 @@ _SMALLER_IS_SAFER = (
 )
 _LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations",
                     "sdf_initpoints")  # fmt: skip
+_NAMED = 4  # settings that a message names; the notes have all of them
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,34 +45,62 @@ class _Written:
     unit: Unit
 
 
+@dataclass(frozen=True, slots=True)
+class _Wish:
+    """A setting that a part writes and the model has otherwise; `settled` is the value that a merge gives it."""
+
+    path: str
+    wanted: _Written
+    have: _Written | None
+    settled: str | None = None
+
+    @property
+    def section(self) -> str:
+        return self.path.split("/")[0]
+
+    @property
+    def shown(self) -> str:
+        return f"`{self.path.replace('/', '.')}`"
+
+    def span(self, linking: Linking) -> Span:
+        return linking.span(self.wanted.unit, self.wanted.element, _name(self.path))
+
+    def written(self, linking: Linking) -> Span | None:
+        """Where the model's own value is written."""
+        have = self.have
+        return None if have is None else linking.span(have.unit, have.element, _name(self.path))
+
+    def difference(self, wanted: str) -> str:
+        return f"{wanted} `{self.wanted.value}`, {_model_has(self.have, default_of(self.path))}"
+
+
 def agreement(linking: Linking) -> None:
     """Compare what every unit writes, then merge the sizes."""
     if not linking.parts:
         return
     model = dict(written(linking.base))
-    conflicts: dict[str, list[tuple[Part, _Written]]] = {}
-    for part in linking.parts:
-        for path, wanted in dict(written(part.unit)).items():  # of several sections the last counts
-            if path in linking.settled:
-                continue
-            have = model.get(path)
-            current = have.value if have is not None else default_of(path)
-            if current is not None and _equal(current, wanted.value):
-                continue
-            settled = merged(path, have, wanted) if linking.conflict == "merge" else None
-            if settled is None:
-                conflicts.setdefault(path, []).append((part, wanted))
-                continue
-            message = f"{_wish(part, path, wanted)}, {_model_has(have, current)}; merged to `{settled}`"
-            span = linking.span(part.unit, wanted.element, _name(path))
-            linking.sink.warning("option-conflict", message, span, notes=_written_here(linking, path, have))
+    found = [(part, [*_wishes(linking, part, model)]) for part in linking.parts]
+    open_ones = [wish for _, wishes in found for wish in wishes if wish.settled is None]
+    for part, wishes in found:
+        _tell_merged(linking, part, [wish for wish in wishes if wish.settled is not None])
+        _tell(linking, part, [wish for wish in wishes if wish.settled is None], open_ones)
+    _sizes(linking)
+
+
+def _wishes(linking: Linking, part: Part, model: dict[str, _Written]) -> Iterator[_Wish]:
+    """What a part asks for and the model does not do; what a merge settles is what later parts meet."""
+    for path, wanted in dict(written(part.unit)).items():  # of several sections the last counts
+        if path in linking.settled:
+            continue
+        have = model.get(path)
+        current = have.value if have is not None else default_of(path)
+        if current is not None and _equal(current, wanted.value):
+            continue
+        settled = merged(path, have, wanted) if linking.conflict == "merge" else None
+        yield _Wish(path, wanted, have, settled)
+        if settled is not None:
             set_value(linking.base, path, settled)
             model[path] = _Written(settled, wanted.element, part.unit)
-    for path, wishes in conflicts.items():
-        section = path.split("/")[0] + "/"
-        together = {each: asked[0][1].value for each, asked in conflicts.items() if each.startswith(section)}
-        _tell(linking, path, wishes, model.get(path), settling(together, linking.settled))
-    _sizes(linking)
 
 
 def written(unit: Unit) -> Iterator[tuple[str, _Written]]:
@@ -130,25 +161,72 @@ def set_value(unit: Unit, path: str, value: str) -> None:
     element.set(name, value)
 
 
-def _tell(
-    linking: Linking, path: str, wishes: list[tuple[Part, _Written]], have: _Written | None, help: str
-) -> None:
-    """One finding for each value of the model, whoever else wants another: one line settles it."""
-    (part, wanted), *others = wishes
-    message = f"{_wish(part, path, wanted)}, {_model_has(have, default_of(path))}"
-    notes = _written_here(linking, path, have)
-    for other, wish in others:
-        told = f"`{other.called}` wants `{wish.value}`"
-        notes.append(Note(told, linking.span(other.unit, wish.element, _name(path))))
-    span = linking.span(part.unit, wanted.element, _name(path))
+def _tell(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[_Wish]) -> None:
+    """One finding for all settings of a part, with one help for those of all parts; equal parts are one finding."""
+    if not wishes:
+        return
+    message, notes, span, cause = _described(linking, part, wishes)
     if linking.conflict == "warning":
-        linking.sink.warning("option-conflict", f"{message}, which stands", span, notes=notes)
+        stands = ", which stands" if len(wishes) == 1 else "; the model's values stand"
+        linking.sink.warning("option-conflict", f"{message}{stands}", span, notes=notes, cause=cause)
+        return
+    asked: dict[str, str] = {}
+    for wish in all_wishes:
+        asked.setdefault(wish.path, wish.wanted.value)
+    sections = dict.fromkeys(wish.section for wish in wishes)
+    others = [f"leave those of the part out: `drop: [{', '.join(sections)}]`"]
+    if linking.conflict == "error" and _would_merge(all_wishes):
+        others.append("write `conflict: merge`")
+    sentence, *lines = settling(asked, linking.settled).split("\n")
+    help = "\n".join([f"{sentence}; or {', or '.join(others)}", *lines])
+    linking.sink.error("option-conflict", message, span, notes=notes, help=help, cause=cause)
+
+
+def _tell_merged(linking: Linking, part: Part, wishes: list[_Wish]) -> None:
+    if not wishes:
+        return
+    message, notes, span, cause = _described(linking, part, wishes)
+    message += f"; merged to `{wishes[0].settled}`" if len(wishes) == 1 else "; they are merged"
+    linking.sink.warning("option-conflict", message, span, notes=notes, cause=cause)
+
+
+def _described(linking: Linking, part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span, Cause]:
+    """What is said of wishes of a part: the message, both values and places, and what makes another part equal."""
+    first = wishes[0]
+    if len(wishes) == 1:
+        message = first.difference(f"`{part.called}` wants {first.shown} to be")
+        place = first.written(linking)
+        notes = (
+            []
+            if place is None or first.have is None
+            else [Note(f"`{first.have.value}` is written here", place)]
+        )
     else:
-        linking.sink.error("option-conflict", message, span, notes=notes, help=help)
+        names = ", ".join(wish.shown for wish in wishes[:_NAMED])
+        more = f" and {len(wishes) - _NAMED} more settings" if len(wishes) > _NAMED else ""
+        message = f"`{part.called}` wants other values than the model has of {names}{more}"
+        notes = [Note(_noted(wish), wish.written(linking)) for wish in wishes]
+    same = [[wish.path, wish.wanted.value, wish.settled] for wish in wishes]
+    return message, notes, first.span(linking), Cause(str(same), f"`{part.called}`")
 
 
-def _wish(part: Part, path: str, wanted: _Written) -> str:
-    return f"`{part.called}` wants `{path.replace('/', '.')}` to be `{wanted.value}`"
+def _noted(wish: _Wish) -> str:
+    said = wish.difference(f"{wish.shown}: it wants")
+    return said if wish.settled is None else f"{said}; merged to `{wish.settled}`"
+
+
+def _would_merge(wishes: Iterable[_Wish]) -> bool:
+    """Whether `conflict: merge` would leave no conflict."""
+    model: dict[str, _Written | None] = {}
+    for wish in wishes:
+        have = model.get(wish.path, wish.have)
+        if have is not None and _equal(have.value, wish.wanted.value):
+            continue
+        settled = merged(wish.path, have, wish.wanted)
+        if settled is None:
+            return False
+        model[wish.path] = _Written(settled, wish.wanted.element, wish.wanted.unit)
+    return True
 
 
 def _model_has(have: _Written | None, current: str | None) -> str:
@@ -159,18 +237,12 @@ def _model_has(have: _Written | None, current: str | None) -> str:
     return "the model leaves it to MuJoCo"
 
 
-def _written_here(linking: Linking, path: str, have: _Written | None) -> list[Note]:
-    if have is None:
-        return []
-    return [Note(f"`{have.value}` is written here", linking.span(have.unit, have.element, _name(path)))]
-
-
 def _name(path: str) -> str:
     return path.rsplit("/", 1)[1]
 
 
 def settling(wanted: Mapping[str, str], settled: Collection[str]) -> str:
-    """What to write in a recipe to settle conflicts of one section, all of them at once.
+    """What to write in a recipe to settle conflicts, all of them at once.
 
     `wanted` has the value that one part asks for, by path; `settled` are the paths that the recipe sets already.
 
@@ -179,16 +251,24 @@ def settling(wanted: Mapping[str, str], settled: Collection[str]) -> str:
     """
     tree: dict[str, Any] = {}
     for path, value in wanted.items():
-        section, *inner, name = path.split("/")
+        *inner, name = path.split("/")
         place = tree
         for tag in inner:
             place = place.setdefault(tag, {})
         tokens = value.split()
         place[name] = f"[{', '.join(tokens)}]" if len(tokens) > 1 else value
-    entries = _flow(tree)
-    if any(path.startswith(f"{section}/") for path in settled):
-        return f"say which it is in the recipe's `{section}`, for example `{entries[1:-1]}`"
-    return f"say in the recipe which it is, for example `{section}: {entries}`"
+    written_already = {path.split("/")[0] for path in settled}
+    new = [
+        f"{section}: {_flow(values)}" for section, values in tree.items() if section not in written_already
+    ]
+    grown = [
+        f"say which it is in the recipe's `{section}`, for example `{_flow(values)[1:-1]}`"
+        for section, values in tree.items()
+        if section in written_already
+    ]
+    if len(new) > 1:
+        return "\n".join(["; ".join([*grown, "say in the recipe which it is, for example as follows"]), *new])
+    return "; ".join([*grown, *(f"say in the recipe which it is, for example `{each}`" for each in new)])
 
 
 def _flow(tree: Mapping[str, Any]) -> str:
@@ -197,6 +277,7 @@ def _flow(tree: Mapping[str, Any]) -> str:
 
 
 def _sizes(linking: Linking) -> None:
+    linking.room = asked(linking)
     for part in linking.parts:
         for section in part.unit.root.iterchildren("size"):
             for name, value in section.items():
@@ -229,18 +310,12 @@ def _one_memory(linking: Linking) -> None:
 def _enlarge(linking: Linking, name: str, value: str) -> None:
     have = [str(size.get(name)) for size in linking.base.root.iterchildren("size") if size.get(name)]
     if name == "memory":
-        if not have or _bytes(value) > _bytes(have[-1]):
+        if not have or bytes_of(value) > bytes_of(have[-1]):
             linking.base.section("size").set(name, value)
     elif name in _LARGEST or name.startswith("nuser_"):
         largest = max([int(value), *map(int, have)])
         if largest >= 0:
             linking.base.section("size").set(name, str(largest))
-
-
-def _bytes(text: str) -> float:
-    scale = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60}
-    text = text.strip().lower()
-    return float(text[:-1]) * scale[text[-1]] if text and text[-1] in scale else float(text or 0)
 
 
 _USERS = {

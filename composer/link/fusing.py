@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from lxml.etree import _Element as Node
 
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Cause, Note
 from composer.grammar import GRAMMAR
 from composer.link.inertia import has_mass, own
 from composer.link.linking import Linking, Part
@@ -149,4 +149,5 @@ def _weightless(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) ->
             linking.span(unit, compiler, "fusestatic"),
             notes=[Note("such a body", linking.span(unit, body)) for body in heavy[:1]],
             help='take `fusestatic="true"` out of a copy of the file, and they stay bodies',
+            cause=Cause(unit.file, f"`{part.called}`"),
         )

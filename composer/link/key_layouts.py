@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import accumulate
 
 from lxml.etree import _Element as Node
@@ -15,6 +16,7 @@ from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking
 from composer.link.measured import attached, is_measured, widths
 from composer.link.multiplied import element_of
+from composer.tree.key_number import KeyRecord, KeySource, Number, numbers_of, texts
 from composer.tree.unit import Unit
 
 VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
@@ -87,7 +89,21 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
             start = max((end for end in ends if end < len(rows[at])), default=0)
             end = next(end for end in ends if end > len(rows[at]))
             whole = found[array][at * ends[-1] + start : at * ends[-1] + end]
-            keys[at].set(vector, " ".join([*rows[at][:start], *numbers.text(whole).split()]))
+            _complete(unit, keys[at], vector, start, numbers.text(whole).split())
+
+
+def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) -> None:
+    """Write the numbers of the joint in the middle of which a row ends, and note which are MuJoCo's."""
+    record = unit.origins.keys.get(key)
+    written = numbers_of(record, key, vector)
+    source = KeySource("mujoco", vector, key)
+    row = written[:start]
+    for at, text in enumerate(whole, start):
+        is_own = at < len(written) and numbers.read(written[at].text) == numbers.read(text)
+        row.append(written[at] if is_own else Number(text, source, at))
+    key.set(vector, " ".join(texts(row)))
+    record = record or KeyRecord()
+    unit.origins.keys[key] = replace(record, numbers={**record.numbers, vector: row})
 
 
 def _layout_of(linking: Linking, unit: Unit) -> Layout | None:

@@ -5,9 +5,12 @@ It runs when nothing more will be added to the model.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
-from composer.diagnostics.diagnostic import Note
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Cause, Note
 from composer.link import numbers
 from composer.link.key_layouts import VECTORS, final_layout, keys_of, refer_anew
 from composer.link.layout import Layout
@@ -15,6 +18,7 @@ from composer.link.linking import Linking, Part
 from composer.link.part_keys import called, part_keys
 from composer.link.reference_rows import Reference
 from composer.tree.key import Key
+from composer.tree.key_number import KeyRecord, texts
 from composer.tree.line import line_of, set_line
 
 
@@ -25,7 +29,7 @@ def keyframes(linking: Linking) -> None:
         return
     linking.base.part_keys = part_keys(linking)
     keys = _merged(linking)
-    final = final_layout(linking)
+    final = linking.final_layout = final_layout(linking)
     if final is None:
         return
     if (
@@ -44,23 +48,29 @@ def keyframes(linking: Linking) -> None:
         refer_anew(linking, final)
     reference = Reference(linking)
     for merged in keys.values():
-        _write(linking, merged, final, reference)
+        element = _element(linking, merged, final, reference)
+        linking.base.section("keyframe").append(element)
 
 
-def _write(linking: Linking, key: Key, final: Layout, reference: Reference) -> None:
+def _element(linking: Linking, key: Key, final: Layout, reference: Reference) -> Node:
+    """A key as it is laid out in the finished model."""
     element = linking.base.root.makeelement("key")
     if key.name:
         element.set("name", key.name)
+    record = KeyRecord((key.element, *key.others))
     if key.time is not None:
-        element.set("time", key.time)
+        element.set("time", key.time.text)
+        record.numbers["time"] = [key.time]
     for vector in VECTORS:
         if vector in key.values:
             row = reference.row(vector, final, key.values[vector])
             if row:
-                element.set(vector, " ".join(row))
-    linking.base.section("keyframe").append(element)
+                element.set(vector, " ".join(texts(row)))
+                record.numbers[vector] = row
+    linking.base.origins.keys[element] = record
     linking.base.origins.own(element, key.origins.owner(key.element, key.file))
     set_line(element, line_of(key.element))
+    return element
 
 
 def _merged(linking: Linking) -> dict[str, Key]:
@@ -68,40 +78,44 @@ def _merged(linking: Linking) -> dict[str, Key]:
 
     One of the recipe stands in the place of those of its name.
     """
-    part_keys(linking)
     written = {key.name: key for key in linking.written_keys}
-    merged: dict[str, Key] = {}
-    apart: frozenset[str] = frozenset()
+    came: dict[str, Key] = {}
+    owners: dict[str, Part | None] = {}
+    for part, key in _coming(linking):
+        name = _name(part, key)
+        slot = name or f"\0{len(came)}"
+        earlier = came.get(slot)
+        if earlier is None:
+            values = {vector: dict(columns) for vector, columns in key.values.items()}
+            came[slot] = replace(key, name=name, values=values)
+            owners[slot] = part
+            continue
+        if name not in written and "prefix" in (_policy(linking, owners[slot]), _policy(linking, part)):
+            _not_apart(linking, earlier, owners[slot], key, part)
+        _join(linking, earlier, key, settled=name in written)
+    linking.replaced_keys = {name: came[name] for name in written if name in came}
+    return came | written
+
+
+def lay_out_replaced(linking: Linking) -> list[Node]:
+    """The keys that came along and that the recipe writes anew, as they are without it; they are not in the model."""
+    final = final_layout(linking) if linking.replaced_keys else None
+    if final is None:
+        return []
+    reference = Reference(linking)
+    return [_element(linking, key, final, reference) for key in linking.replaced_keys.values()]
+
+
+def _coming(linking: Linking) -> Iterator[tuple[Part | None, Key]]:
+    """The keys that come along by themselves, each with its part; those of the base have None."""
+    part_keys(linking)
     for part, keys in linking.own_keys.items():
-        policy = linking.base_keyframes if part is None else part.keyframes
-        for key in keys if policy != "none" else ():
-            name = _name(part, key)
-            if name in written:
-                merged[name] = written[name]
-                continue
-            slot = name or f"\0{len(merged)}"
-            earlier = merged.get(slot)
-            if earlier is None:
-                values = {vector: dict(columns) for vector, columns in key.values.items()}
-                merged[slot] = replace(key, name=name, values=values)
-                continue
-            if slot in apart:
-                _not_apart(linking, earlier, key)
-            _join(linking, earlier, key)
-        if part is None and policy == "prefix":
-            apart = frozenset(merged)
-    return merged | written
+        if _policy(linking, part) != "none":
+            yield from ((part, key) for key in keys)
 
 
-def replaced(linking: Linking) -> set[str]:
-    """The names of the recipe's keys that stand in the place of one that came along."""
-    came = {
-        _name(part, key)
-        for part, keys in linking.own_keys.items()
-        if (linking.base_keyframes if part is None else part.keyframes) != "none"
-        for key in keys
-    }
-    return came & {key.name for key in linking.written_keys}
+def _policy(linking: Linking, part: Part | None) -> str:
+    return linking.base_keyframes if part is None else part.keyframes
 
 
 def _name(part: Part | None, key: Key) -> str:
@@ -111,36 +125,61 @@ def _name(part: Part | None, key: Key) -> str:
     )
 
 
-def _join(linking: Linking, key: Key, other: Key) -> None:
-    """Let a key also say what another one of its name says."""
+def _join(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
+    """Let a key also say what another one of its name says; the times of a `settled` one need not agree."""
+    key.others += (other.element, *other.others)
     if key.time is None:
         key.time = other.time
-    elif other.time is not None and numbers.read(other.time) != numbers.read(key.time):
+    elif (
+        not settled
+        and other.time is not None
+        and numbers.read(other.time.text) != numbers.read(key.time.text)
+    ):
         _times_differ(linking, key, other)
     for vector, columns in other.values.items():
         key.values.setdefault(vector, {}).update(columns)
 
 
 def _times_differ(linking: Linking, key: Key, other: Key) -> None:
+    assert key.time is not None and other.time is not None
     report = linking.sink.error if linking.conflict == "error" else linking.sink.warning
     report(
         "keyframe-conflict",
-        f"the keys `{key.name}` of two parts have different times: {other.time} and {key.time}",
+        f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}",
         other.span("time"),
         notes=(Note("the other one is here", key.span("time")),),
         help="write `keyframes: prefix` in one of the parts to keep its keys apart",
+        cause=Cause(
+            f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"
+        ),
     )
 
 
-def _not_apart(linking: Linking, key: Key, other: Key) -> None:
-    """The base has no prefix: its keys are apart only where no part has one of that name."""
+def _not_apart(
+    linking: Linking, first: Key, its_part: Part | None, second: Key, second_part: Part | None
+) -> None:
+    """Two keys would have one name, and at least one of them must stay as it is."""
+    rename = f"rename one of them: `edit: [{{select: {{key: {second.name}}}, rename: NAME}}]`"
+    if _policy(linking, second_part) == "prefix":
+        apart, other = second_part, its_part
+        help = rename if apart is not None and apart.prefix else "give the part a `prefix`, or " + rename
+    else:
+        apart, other = its_part, second_part
+        help = (
+            rename if apart is not None else "write `keyframes: prefix` at the part: the base has no prefix"
+        )
     linking.sink.error(
         "keyframe-conflict",
-        f"the key `{key.name}` of the base is to be kept apart, and a part has one of that name, too",
-        other.span(),
-        notes=(Note("that of the base is here", key.span()),),
-        help="write `keyframes: prefix` at the part: the base has no prefix",
+        f"the key `{first.name}` of {_owner(apart)} is to be kept apart, "
+        f"and {_owner(other)} has a key of that name, too",
+        second.span(),
+        notes=(Note("the first one is here", first.span()),),
+        help=help,
     )
+
+
+def _owner(part: Part | None) -> str:
+    return "the base" if part is None else f"`{part.called}`"
 
 
 def _same(final: Layout, before: Layout) -> bool:
@@ -177,4 +216,5 @@ def _check_kept(linking: Linking) -> None:
                     f"`plastic` of {called(key)} cannot be carried over yet",
                     linking.span(unit, key, "plastic"),
                     help="leave the keys out: `keyframes: none`",
+                    cause=Cause(f"plastic in {unit.file}", called(key)),
                 )

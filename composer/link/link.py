@@ -23,6 +23,7 @@ from composer.link.names import names
 from composer.link.passthrough import passthrough
 from composer.link.reductions import reductions
 from composer.link.replicates import replicates
+from composer.link.room import room
 from composer.link.roots import check_roots, roots
 from composer.link.sections import sections
 from composer.link.several_defaults import several_defaults
@@ -105,8 +106,10 @@ def link_alone(linking: Linking) -> None:
 
 
 def finish(linking: Linking) -> None:
-    """What must wait until nothing more is added to the model: the keyframes."""
+    """What must wait until nothing more is added to the model: the keyframes, and the memory that it needs."""
     keyframes(linking)
     linking.watch(linking.units, keyframes)
+    room(linking)
+    linking.watch(linking.units, room)
     for part in linking.parts:
         linking.base.origins.adopt(part.unit.origins)

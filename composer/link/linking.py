@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
 from lxml.etree import _Element as Node
 
@@ -18,6 +18,9 @@ from composer.tree.key import Key, PartKeys
 from composer.tree.names import Names
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
+
+if TYPE_CHECKING:
+    from composer.link.room import Asked
 
 Policy = Literal["error", "warning", "merge"]
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -139,13 +142,15 @@ class Linking:
     the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
     `alignfree`. `asked` are the parts, by path, of whose keys the recipe makes its own; None where it makes no key.
     `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
-    recipe's. Edits of what is linked note in `reshaped` whose numbers in a key may be more or fewer now, and in
-    `emptied` whose old numbers have no meaning any more; `edited` is that there may be edits. `grows` is
-    that the recipe adds what rules for a whole model would reach. `weighed` are the bodies whose inertia has been
+    recipe's, `replaced_keys` those of the parts, by name, in whose place they stand;
+    `final_layout` is how the finished model lays them out. Edits of what is linked note in
+    `reshaped` whose numbers in a key may be more or fewer now, and in `emptied` whose old numbers have no meaning any
+    more; `edited` is that there may be edits. `grows` is that the recipe adds what rules for a whole model would
+    reach. `weighed` are the bodies whose inertia has been
     written out, so that what is added to them adds no mass. `references` and `mocap_references` have what only MuJoCo
     can tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts whose keys say
     where something is in the world. `coming` has where the recipe writes the places, by kind and name, that it adds
-    when all parts hang.
+    when all parts hang. `room` is what the sources ask for of memory, where MuJoCo may have to give more.
     """
 
     base: Unit
@@ -164,6 +169,7 @@ class Linking:
     base_class: str | None = None
     aligned: bool = False
     base_layout: Layout | None = None
+    final_layout: Layout | None = None
     files: list[FileUse] = field(default_factory=list)
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Node, list[str]] = field(default_factory=dict)
@@ -173,6 +179,7 @@ class Linking:
     own_keys: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
     part_keys: dict[str, PartKeys] | None = None
     written_keys: list[Key] = field(default_factory=list)
+    replaced_keys: dict[str, Key] = field(default_factory=dict)
     planes: list[tuple[Part, Node]] = field(default_factory=list)
     reshaped: set[Node] = field(default_factory=set)
     emptied: set[Node] = field(default_factory=set)
@@ -182,6 +189,7 @@ class Linking:
     flexes: list[Flex] = field(default_factory=list)
     replicates: list[tuple[Unit, Node]] = field(default_factory=list)
     main_joint: dict[str, str] = field(default_factory=dict)
+    room: tuple[Asked, ...] = ()
 
     @property
     def composed(self) -> bool:

@@ -15,6 +15,7 @@ from composer.link.linking import Linking, Part
 from composer.pose import Pose, normalise, rotate
 from composer.tree.classes import ORIENTATIONS
 from composer.tree.key import Key, PartKeys
+from composer.tree.key_number import Number, moved, numbers_of, texts
 from composer.tree.unit import Unit
 
 BASE = "base"
@@ -52,12 +53,11 @@ def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
 
 def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -> Iterator[Key]:
     for element in keys_of(unit):
-        key = Key(
-            str(element.get("name") or ""), element.get("time") or None, element, unit.file, unit.origins
-        )
+        record = unit.origins.keys.get(element)
+        time = numbers_of(record, element, "time")
+        key = Key(str(element.get("name") or ""), time[0] if time else None, element, unit.file, unit.origins)
         for vector in VECTORS:
-            text = str(element.get(vector) or "").split()
-            taken = cut_row(linking, unit, layout, element, vector, text) if text else None
+            taken = cut_row(linking, unit, layout, element, vector) if element.get(vector) else None
             if taken is not None:
                 key.values[vector] = taken
         yield _moved(linking, part, layout, key)
@@ -76,9 +76,10 @@ def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key
 
 
 def cut_row(
-    linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str, text: list[str]
-) -> dict[Holder, list[str]] | None:
+    linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str
+) -> dict[Holder, list[Number]] | None:
     """The numbers of one vector of a key by joint, actuator or body; short rows give fewer, wrong ones are told."""
+    text = numbers_of(unit.origins.keys.get(element), element, vector)
     owners = holders(layout, vector)
     total = sum([width for _, width in owners])
     if len(text) > total:
@@ -88,7 +89,7 @@ def cut_row(
             linking.span(unit, element, vector),
         )
         return None
-    taken: dict[Holder, list[str]] = {}
+    taken: dict[Holder, list[Number]] = {}
     at = 0
     for holder, width in owners:
         if at + width > len(text):
@@ -141,54 +142,54 @@ def called(key: Node) -> str:
     return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
 
 
-def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[str]]) -> None:
+def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Number]]) -> None:
     """Free joints and mocap bodies say where they are in the world: they move with the part."""
-    moved = part.pose_in_world
-    if moved is None or moved.is_identity:
+    pose = part.pose_in_world
+    if pose is None or pose.is_identity:
         return
+    by = (part.called, part.span)
     if vector in ("qpos", "qvel"):
         for joint, slot in layout.joints.items():
             if slot.free and joint in taken:
-                taken[joint] = _carried(moved, slot, vector, taken[joint])
+                taken[joint] = moved(taken[joint], _carried(pose, slot, vector, texts(taken[joint])), by)
     elif vector in ("mpos", "mquat"):
         for body in layout.mocaps:
             if body in taken:
-                taken[body] = numbers.text(
-                    _placed(moved, vector, numbers.read(" ".join(taken[body])))
-                ).split()
+                now = _placed(pose, vector, numbers.read(" ".join(texts(taken[body]))))
+                taken[body] = moved(taken[body], numbers.text(now).split(), by)
 
 
-def _placed(moved: Pose, vector: str, values: Sequence[float]) -> list[float]:
+def _placed(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
     """Positions or orientations of mocap bodies, moved."""
     if vector == "mpos":
         rows = zip(*[iter(values)] * 3, strict=True)
-        return [each for x, y, z in rows for each in (moved @ Pose((x, y, z))).pos]
+        return [each for x, y, z in rows for each in (pose @ Pose((x, y, z))).pos]
     quats = zip(*[iter(values)] * 4, strict=True)
-    return [each for quat in quats for each in (moved @ Pose(quat=normalise(quat))).quat]
+    return [each for quat in quats for each in (pose @ Pose(quat=normalise(quat))).quat]
 
 
-def _carried(moved: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
+def _carried(place: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
     """The numbers of a joint or a block, with every free joint in it moved."""
     values = list(values)
     for at_qpos, at_qvel in slot.free:
         if vector == "qvel":  # the linear part is in the world's frame, the angular in the body's own
             x, y, z = numbers.read(" ".join(values[at_qvel : at_qvel + 3]))
-            values[at_qvel : at_qvel + 3] = numbers.text(rotate(moved.quat, (x, y, z))).split()
+            values[at_qvel : at_qvel + 3] = numbers.text(rotate(place.quat, (x, y, z))).split()
         else:
             x, y, z, w, a, b, c = numbers.read(" ".join(values[at_qpos : at_qpos + 7]))
-            pose = moved @ Pose((x, y, z), normalise((w, a, b, c)))
+            pose = place @ Pose((x, y, z), normalise((w, a, b, c)))
             values[at_qpos : at_qpos + 7] = numbers.text([*pose.pos, *pose.quat]).split()
     return values
 
 
 def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
     """What was measured of a part by itself moves with it."""
-    moved = part.pose_in_world
-    if moved is None:
+    pose = part.pose_in_world
+    if pose is None:
         return
     for joint, slot in layout.joints.items():
         if slot.free and joint in linking.references:
-            linking.references[joint] = _carried(moved, slot, "qpos", linking.references[joint])
+            linking.references[joint] = _carried(pose, slot, "qpos", linking.references[joint])
     for body in layout.mocaps:
         if body in linking.mocap_references:
-            linking.mocap_references[body] = [moved @ pose for pose in linking.mocap_references[body]]
+            linking.mocap_references[body] = [pose @ each for each in linking.mocap_references[body]]

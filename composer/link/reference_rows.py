@@ -15,6 +15,7 @@ from composer.link.multiplied import element_of
 from composer.link.placing import pose_in_world, read_pose
 from composer.pose import Pose
 from composer.tree.classes import childclass_of, written
+from composer.tree.key_number import KeySource, Number
 
 _IDENTITY = "1 0 0 0".split()
 
@@ -34,15 +35,15 @@ class Reference:
     def class_refs(self) -> bool:
         return self.linking.base.classes.give("joint", "ref")
 
-    def row(self, vector: str, layout: Layout, values: Mapping[Holder, list[str]]) -> list[str]:
-        """All numbers of a vector as text; `values` are those that somebody gives."""
-        row: list[str] = []
+    def row(self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]]) -> list[Number]:
+        """All numbers of a vector; `values` are those that somebody gives."""
+        row: list[Number] = []
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
                 poses = self.linking.mocap_references.get(body) or [self._pose(body)]
                 text = [number for pose in poses for number in (pose.pos if vector == "mpos" else pose.quat)]
                 said = values.get(body, [])
-                row += [*said, *numbers.text(text).split()[len(said) :]]
+                row += [*said, *_by_nobody(vector, numbers.text(text).split())[len(said) :]]
             return row
         # Numbers still mean something if neither their holder's meaning nor its width has been edited.
         emptied, second = self.linking.emptied, vector in ("qvel", "act")
@@ -50,14 +51,15 @@ class Reference:
             for joint, slot in layout.joints.items():
                 given = values.get(joint)
                 if given is None or len(given) != slot.widths[second] or joint in emptied:
-                    given = ["0"] * slot.widths[1] if second else self._qpos(joint, slot)
+                    default = ["0"] * slot.widths[1] if second else self._qpos(joint, slot)
+                    given = _by_nobody(vector, default, given)
                 row += given
             return row
         for actuator, slot in layout.actuators.items():
             width = slot.widths[second]
             given = values.get(actuator)
             if given is None or len(given) != width or element_of(actuator) in emptied:
-                given = ["0"] * width
+                given = _by_nobody(vector, ["0"] * width, given)
             row += given
         return row
 
@@ -90,3 +92,13 @@ class Reference:
         outer = body.getparent()
         inner = read_pose(body, self.degrees, self.sequence)
         return inner if outer is None else pose_in_world(outer, self.degrees, self.sequence) @ inner
+
+
+def _by_nobody(vector: str, default: list[str], lost: list[Number] | None = None) -> list[Number]:
+    """What a key holds where no key says anything, or has `lost` its meaning by an edit."""
+    source = KeySource(
+        "reference" if vector in ("qpos", "mpos", "mquat") else "zero",
+        vector,
+        lost=lost[0] if lost else None,
+    )
+    return [Number(text, source, at) for at, text in enumerate(default)]

@@ -24,6 +24,7 @@ from composer.link.needs import drop_unneeded
 from composer.link.part_keys import cut_row
 from composer.tree.attached import attached_notes
 from composer.tree.classes import childclass_of
+from composer.tree.key_number import KeyRecord, Number, texts
 from composer.tree.names import declaration, word
 from composer.tree.unit import Unit
 
@@ -274,7 +275,7 @@ def _strip(section: Node, looks: bool) -> Iterator[Left]:
 
 # -- keyframes --------------------------------------------------------------------------------------------------
 
-_Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[str]]]]
+_Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[Number]]]]
 
 
 def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
@@ -292,9 +293,7 @@ def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
         return {}
     return {
         key: {
-            vector: cut_row(linking, unit, layout, key, vector, str(key.get(vector)).split()) or {}
-            for vector in VECTORS
-            if key.get(vector)
+            vector: cut_row(linking, unit, layout, key, vector) or {} for vector in VECTORS if key.get(vector)
         }
         for key in keys
     }
@@ -305,6 +304,7 @@ def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
     staying = set(unit.root.iter("*"))
     for key, vectors in rows.items():
         said = False
+        record = KeyRecord()
         for vector, columns in vectors.items():
             row = [
                 number
@@ -314,9 +314,11 @@ def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
             ]
             said = said or bool(row)
             if row:
-                key.set(vector, " ".join(row))
+                key.set(vector, " ".join(texts(row)))
+                record.numbers[vector] = row
             else:
                 del key.attrib[vector]
+        unit.origins.keys[key] = record
         if not said:
             section = key.getparent()
             assert section is not None

@@ -23,7 +23,14 @@ from composer.mjcf.attachment import (
 from composer.mjcf.committing import commit_defaults
 from composer.mjcf.element import Element
 from composer.mjcf.element_list import ElementList
-from composer.mjcf.errors import MjcfAttributeError, MjcfError, MjcfKeyError, MjcfWarning
+from composer.mjcf.errors import (
+    MjcfAttributeError,
+    MjcfError,
+    MjcfFileError,
+    MjcfFileNotFoundError,
+    MjcfKeyError,
+    MjcfWarning,
+)
 from composer.mjcf.export import export_with_assets, export_with_assets_as_zip
 from composer.mjcf.parse import from_file, from_path, from_xml_string, from_zip
 from composer.mjcf.physics.binding import Binding
@@ -41,6 +48,8 @@ __all__ = [
     "ElementList",
     "MjcfAttributeError",
     "MjcfError",
+    "MjcfFileError",
+    "MjcfFileNotFoundError",
     "MjcfKeyError",
     "MjcfWarning",
     "Physics",

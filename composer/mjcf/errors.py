@@ -27,8 +27,23 @@ class MjcfKeyError(MjcfError, KeyError):
     """A name that no element of a list has."""
 
 
+class MjcfFileError(MjcfError, OSError):
+    """A file that cannot be read."""
+
+
+class MjcfFileNotFoundError(MjcfFileError, FileNotFoundError):
+    """A file that does not exist."""
+
+
 class MjcfWarning(UserWarning):
     """Something about a model that was settled as asked, and that its author may want to know."""
+
+
+_OF_CODES: dict[str, type[MjcfError]] = {
+    "file-not-found": MjcfFileNotFoundError,
+    "file-unreadable": MjcfFileError,
+    "asset-missing": MjcfFileNotFoundError,
+}
 
 
 def failure(
@@ -38,10 +53,12 @@ def failure(
     *,
     notes: Iterable[Note] = (),
     help: str | None = None,
-    kind: type[MjcfError] = MjcfError,
+    kind: type[MjcfError] | None = None,
 ) -> MjcfError:
     """The exception of one fault, to be raised."""
-    return kind([Diagnostic(code, message, span, notes=tuple(notes), help=help)])
+    return (kind or _OF_CODES.get(code, MjcfError))(
+        [Diagnostic(code, message, span, notes=tuple(notes), help=help)]
+    )
 
 
 def raise_errors(sink: Sink, otherwise: Callable[[], Span] | None = None) -> None:
@@ -51,4 +68,4 @@ def raise_errors(sink: Sink, otherwise: Callable[[], Span] | None = None) -> Non
         if otherwise is not None:
             place = otherwise()
             errors = [replace(each, span=each.span or place) for each in errors]
-        raise MjcfError(errors)
+        raise _OF_CODES.get(errors[0].code, MjcfError)(errors)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from composer.context import Context
-from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.diagnostic import Cause, Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.text import render
 from composer.link.defaults import choose_classes
@@ -168,9 +168,9 @@ def contents(flat: Flat) -> dict[str, bytes]:
 class _NamesChecked(Sink):
     """Takes no complaint about names: the linker looks them up unit by unit, here they cross models."""
 
-    def add(self, diagnostic: Diagnostic) -> None:
+    def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code != "unknown-name":
-            super().add(diagnostic)
+            super().add(diagnostic, cause)
 
 
 def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measure:

@@ -111,9 +111,7 @@ def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
         if path == ("compiler",) and attribute in _FOLDERS:
             continue
         values = [None if each is None else each.value for each in (mine.get(key), theirs.get(key))]
-        if path[0] in _READ_BY:
-            if not both_have_elements:
-                continue
+        if path[0] in _READ_BY and both_have_elements:
             if path == ("compiler",):
                 values = [getattr(Settings(), attribute, None) if each is None else each for each in values]
         elif None in values:

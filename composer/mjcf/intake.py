@@ -160,6 +160,14 @@ def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> 
     for name in map(str, node.keys()):
         if name in kind.attributes:
             continue
+        if name in kind.ignored:
+            sink.warning(
+                "unknown-attribute",
+                f"MuJoCo ignores `{name}` of `<{kind.tag}>`, which has no effect",
+                unit.origins.span(node, unit.file, name, key=True),
+                help=f"remove `{name}`",
+            )
+            continue
         sink.error(
             "unknown-attribute",
             f"`<{kind.tag}>` has no attribute `{name}`",

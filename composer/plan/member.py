@@ -20,8 +20,10 @@ class Member:
     the body's frame, None where it is not known. `keys` stands before the names of its keys; None where they
     were left out. `welded` is whether free joints at its root were taken away, `stands` whether it is fixed in
     the world, where the root link of URDF becomes one with it. `changed` are the arrays of
-    `mjModel` that the recipe changes in it on purpose. `obscure` says why it cannot be compared, if so, and `reduced`
-    why it is compared only where a check asks for it. Of a source of which one body was taken, `subtree` is that body.
+    `mjModel` that the recipe changes in it on purpose, `replaced_keys` the keys of the composition that the recipe
+    writes itself, in place of the source's keys of those names. `obscure` says why it cannot be compared, if so, and
+    `reduced` why it is compared only where a check asks for it. Of a source of which one body was taken, `subtree` is
+    that body.
     """
 
     part: str
@@ -33,6 +35,7 @@ class Member:
     welded: bool = False
     stands: bool = True
     changed: tuple[str, ...] = ()
+    replaced_keys: tuple[str, ...] = ()
     obscure: str | None = None
     subtree: str | None = None
     reduced: str | None = None

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
 from composer.recipe.fault import Fault, Path
-from composer.recipe.reader import Reader
+from composer.recipe.reader import NAME, Reader
 from composer.recipe.section import Section
 from composer.recipe.shown import kind_of
 
@@ -31,7 +31,9 @@ class ByTag(Section):
         return tuple(element for element in read if element is not None)
 
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
-        return reader.element(kind, value, at, f"{kind.tag} `{name}`", keyed={"name": name})
+        owner = f"{kind.tag} `{name}`"
+        keyed = reader.keyed([kind], name, value, at, owner)
+        return reader.element(kind, value, at, owner, keyed=keyed, own=() if keyed else (NAME,))
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from composer.recipe.edit_schema import dropped, edit, selector
 from composer.recipe.keyframe import FROM, TIME, VECTORS, WIDTHS
 from composer.recipe.randomize_schema import distribution
 from composer.recipe.randomize_schema import field as draw_field
-from composer.recipe.reader import CONFIG, FRAGMENT
+from composer.recipe.reader import CONFIG, FRAGMENT, NAME
 from composer.recipe.recipe import SETTABLE
 from composer.recipe.reference import Schema, reference
 from composer.recipe.replicate import ATTRIBUTES, COUNT
@@ -126,7 +126,8 @@ def _definition_of_element(path: str) -> Schema:
 
 
 def _definition_of_named(path: str) -> Schema:
-    return _element(GRAMMAR.element(path), keyed=("name",))
+    kind = GRAMMAR.element(path)
+    return _element(kind, (NAME,), {} if kind.attributes[NAME].required else _nameless())
 
 
 def _definition_of_typed(tag: str) -> Schema:
@@ -141,8 +142,8 @@ def _definition_of_typed(tag: str) -> Schema:
     ]
     return {
         "type": "object",
-        "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment")},
-        **_unless_fragment({"required": [TYPE]}),
+        "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment"), **_nameless()},
+        **_unless_fragment({"required": [TYPE]}, _nameless()),
         "allOf": variants,
     }
 
@@ -158,7 +159,7 @@ def _types(tag: str, kinds: Iterable[ElementType]) -> Schema:
 
 def _definition_of_variant(path: str) -> Schema:
     kind = GRAMMAR.element(path)
-    properties: dict[str, Schema] = {TYPE: {"const": kind.tag, "description": kind.doc}}
+    properties: dict[str, Schema] = {TYPE: {"const": kind.tag, "description": kind.doc}, **_nameless()}
     if kind.path.startswith("tendon/"):
         steps = {
             "type": "array",
@@ -167,8 +168,13 @@ def _definition_of_variant(path: str) -> Schema:
             "description": "what it goes over, in order: "
             + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
         }
-        return _element(kind, ("name",), {**properties, PATH: steps}, (PATH,), fragment=False, children=False)
-    return _element(kind, ("name",), properties, fragment=False)
+        return _element(kind, (NAME,), {**properties, PATH: steps}, (PATH,), fragment=False, children=False)
+    return _element(kind, (NAME,), properties, fragment=False)
+
+
+def _nameless() -> dict[str, Schema]:
+    """What says that the key of an entry is not the name of the element."""
+    return {NAME: reference("nameless")}
 
 
 def _definition_of_step(path: str) -> Schema:
@@ -227,6 +233,10 @@ _DEFINITIONS: dict[str, Callable[[str], Schema]] = {
     "step": _definition_of_step,
     "class": _definition_of_class,
     "addition": _definition_of_addition,
+    "nameless": lambda _: {
+        "const": "",
+        "description": '`""`: the element has no name; the key is not its name',
+    },
     "edit": lambda _: edit(),
     "settable": settable,
     "scalable": scalable,
@@ -276,12 +286,14 @@ def _element(
             rules["allOf"] = [{"required": rules.pop("required")}, *conditions]
         return {**_object(known), **description, **rules}
     known.setdefault(FRAGMENT, reference("fragment"))
-    return {**_object(known), **description, **_unless_fragment(rules)}
+    return {**_object(known), **description, **_unless_fragment(rules, properties or {})}
 
 
-def _unless_fragment(rules: Schema) -> Schema:
-    """That a fragment stands alone, and that the rules hold where there is none."""
-    alone: Schema = {"if": {"required": [FRAGMENT]}, "then": {"maxProperties": 1}}
+def _unless_fragment(rules: Schema, beside: Iterable[str] = ()) -> Schema:
+    """That a fragment stands alone, but for the keys `beside` it, and that the rules hold where there is none."""
+    beside = [name for name in beside if name == NAME]
+    then: Schema = {"propertyNames": {"enum": [FRAGMENT, *beside]}} if beside else {"maxProperties": 1}
+    alone: Schema = {"if": {"required": [FRAGMENT]}, "then": then}
     return {**alone, "else": rules} if rules else alone
 
 

@@ -24,6 +24,7 @@ from composer.recipe.value import read_value
 
 FRAGMENT = "xml"
 CONFIG = "config"
+NAME = "name"
 _OBJECT = {"objtype", "objname"}
 
 
@@ -57,7 +58,7 @@ class Reader:
             return None
         keyed = keyed or {}
         if FRAGMENT in value:
-            return self.fragment({kind.tag: kind}, f"the place of {owner}", value, at, keyed)
+            return self.fragment({kind.tag: kind}, f"the place of {owner}", value, at, keyed, own)
         attributes: dict[str, Value] = dict(keyed)
         meant: list[str] = []
         below = list(children)
@@ -85,6 +86,21 @@ class Reader:
         clashing(kind.constraints, present, owner, at, self.faults)
         self.angles(kind, attributes, at, owner, joint)
         return Element(kind.tag, attributes, tuple(below), at=path_of(value))
+
+    def keyed(
+        self, kinds: Iterable[ElementType], name: str, value: Any, at: Path, owner: str
+    ) -> Mapping[str, str]:
+        """What the key of an entry gives to its element, which is one of `kinds`: its name.
+
+        `name: ""` beside it says that the element has none, and the key is only what the recipe calls it.
+        """
+        if not isinstance(value, dict) or value.get(NAME) != "":
+            return {NAME: name}
+        if any(kind.attributes[NAME].required for kind in kinds):
+            message = f"MuJoCo has no {owner.partition(' ')[0]} without a name"
+            help = f"leave `{NAME}` out: the key is the name"
+            self.faults.append(Fault("bad-name", message, (*at, NAME), help=help))
+        return {}
 
     def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[Element]:
         """The elements of one tag: a mapping is one element, a list is several."""
@@ -161,6 +177,10 @@ class Reader:
         if found is None:
             return None
         tag, written = found
+        if NAME in value and written.get(NAME):
+            message = f"`{NAME}` says that the element has no name, and the fragment's is `{written[NAME]}`"
+            help = "leave one of the two out"
+            self.faults.append(Fault("name-clash", message, (*at, NAME), help=help))
         for name, given in keyed.items():
             if written.get(name, given) != given:
                 message = f"the fragment's `{name}` is `{written[name]}`, its key says `{given}`"
@@ -289,7 +309,7 @@ def _keyed(owner: str, name: str, given: str, at: Path) -> Fault:
         f"`{name}` of {owner} is given by its key, `{given}`",
         at,
         key=True,
-        help=f"leave `{name}` out",
+        help=f"leave `{name}` out; `{name}: ''` is for an element without a name",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -10,7 +11,7 @@ from composer.grammar.element import ElementType
 from composer.recipe.element import Element
 from composer.recipe.fault import Fault, Remark
 from composer.recipe.presence import lacks
-from composer.recipe.reader import FRAGMENT, Reader
+from composer.recipe.reader import FRAGMENT, NAME, Reader
 from composer.recipe.section import Section
 from composer.recipe.shown import kind_of
 from composer.recipe.tendon import PATH, read_path
@@ -39,9 +40,10 @@ class Typed(Section):
             message = f"{owner} expects a mapping with its `{TYPE}`, got {kind_of(value)}"
             reader.faults.append(Fault("wrong-type", message, (name,)))
             return None
-        keyed = {"name": name}
+        keyed = reader.keyed(self.kind.children.values(), name, value, (name,), owner)
+        own = () if keyed else (NAME,)
         if FRAGMENT in value:
-            return reader.fragment(self.kind.children, f"`{self.tag}`", value, (name,), keyed)
+            return reader.fragment(self.kind.children, f"`{self.tag}`", value, (name,), keyed, own)
         tag = value.get(TYPE)
         if TYPE not in value:
             reader.faults.append(self._without_type(name, value))
@@ -57,11 +59,17 @@ class Typed(Section):
             return None
         owner = f"{tag} {owner}"
         if self.tag != "tendon":
-            return reader.element(kind, value, (name,), owner, keyed=keyed, own=(TYPE,))
-        return self._tendon(reader, kind, name, value, owner)
+            return reader.element(kind, value, (name,), owner, keyed=keyed, own=(TYPE, *own))
+        return self._tendon(reader, kind, name, value, owner, keyed)
 
     def _tendon(
-        self, reader: Reader, kind: ElementType, name: str, value: dict[str, Any], owner: str
+        self,
+        reader: Reader,
+        kind: ElementType,
+        name: str,
+        value: dict[str, Any],
+        owner: str,
+        keyed: Mapping[str, str],
     ) -> Element | None:
         steps: tuple[Element, ...] = ()
         if PATH in value:
@@ -73,8 +81,8 @@ class Typed(Section):
                 message = f"`{tag}` of {owner} belongs into its `{PATH}`"
                 help = f"write `{PATH}: [{{{tag}: …}}, …]`, in the order of the tendon"
                 reader.faults.append(Fault("unknown-key", message, (name, tag), key=True, help=help))
-        own = (TYPE, PATH, *kind.children)
-        return reader.element(kind, value, (name,), owner, keyed={"name": name}, own=own, children=steps)
+        own = (TYPE, PATH, *kind.children, *(() if keyed else (NAME,)))
+        return reader.element(kind, value, (name,), owner, keyed=keyed, own=own, children=steps)
 
     def _without_type(self, name: str, value: dict[str, Any]) -> Fault:
         meant = next((key for key in value if closest(key, [TYPE])), None)

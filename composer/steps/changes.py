@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.document.node import Mapping as Located
 from composer.document.node import texts
 from composer.link.key_layouts import keys_of
-from composer.link.keyframes import replaced
+from composer.link.keyframes import lay_out_replaced
 from composer.link.linking import Linking
 from composer.plan.drawn import Drawn, Tabled
-from composer.plan.plan import Plan
+from composer.plan.plan import EditElements, Plan
 from composer.steps.edit import edit, is_of_keys
 from composer.steps.editing import Editing
 from composer.steps.elements import Making
@@ -70,21 +72,22 @@ class Changes:
 
     def of_keys(self) -> None:
         """Those of keys; edits come before the keys that the recipe writes itself."""
-        own = self._taken_out() if any(is_of_keys(step) for step in self.plan.edits) else []
-        self._edit(of_keys=True)
-        if own:
-            self.linking.base.section("keyframe").extend(own)
+        if any(is_of_keys(step) for step in self.plan.edits):
+            places = self._taken_out()
+            self._edit(of_keys=True)
+            self._put_back(places)
         self._draw(of_keys=True)
 
     def _edit(self, of_keys: bool) -> None:
         editing = self._editing()
+        replaced = lay_out_replaced(self.linking) if of_keys else []
         for step in self.plan.edits:
             if is_of_keys(step) == of_keys:
-                stand_ins = self._stand_ins() if of_keys and step.edit.remove else []
-                edit(step, editing)
-                for key in stand_ins:
-                    if (section := key.getparent()) is not None:
-                        section.remove(key)
+                # What else is done to a key that the recipe writes anew would be lost.
+                stand_ins = replaced if step.edit.remove or step.edit.rename is not None else []
+                replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
+                if not stand_ins:
+                    edit(step, editing)
                 self.linking.watch(self.linking.units, step)
 
     def _draw(self, of_keys: bool) -> None:
@@ -100,23 +103,57 @@ class Changes:
     def _editing(self) -> Editing:
         return Editing(self.linking, self.making, self.plan.scope, self.parts)
 
-    def _stand_ins(self) -> list[Node]:
-        """Keys that came along and that the recipe writes anew: they are there to be removed, as they were before."""
-        base = self.linking.base
-        keys = [base.root.makeelement("key", {"name": name}) for name in sorted(replaced(self.linking))]
-        if keys:
-            base.section("keyframe").extend(keys)
-        return keys
+    def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
+        """Carry out an edit with keys in the model that are replaced afterwards; gives those that still are."""
+        names = [str(key.get("name")) for key in keys]
+        self.linking.base.section("keyframe").extend(keys)
+        for key in keys:
+            editing.note(key)
+        edit(step, editing)
+        left = [
+            key
+            for key, name in zip(keys, names, strict=True)
+            if key.getparent() is not None and key.get("name") == name
+        ]
+        for key in left:
+            editing.forget(key)
+            _section(key).remove(key)
+        return left
 
-    def _taken_out(self) -> list[Node]:
-        """The keys that the recipe writes, taken out of the model."""
+    def _taken_out(self) -> list[tuple[Node, Node]]:
+        """The keys that the recipe writes, taken out of the model, each with what stands in its place."""
         names = {key.name for key in self.linking.written_keys}
-        own = [key for key in keys_of(self.linking.base) if key.get("name") in names]
-        for key in own:
-            section = key.getparent()
-            assert section is not None
-            section.remove(key)
-        return own
+        places: list[tuple[Node, Node]] = []
+        for key in keys_of(self.linking.base):
+            if key.get("name") in names:
+                place = etree.Comment("")
+                _section(key).replace(key, place)
+                places.append((key, place))
+        return places
+
+    def _put_back(self, places: list[tuple[Node, Node]]) -> None:
+        base = self.linking.base
+        others = {key.get("name"): key for key in keys_of(base)}
+        for key, place in places:
+            section = place.getparent()
+            if section is None or section.getparent() is not base.root:
+                base.section("keyframe").append(key)
+            else:
+                section.replace(place, key)
+            if (other := others.get(key.get("name"))) is not None:
+                self.making.sink.error(
+                    "name-clash",
+                    f"a key cannot be called `{key.get('name')}`: the recipe writes a key of that name",
+                    base.origins.span(other, base.file, "name"),
+                    notes=(Note("the other one", base.origins.span(key, base.file)),),
+                    help="choose another name",
+                )
+
+
+def _section(key: Node) -> Node:
+    section = key.getparent()
+    assert section is not None
+    return section
 
 
 def _declared(document: Located) -> Iterator[str]:

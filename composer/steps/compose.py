@@ -36,6 +36,7 @@ from composer.recipe.fault import Path as KeyPath
 from composer.steps.add import add
 from composer.steps.attach import add_joints, check_joints, part_of
 from composer.steps.elements import Making, settle_joints
+from composer.steps.intervals import check_intervals
 from composer.steps.keyframe import write_keyframes
 from composer.steps.load import Library, Loader
 from composer.steps.loose_ends import check_names, check_names_of_keys
@@ -179,6 +180,7 @@ class Composer:
             are_named = changes.in_doubt()
         elif changes:
             changes.of_elements()
+        check_intervals(making)
         if are_named:
             write_keyframes(plan, linking, making)
         if self.context.sink.has_errors:

@@ -132,6 +132,8 @@ def _converted(
     node.tag = to
     for name, text in {**limits, **made, **given}.items():
         node.set(name, text)
+        if name in given and kind.attributes[name].is_interval:
+            editing.making.intervals[node, name] = editing.span((*at, name))
     editing.write(
         node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given}
     )

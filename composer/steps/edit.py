@@ -248,6 +248,8 @@ class Change:
             )
         if attribute.name in ("pos", *ORIENTATIONS):
             self._without_ends(node, attribute.name, at)
+        if attribute.is_interval:
+            editing.making.intervals[node, attribute.name] = editing.span(at)
         editing.forget(node)
         editing.write(node, {attribute.name: at})
         if attribute.name in ORIENTATIONS:

@@ -37,7 +37,8 @@ class Making:
     the paths of files in messages count from.
     `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
     below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is
-    known; `of_keys` what refers to keys, which waits until these are laid out.
+    known; `of_keys` what refers to keys, which waits until these are laid out. `intervals` are the pairs of a lower
+    and an upper end that the recipe writes, each with its place.
     """
 
     document: Located
@@ -55,6 +56,7 @@ class Making:
     pending: list[tuple[Node, Element, str]] = field(default_factory=list)
     of_keys: list[tuple[Node, str, str, str]] = field(default_factory=list)
     files: list[tuple[Node, str, str]] = field(default_factory=list)
+    intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
 
     def span(self, element: Element, attribute: str | None = None) -> Span:
         """Where an element is written: its key, or the value of an attribute if it has that one there."""
@@ -158,6 +160,8 @@ def update(node: Node, element: Element, kind: ElementType, making: Making) -> N
 
 def _set(node: Node, element: Element, attribute: Attribute, value: object, making: Making) -> None:
     name = attribute.name
+    if attribute.is_interval:
+        making.intervals[node, name] = making.span(element, name)
     if attribute.angle == "orientation-euler" or attribute.angle == "replicate":
         _set_euler(node, element, name, value, making)
     elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
@@ -275,6 +279,7 @@ def _parsed(element: Element, kind: ElementType, making: Making) -> Node:
 def _read_fragment(node: Node, element: Element, kind: ElementType, making: Making, line: int) -> None:
     """The fragment's numbers go the way of the recipe's own; its other attributes stay as they are written."""
     values: dict[str, Value] = {}
+    intervals: list[str] = []
     for key, text in node.items():
         name = str(key)
         attribute = kind.attributes.get(name)
@@ -285,6 +290,8 @@ def _read_fragment(node: Node, element: Element, kind: ElementType, making: Maki
             values[name] = tuple(read) if attribute.max_length != 1 else read[0]
         elif attribute.type == "file":
             values[name] = str(text)
+        if attribute.is_interval:
+            intervals.append(name)
     own = Element(element.tag, {**element.attributes, **values}, at=element.at)
     making.made[node] = own
     making.fragments[node] = line + (line_of(node) or 1)
@@ -292,6 +299,8 @@ def _read_fragment(node: Node, element: Element, kind: ElementType, making: Maki
         if kind.attributes[name].angle in ("orientation-euler", "replicate"):
             del node.attrib[name]
         _set(node, own, kind.attributes[name], value, making)
+    for name in intervals:
+        making.intervals[node, name] = making.span_of(node, name)
     for child in node.iterchildren("*"):
         child_kind = kind.children.get(child.tag)
         if child_kind is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 from lxml import etree
@@ -29,6 +29,7 @@ from composer.recipe.shown import shown
 from composer.steps.elements import Making, in_radians, plain
 from composer.tree.classes import through_frames
 from composer.tree.key import Key
+from composer.tree.key_number import KeySource, Number, taken
 from composer.tree.names import word
 
 _Holder = tuple[Node, Slot | None]
@@ -80,6 +81,16 @@ def _joints(layout: Layout) -> dict[str, _Holder]:
     return found
 
 
+def _taken(key: Key, span: Span) -> Key:
+    """The key, with a note on each of its numbers that the `from` entry at `span` passes them on."""
+    values = {
+        vector: {holder: taken(row, span) for holder, row in columns.items()}
+        for vector, columns in key.values.items()
+    }
+    time = None if key.time is None else taken([key.time], span)[0]
+    return replace(key, values=values, time=time)
+
+
 def _name(node: Node) -> str:
     return str(node.get("name") or "")
 
@@ -93,13 +104,15 @@ class _Writing:
     making: Making
     holders: Mapping[str, Mapping[str, _Holder]]
     parts: frozenset[str]
-    values: dict[str, dict[Node, list[str]]] = field(default_factory=dict)
+    values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
 
     def key(self) -> Key:
         asked, making = self.step.key, self.making
         element = etree.Element("key")
         making.origins.own(element, partial(self._written, element))
-        time = None if asked.time is None else numbers.text([asked.time])
+        time = None
+        if asked.time is not None:
+            time = Number(numbers.text([asked.time]), KeySource("entry", TIME, span=self._at(TIME)))
         key = Key(asked.name, time, element, making.file, making.origins, self.values)
         for source in self._sources():
             for vector, columns in source.values.items():
@@ -128,7 +141,7 @@ class _Writing:
             there = known.get(part)
             key = there.named(name) if there is not None else None
             if there is not None and key is not None:
-                found.append((there.depth, key))
+                found.append((there.depth, _taken(key, self._at(FROM, part))))
                 continue
             if part not in self.parts:
                 continue  # the plan tells it
@@ -146,13 +159,13 @@ class _Writing:
         assert source.time is not None
         if key.time is None:
             key.time = source.time
-        elif numbers.read(key.time) != numbers.read(source.time):
+        elif numbers.read(key.time.text) != numbers.read(source.time.text):
             self.making.sink.error(
                 "keyframe-conflict",
-                f"the keys that `{key.name}` is made from have different times: {key.time} and {source.time}",
+                f"the keys that `{key.name}` is made from have different times: {key.time.text} and {source.time.text}",
                 self._at(FROM, key=True),
                 notes=(Note("the second one is here", source.span(TIME)),),
-                help=f"write the time of the key: `{TIME}: {source.time}`",
+                help=f"write the time of the key: `{TIME}: {source.time.text}`",
             )
 
     def _set(self, vector: str, name: str, entry: Entry) -> None:
@@ -170,7 +183,10 @@ class _Writing:
             values = [self._angle(vector, name, value) for value in entry]
         else:
             values = [plain(value) for value in entry]
-        self.values.setdefault(vector, {})[node] = numbers.text(values).split()
+        source = KeySource("entry", vector, span=self._at(vector, name))
+        self.values.setdefault(vector, {})[node] = [
+            Number(text, source, at) for at, text in enumerate(numbers.text(values).split())
+        ]
 
     def _angle(self, vector: str, name: str, value: Single) -> float:
         reading = self.making.readings.at((*self.step.key.at, vector, name))

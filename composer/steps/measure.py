@@ -17,7 +17,7 @@ from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
 
-_SIZES = ("nq", "nv")
+_SIZES = ("nq", "nv", "narena")
 
 
 def measure_with(

@@ -103,15 +103,17 @@ def _moved(each: Hung, name: str, part: Part, separator: str, cut: str | None) -
     """A member of a nested recipe, as it is in the recipe around that."""
     member = each.member
     keys = member.keys
+    outer = part.prefix if part.keyframes == "prefix" else ""
     if part.keyframes == "none" or keys is None:
         keys = None
     elif part.keyframes == "prefix":
-        keys = part.prefix + keys
+        keys = outer + keys
     member = replace(
         member,
         part=f"{name}{separator}{member.part}",
         prefix=part.prefix + member.prefix,
         keys=keys,
+        replaced_keys=tuple(outer + name for name in member.replaced_keys),
         welded=member.welded or part.weld,
         obscure=member.obscure or cut,
     )
@@ -137,6 +139,11 @@ def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
             for name in sorted(_RESHAPING & written.keys()):
                 reason = f"the recipe sets `compiler.{name}`, which takes elements away"
                 found = [Hung(replace(each.member, obscure=reason), each.content) for each in found]
+    written_keys = tuple(step.key.name for step in plan.keyframes)
+    found = [
+        Hung(replace(each.member, replaced_keys=(*each.member.replaced_keys, *written_keys)), each.content)
+        for each in found
+    ]
     prefixes = {each.member.prefix for each in found}
     for each_edit in (step.edit for step in plan.edits):
         found = [

@@ -19,6 +19,7 @@ from composer.steps.drop import drop
 from composer.steps.edit import edit, is_of_keys
 from composer.steps.editing import Editing
 from composer.steps.elements import Making
+from composer.steps.intervals import check_intervals
 from composer.steps.subtree import Wanted
 from composer.tree.key import Key, PartKeys
 from composer.tree.unit import Unit
@@ -50,6 +51,7 @@ class OwnEdits:
         if self.context.sink.error_count == before:
             inner = _still_meant(self.unit.part_keys, linking.emptied)
             keyframes(linking)
+            self.watch([self.unit], keyframes)
             self.unit.part_keys = inner
             self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
         self.unit.forget_classes()
@@ -74,6 +76,7 @@ class OwnEdits:
         for step in steps:
             edit(step, editing)
             self.watch([self.unit], step)
+        check_intervals(editing.making)
 
 
 def _still_meant(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:

@@ -8,19 +8,24 @@ from typing import Any, NamedTuple
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
+from composer.tree.key_number import Number
 from composer.tree.origin import Origins
 
 
 @dataclass(eq=False, slots=True)
 class Key:
-    """Numbers as text, by vector (`qpos`, …) and by what they belong to; `element` is where it is written."""
+    """Numbers by vector (`qpos`, …) and by what they belong to; `element` is where it is written.
+
+    `others` are the elements of keys that have been joined to it.
+    """
 
     name: str
-    time: str | None
+    time: Number | None
     element: Node
     file: str
     origins: Origins
-    values: dict[str, dict[Any, list[str]]] = field(default_factory=dict)
+    values: dict[str, dict[Any, list[Number]]] = field(default_factory=dict)
+    others: tuple[Node, ...] = ()
 
     def span(self, attribute: str | None = None) -> Span:
         """Where the key is written, or the value of its attribute."""

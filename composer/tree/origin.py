@@ -9,6 +9,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
+from composer.tree.key_number import KeyRecord
 from composer.tree.line import line_of
 from composer.tree.start_tag import SourceText
 
@@ -24,12 +25,14 @@ class Origins:
     `owners` holds the elements themselves, so that their identity is stable. `texts` has, by the name that messages
     use, where the text of a file is; it is read when a fault in that file is told. `settings` has the attributes that
     a program has set, each with its line. `renamed` has what edits renamed: the old and the new name, each time.
+    `keys` has how the keys were laid out that are not as their file has them.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
     texts: dict[str, Path | bytes | str | SourceText | None] = field(default_factory=dict)
     settings: dict[Node, dict[str, Span]] = field(default_factory=dict)
     renamed: dict[Node, list[tuple[str, str]]] = field(default_factory=dict)
+    keys: dict[Node, KeyRecord] = field(default_factory=dict)
 
     def own(self, element: Node, owner: str | Span | Place) -> None:
         self.owners[element] = owner
@@ -99,10 +102,11 @@ class Origins:
         self.texts.update(other.texts)
         self.settings.update(other.settings)
         self.renamed.update(other.renamed)
+        self.keys.update(other.keys)
 
     def carried(self, old: Node, new: Node) -> Origins:
         """The same knowledge for `new`, a deep copy of `old`."""
-        if not (self.owners or self.settings or self.renamed):
+        if not (self.owners or self.settings or self.renamed or self.keys):
             return Origins(texts=dict(self.texts))
         found = Origins(texts=dict(self.texts))
         for node, copy in zip(old.iter(), new.iter(), strict=True):
@@ -112,6 +116,8 @@ class Origins:
                 found.settings[copy] = dict(self.settings[node])
             if node in self.renamed:
                 found.renamed[copy] = list(self.renamed[node])
+            if node in self.keys:
+                found.keys[copy] = self.keys[node]
         return found
 
     def text(self, file: str) -> SourceText | None:

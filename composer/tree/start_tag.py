@@ -16,6 +16,7 @@ from typing import NamedTuple
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _NOT_BREAK = re.compile(r"[^\n]")
 _ATTRIBUTE = re.compile(r"""\s*([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
+_ITEM = re.compile(r"\S+")
 _TAG_END = re.compile(r"\s*/?>")
 
 
@@ -72,6 +73,21 @@ class SourceText:
             return None
         start, end = (found.names if key else found.values)[name]
         return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
+
+    def items(
+        self, tag: str, line: int, attributes: Mapping[str, str], name: str, first: int, last: int
+    ) -> tuple[Stretch, str] | None:
+        """The items `first` to `last`, counted from 0, of the value of an attribute, and their text; on one line."""
+        found = self._find(tag, line, attributes)
+        if found is None or name not in found.values:
+            return None
+        start, end = found.values[name]
+        items = [match.span() for match in _ITEM.finditer(self._text, start, end)]
+        if last >= len(items):
+            return None
+        start, end = items[first][0], items[last][1]
+        text = self._text[start:end]
+        return None if "\n" in text else (self._stretch(start, end), text)
 
     def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> _StartTag | None:
         if not 1 <= line <= len(self._starts):

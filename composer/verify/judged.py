@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import OutputError
 from composer.context import Context
+from composer.diagnostics.diagnostic import Cause
 from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
 from composer.tree.files import NAMED_AFTER_FILE
@@ -17,7 +18,7 @@ from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, crash_help, verify
 from composer.verify.culprit import culprit
 from composer.verify.left_behind import left_behind
-from composer.verify.told import Told, told, unknown_attribute
+from composer.verify.told import Told, kind_of, told, unknown_attribute
 from composer.verify.unread import unread
 
 _PLUGIN = re.compile(r"failed for plugin id (\d+)")
@@ -50,7 +51,9 @@ def judge(
         attribute = None if element is None else told(warning.message, element).attribute
         span = None if element is None else model.origins.span(element, model.file, attribute)
         said = _with_sources(warning.message, model, context)
-        context.sink.warning("mujoco-warning", f"MuJoCo warns: {said}", span)
+        context.sink.warning(
+            "mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _called(element))
+        )
     if verified.error is not None and verified.code is not None:
         fault = verified.error
         message = _with_sources(fault.message, model, context)
@@ -65,24 +68,48 @@ def judge(
         GRAMMAR.versions[-1]
     ):  # a newer one may have more attributes
         for element, name in unread(model.root):
-            tell(unknown_attribute(element, name), element, model, context)
+            _tell_unread(element, name, model, context)
     for flex in left_behind(model.root, version):
         context.sink.warning(
             "not-supported",
             f"MuJoCo {version} leaves the flex `{flex.get('name')}` where it would be without the frame around it",
             model.origins.span(flex, model.file),
             help="build with MuJoCo 4.0, which moves it, or put it into a body",
+            cause=Cause("left behind", _called(flex)),
         )
     return verified.compiled
 
 
-def tell(said: Told, element: Node | None, model: Unit, context: Context) -> None:
+def _called(element: Node | None) -> str:
+    if element is None:
+        return "the model"
+    name = element.get("name")
+    return f"`<{element.tag}>` `{name}`" if name else f"`<{element.tag}>`"
+
+
+def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> None:
+    """A typing error, most likely; a warning where models are known to write it, though it means nothing."""
+    kind = kind_of(element)
+    if kind is None or name not in kind.ignored:
+        cause = Cause(f"{element.tag} {name}", _called(element))
+        tell(unknown_attribute(element, name), element, model, context, cause)
+        return
+    context.sink.warning(
+        "unknown-attribute",
+        f"MuJoCo ignores `{name}` of `<{kind.tag}>`, which has no effect",
+        model.origins.span(element, model.file, name, key=True),
+        help=f"remove `{name}`",
+    )
+
+
+def tell(said: Told, element: Node | None, model: Unit, context: Context, cause: Cause | None = None) -> None:
     """An error at the element, or at the attribute that it lies in."""
     if element is None:
         context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
         return
     found = culprit(said, element, model)
-    context.sink.error(said.code, said.message, found.span, notes=(*found.notes, *said.notes), help=said.help)
+    notes = (*found.notes, *said.notes)
+    context.sink.error(said.code, said.message, found.span, notes=notes, help=said.help, cause=cause)
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from enum import StrEnum
 
 import numpy as np
@@ -35,11 +35,17 @@ class Roots(StrEnum):
 
 
 def key_differences(
-    matching: Matching, transform: Pose | None, keys: Keys, roots: Roots, tolerance: float = 0.0
+    matching: Matching,
+    transform: Pose | None,
+    keys: Keys,
+    roots: Roots,
+    tolerance: float = 0.0,
+    replaced: Collection[str] = (),
 ) -> list[Difference]:
     """Where a key of the part says something else of the part's own joints, actuators and mocap bodies.
 
     ``transform`` is where the part's world stands in the composition's; None or the identity moves nothing.
+    Keys of the composition that are ``replaced`` are not compared: something else was written in their place.
     """
     found: list[Difference] = []
     if keys is Keys.NONE:
@@ -51,6 +57,8 @@ def key_differences(
         name = matching.alone.describe("key", key)
         if target == ABSENT:
             found.append(Difference("key", name, MISSING, True, False))
+            continue
+        if matching.composed.names["key"][target] in replaced:
             continue
         there = matching.composed.describe("key", target)
         pairs = list(_entries(matching, key, target, moved))

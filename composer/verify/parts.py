@@ -48,8 +48,13 @@ class Judge:
     alone: dict[str, str | None] = field(default_factory=dict)
     cut: dict[str, tuple[Difference, ...]] = field(default_factory=dict)
 
-    def compare(self, member: Member, excused: Iterable[str] = ()) -> Compared:
-        """The part as it is in the composition. `excused` are arrays, or ends of their names."""
+    def compare(
+        self, member: Member, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
+    ) -> Compared:
+        """The part as it is in the composition.
+
+        `excused` are arrays, or ends of their names; `replaced_keys` are keys of the composition that the recipe wrote.
+        """
         if member.obscure is not None:
             return Compared(member, obscure=member.obscure)
         name = _kept(member)
@@ -58,7 +63,8 @@ class Judge:
         fault = self.alone[name]
         if fault is not None:
             return Compared(member, obscure=fault)
-        question = _question(member, tuple(excused), self.merged, self.renamed.get(member.part, {}))
+        given = tuple(excused), tuple(replaced_keys)
+        question = _question(member, *given, self.merged, self.renamed.get(member.part, {}))
         found = self._ask(name, WHOLE, question)
         if isinstance(found, str):
             return Compared(member, obscure=found)
@@ -126,6 +132,7 @@ def _kept(member: Member) -> str:
 def _question(
     member: Member,
     excused: tuple[str, ...],
+    replaced_keys: tuple[str, ...],
     merged: Mapping[str, Mapping[str, str]],
     edited: Mapping[str, Mapping[str, str]],
 ) -> Question:
@@ -157,4 +164,5 @@ def _question(
         welded=member.welded,
         renamed=renamed,
         ignore=excused,
+        replaced_keys=replaced_keys,
     )

@@ -34,6 +34,7 @@ class Question:
     keys: Keys = Keys.MERGE
     roots_in_keys: Roots = Roots.MOVED
     ignore: tuple[str, ...] = ()
+    replaced_keys: tuple[str, ...] = ()
     tolerance: float = 0.0
     key_prefix: str | None = None
     welded: bool = False
@@ -61,6 +62,7 @@ def ask(_mujoco: object, alone: Model, composed: Model, question: Mapping[str, A
         keys=Keys(given.keys),
         roots_in_keys=Roots(given.roots_in_keys),
         ignore=given.ignore,
+        replaced_keys=given.replaced_keys,
         tolerance=given.tolerance,
         cut=given.cut,
     )

@@ -14,6 +14,7 @@ from composer.bundle.manifest_index import index_of
 from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
 from composer.context import Context
+from composer.diagnostics.diagnostic import Cause
 from composer.plan.member import Member
 from composer.pose import Pose
 from composer.sources.source import Source
@@ -99,14 +100,15 @@ def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compare
             nowhere = Source(Path(), "path", "")
             yield Compared(_member(part, nowhere), obscure=part.obscure or found)
         else:
-            yield judge.compare(_member(part, found), part.changed)
+            yield judge.compare(_member(part, found), part.changed, part.replaced_keys)
 
 
 def _member(part: Part, source: Source) -> Member:
     pose = None if part.pos is None or part.quat is None else Pose(part.pos, part.quat)
     return Member(
-        part.part, part.prefix, source, part.body, pose, part.keys, part.welded, part.stands, part.changed,
-        part.obscure, part.subtree,
+        part.part, part.prefix, source, body=part.body, pose=pose, keys=part.keys, welded=part.welded,
+        stands=part.stands, changed=part.changed, replaced_keys=part.replaced_keys, obscure=part.obscure,
+        subtree=part.subtree,
     )  # fmt: skip
 
 
@@ -117,11 +119,12 @@ def _tell(compared: Compared, manifest: Manifest, inputs: Inputs, context: Conte
             context.sink.error("part-changed", changed(compared), notes=notes(compared.differences))
         return
     message = f"`{member.called}` is not compared with its source: {compared.obscure}"
+    cause = Cause(compared.obscure, f"`{member.called}`")
     if member.obscure is not None:
-        context.sink.warning("part-not-compared", message)
+        context.sink.warning("part-not-compared", message, cause=cause)
     elif inputs.given:
-        context.sink.error("part-not-compared", message)
+        context.sink.error("part-not-compared", message, cause=cause)
     else:
         name = manifest.recipe.path if manifest.recipe else "the recipe"
         help = f"say where the recipe is: `--recipe path/to/{name}`"
-        context.sink.warning("part-not-compared", message, help=help)
+        context.sink.warning("part-not-compared", message, help=help, cause=cause)

@@ -29,6 +29,7 @@ def compare(
     roots_in_keys: Roots = Roots.MOVED,
     others: Sequence[tuple[str, Model]] | None = None,
     ignore: Collection[str] = (),
+    replaced_keys: Collection[str] = (),
     tolerance: float = 0.0,
     cut: bool = False,
 ) -> list[Difference]:
@@ -38,7 +39,8 @@ def compare(
     ``prefix`` includes its separator; the base's is empty. ``hung_on`` is where the part's world stands:
     the world, unmoved, if not given. ``renamed`` maps names of the part to names of the composition, by
     kind, where they are not simply prefixed. ``ignore`` are arrays (`geom_friction`), or attributes of
-    every kind (`friction`), that were changed on purpose. With ``others``, the prefixes and models of all
+    every kind (`friction`), that were changed on purpose; ``replaced_keys`` are keys of the composition that
+    were written in place of the part's own. With ``others``, the prefixes and models of all
     other parts, elements that bear this part's prefix but are of no part count as differences too.
 
     ``tolerance`` is relative to the larger of 1 and the value. 0 asks for equality bit for bit wherever
@@ -58,7 +60,7 @@ def compare(
     if not coupling.in_place:
         found += placing.differences(tolerance)
     in_world = placing.transform if matching.mount == 0 else None
-    found += key_differences(matching, in_world, keys, roots_in_keys, tolerance)
+    found += key_differences(matching, in_world, keys, roots_in_keys, tolerance, replaced_keys)
     return [difference for difference in found if not _ignored(difference, ignore)]
 
 

@@ -15,7 +15,7 @@ def test_everything_is_there() -> None:
             Severity.WARNING,
             (Note("n"), Note("m", Span("c", 1, 1))),
             "h",
-            (CellName("a-1-s0002", "a-1", 2), CellName("a-2")),
+            cells=(CellName("a-1-s0002", "a-1", 2), CellName("a-2")),
         )
     )
     assert line.splitlines() == [line]
@@ -33,6 +33,7 @@ def test_everything_is_there() -> None:
             },
         ],
         "help": "h",
+        "others": [],
         "cells": [
             {"name": "a-1-s0002", "cell": "a-1", "sample": 2},
             {"name": "a-2", "cell": None, "sample": None},

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from composer.diagnostics import Diagnostic, Note, Severity, Sink, Span
+from composer.diagnostics import Cause, Diagnostic, Note, Severity, Sink, Span
 from composer.diagnostics.cell_name import CellName
 
 
@@ -26,11 +26,40 @@ def test_same_message_in_another_place_is_another_diagnostic() -> None:
     assert len(sink.diagnostics) == 2
 
 
+def test_findings_of_one_cause_are_one_diagnostic_with_all_their_places() -> None:
+    sink = Sink()
+    for line in (3, 7, 9, 9):
+        sink.error("bad-name", f"line {line}", Span("f", line, 1), help="h", cause=Cause("x", f"at {line}"))
+    sink.warning("bad-name", "line 3", Span("f", 3, 1), cause=Cause("x", "at 3"))  # not as bad
+    sink.error("bad-name", "other", Span("f", 4, 1), cause=Cause("y", "other"))
+    first, warned, other = sink.diagnostics
+    assert (first.message, first.span) == ("line 3", Span("f", 3, 1))
+    assert first.others == (Note("at 7", Span("f", 7, 1)), Note("at 9", Span("f", 9, 1)))
+    assert (warned.others, other.others) == ((), ())
+    assert sink.errors == [first, other] and first in sink.sorted()
+    assert sink.error_count == 5
+
+
 def test_sorted_by_place_with_unplaced_last() -> None:
     sink = Sink()
     for span in (None, Span("b", 1, 1), Span("a", 10, 1), Span("a", 9, 5), Span("a", 9, 2)):
         sink.error("bad-name", "x", span)
     assert [str(each.span) for each in sink.sorted()] == ["a:9:2", "a:9:5", "a:10:1", "b:1:1", "None"]
+
+
+def test_errors_come_first_and_those_of_a_recipe_before_those_of_models() -> None:
+    sink = Sink()
+    sink.note("bad-name", "x", Span("a.yaml", 1, 1))
+    sink.warning("bad-name", "x", Span("a.yaml", 1, 1))
+    sink.warning("bad-name", "x")
+    sink.error("bad-name", "x", Span("gripper.XML", 1, 1))
+    sink.error("bad-name", "x")
+    sink.error("bad-name", "x", Span("robot.yaml", 9, 1))
+    sink.error("bad-name", "x", Span("--set mass", 1, 1))
+    assert [(str(each.severity), str(each.span)) for each in sink.sorted()] == [
+        ("error", "--set mass:1:1"), ("error", "robot.yaml:9:1"), ("error", "gripper.XML:1:1"), ("error", "None"),
+        ("warning", "a.yaml:1:1"), ("warning", "None"), ("note", "a.yaml:1:1"),
+    ]  # fmt: skip
 
 
 def test_only_errors_are_errors() -> None:

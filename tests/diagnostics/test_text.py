@@ -138,6 +138,14 @@ def test_color_only_when_asked() -> None:
     assert re.sub(r"\x1b\[[0-9;]*m", "", colored) == plain
 
 
+def test_others_of_the_same_cause_are_listed_one_a_line_before_the_help() -> None:
+    others = tuple(Note(f"`{n}.obj`", at(n, 1)) for n in range(2, 12))
+    diagnostic = Diagnostic("asset-missing", "no", at(1, 1), notes=(Note("n"),), help="do", others=others)
+    shown = render(diagnostic).split("\n")
+    assert shown[1:4] == ["  = note: n", "  = note: 10 more like this:", "          r.yaml:2:1: `2.obj`"]
+    assert shown[-3:] == ["          r.yaml:9:1: `9.obj`", "          … and 2 more", "  = help: do"]
+
+
 def test_summary() -> None:
     error, warning = Diagnostic("bad-name", "a"), Diagnostic("bad-name", "b", severity=Severity.WARNING)
     note = Diagnostic("bad-name", "c", severity=Severity.NOTE)

@@ -167,6 +167,15 @@ def test_colon_at_the_end_of_text_in_brackets() -> None:
     assert helps == ([] if pure else ['quote it: "b:"'])
 
 
+def test_colon_in_a_later_line_of_text_in_brackets() -> None:
+    text = "a: {b\n  c:[1]}\n"
+    found = [(shown(text, each), each.help) for each in faults(text)]
+    # The reader in Python takes `b c:` for a key.
+    pure = sys.modules["composer.document.load"]._FAST is yaml.SafeLoader  # type: ignore[attr-defined]
+    assert pure or found == [("c:", "write `c: [1]`")]
+    assert all("\n" not in each.message for each in faults("{&\n  :{"))
+
+
 def test_quoted_expressions_and_globs_are_fine() -> None:
     assert faults('a: [0, "${x}"]\nb: ${x} * 2\nc: "**/x"\nd: ${v[0]}\ne: "{l,r}/*"\nf: a*b/**\n') == []
 

@@ -21,6 +21,8 @@ HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
 # Cases that are about several faults, all of which are told.
 SEVERAL = {
+    "range_wrong_order",
+    "range_wrong_order_in_part",
     "several_expressions",
     "everything_at_once",
     "edit_beside_others",
@@ -29,7 +31,6 @@ SEVERAL = {
     "several_sources",
     "several_names",
     "several_stages",
-    "conflicts",
     "check_failed",
     "check_names",
     "check_nested",
@@ -50,6 +51,8 @@ BUILT = {
     "conflict_warning",
     "copies_warning",
     "edit_convert_loss",
+    "ignored_attribute",
+    "memory_of_part",
     "memory_warning",
     "subtree_cut",
 }

@@ -255,6 +255,24 @@ def test_angles_of_joints(kind: str, name: str, text: str, angular: bool) -> Non
     assert (differences(degree, radian) != []) == angular
 
 
+def test_what_mujoco_ignores_has_no_effect() -> None:
+    """Attributes that models write and MuJoCo passes over: that it goes on doing so is the reason for the data."""
+    found = [(path, name) for path in GRAMMAR.paths for name in GRAMMAR.element(path).ignored]
+    assert found == [("replicate", "prefix")]
+    for path, name in found:
+        element = GRAMMAR.element(path)
+        assert name not in element.attributes
+        assert differences(arrays(model(element)), arrays(model(element, {**needed(element), name: "x"}))) == []
+
+
+@pytest.mark.parametrize("path", PLACED)
+def test_only_frames_and_replicates_take_what_mjcf_does_not_have(path: str) -> None:
+    """Nothing else can hide an attribute without effect: what the data calls ignored is all that could be."""
+    element, base, _ = attributes_of(path)
+    fault = refusal(model(element, {**base, "nonsense": "1"}))
+    assert (fault is None) == (path in ("frame", "replicate"))
+
+
 @pytest.mark.parametrize("path", PLACED)
 def test_exclusive_attributes(path: str) -> None:
     """Two that exclude each other are refused together, where each alone is taken."""

@@ -99,8 +99,28 @@ def test_both_places_are_told(workshop: Workshop) -> None:
     fault = linked.fault
     assert fault.span is not None
     assert fault.span.file == str(linked.paths[1])
-    places = [(note.span.file, note.span.line) for note in fault.notes if note.span]
+    places = [(note.span.file, note.span.line) for note in (*fault.notes, *fault.others) if note.span]
     assert places == [(str(linked.paths[0]), 2), (str(linked.paths[3]), 1)]
+
+
+def test_all_settings_of_a_part_are_one_finding_with_one_help(workshop: Workshop) -> None:
+    wanted = '<option cone="elliptic" impratio="10"/><visual><map znear="0.1"/></visual>'
+    linked = workshop.link(BASE, *(Piece(options(wanted), prefix) for prefix in ("a/", "b/", "c/")))
+    fault = linked.fault
+    assert [note.message.split(":")[0] for note in fault.notes] == [
+        "`option.cone`", "`option.impratio`", "`visual.map.znear`",
+    ]  # fmt: skip
+    assert [other.message for other in fault.others] == ["`b/`", "`c/`"]
+    sentence, *lines = str(fault.help).splitlines()
+    assert "`drop: [option, visual]`" in sentence and "`conflict: merge`" in sentence
+    assert lines == ["option: {cone: elliptic, impratio: 10}", "visual: {map: {znear: 0.1}}"]
+
+
+def test_a_merge_is_advised_only_where_it_would_settle_everything(workshop: Workshop) -> None:
+    parts = [Piece(options(f'<option cone="{cone}"/>'), f"{cone}/") for cone in ("elliptic", "pyramidal")]
+    base = options('<option cone="elliptic"/>')
+    assert "conflict: merge" in str(workshop.link(BASE, parts[0]).fault.help)
+    assert "conflict: merge" not in str(workshop.link(base, parts[1]).fault.help)
 
 
 MERGES = [

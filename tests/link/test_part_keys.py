@@ -4,6 +4,7 @@ from link.workshop import BASE, Piece, Workshop, placed
 
 from composer.link.part_keys import part_keys
 from composer.pose import quat_from_axisangle
+from composer.tree.key_number import texts
 
 HINGE = """
 <mujoco><worldbody><body name="b"><joint name="j"/><geom size=".1"/></body></worldbody>
@@ -25,13 +26,15 @@ def test_by_path_and_by_joint(workshop: Workshop) -> None:
         "b": ["home"],
     }
     key = found["a"].named("home")
-    assert key is not None and key.time == "2"
-    assert {node.get("name"): text for node, text in key.values["qpos"].items()} == {"a/j": ["3"]}
+    assert key is not None and key.time is not None and key.time.text == "2"
+    assert {node.get("name"): texts(row) for node, row in key.values["qpos"].items()} == {"a/j": ["3"]}
+    assert key.values["qpos"].popitem()[1][0].source.moved == ()
     assert len(found["a"].keys) == 2
     moved = found["b"].named("home")
     assert moved is not None
     (columns,) = moved.values["qpos"].values()
-    assert [round(float(text), 12) for text in columns[:3]] == [-1, 0, 5]
+    assert [round(float(number.text), 12) for number in columns[:3]] == [-1, 0, 5]
+    assert [len(number.source.moved) for number in columns] == [1] * 7
     assert found["a"].named("other") is None
 
 

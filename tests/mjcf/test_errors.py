@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
 import pytest
 
@@ -24,6 +25,30 @@ def test_an_unknown_attribute_is_an_attribute_error_too() -> None:
     with pytest.raises(AttributeError) as caught:
         _ = mjcf.RootElement().colour
     assert isinstance(caught.value, mjcf.MjcfError)
+
+
+def test_a_file_that_does_not_exist_is_a_file_not_found_error_too(tmp_path: Path) -> None:
+    mesh = '<mujoco><asset><mesh name="m" file="m.stl"/></asset></mujoco>'
+    model = mjcf.from_xml_string(mesh, base_dir=tmp_path)
+    for fails in (
+        lambda: mjcf.from_path(tmp_path / "none.xml"),
+        lambda: mjcf.Physics.from_path(tmp_path / "none.xml"),
+        lambda: model.find("mesh", "m").file.contents,
+        lambda: mjcf.export_with_assets(model, tmp_path / "out"),
+        lambda: model.compile_model(),
+    ):
+        with pytest.raises(FileNotFoundError) as caught:
+            fails()
+        error = caught.value
+        assert isinstance(error, mjcf.MjcfFileNotFoundError) and "error[" in str(error)
+        assert pickle.loads(pickle.dumps(error)).diagnostics == error.diagnostics
+
+
+def test_a_file_that_cannot_be_read_is_an_os_error_too(tmp_path: Path) -> None:
+    with pytest.raises(OSError) as caught:
+        mjcf.from_path(tmp_path)
+    assert isinstance(caught.value, mjcf.MjcfFileError) and not isinstance(caught.value, FileNotFoundError)
+    assert caught.value.diagnostics[0].code == "file-unreadable"
 
 
 def test_only_errors_are_raised_and_all_of_them() -> None:

@@ -69,16 +69,16 @@ def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
     arm.attach(gripper)
     with pytest.raises(mjcf.MjcfError) as caught:
         arm.to_xml_string()
-    assert [fault.code for fault in caught.value.diagnostics] == ["option-conflict"] * 2
+    assert [fault.code for fault in caught.value.diagnostics] == ["option-conflict"]
     assert "`conflict='warning'`" in str(caught.value) and "recipe" not in str(caught.value)
-    with pytest.warns(mjcf.MjcfWarning, match="which stands") as told:
+    with pytest.warns(mjcf.MjcfWarning, match="the model's values stand") as told:
         text = arm.to_xml_string(conflict="warning")
-    assert len(told) == 2 and told[0].filename == __file__
+    assert len(told) == 1 and told[0].filename == __file__
     assert str(told[0].message).startswith(f"{__file__}:")
     assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 1
     with pytest.warns(mjcf.MjcfWarning) as told:
         text = arm.to_xml_string(conflict="merge")
-    assert all("merged to" in str(each.message) for each in told)
+    assert len(told) == 1 and "they are merged" in str(told[0].message)
     assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 10
     arm.option.impratio, arm.option.cone = 10, "elliptic"
     with warnings.catch_warnings():

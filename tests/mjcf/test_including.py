@@ -108,6 +108,19 @@ def test_a_setting_that_would_change_what_elements_mean(settings: str) -> None:
         assert len(model.find_all("geom")) == 2
 
 
+def test_a_setting_that_both_write_is_not_lost_where_one_has_no_elements() -> None:
+    geom = '<worldbody><geom size="1"/></worldbody>'
+    for elements_of_one, elements_of_two in ((geom, ""), ("", geom), ("", "")):
+        model = _model('<compiler boundmass="1"/>' + elements_of_one, "one")
+        other = _model('<compiler boundmass="2"/>' + elements_of_two, "two")
+        with pytest.raises(MjcfError, match="`compiler` has `boundmass`, which is not the same in `one` and `two`"):
+            model.include_copy(other)
+        assert model.compiler.boundmass == 1
+        with pytest.warns(mjcf.MjcfWarning, match="that of `two` now counts"):
+            model.include_copy(other, override=True)
+        assert model.compiler.boundmass == 2
+
+
 def test_attached_models_come_along(arm: RootElement, gripper: RootElement, compiled: Compiled) -> None:
     for each in (arm, gripper):
         each.keyframe.remove()

@@ -79,3 +79,10 @@ def test_comments_stay() -> None:
         "<mujoco><!-- a --><worldbody><!-- b --><geom size='1'/></worldbody></mujoco>"
     )
     assert len(model.worldbody.all_children()) == 1 and "<!-- b -->" in model.to_xml_string()
+
+
+def test_what_mujoco_ignores_is_no_fault() -> None:
+    """Such a model loads in MuJoCo, which passes over the attribute."""
+    text = """<mujoco><worldbody><replicate count="3" prefix="A"><geom size="1"/></replicate></worldbody></mujoco>"""
+    model = mjcf.from_xml_string(text)
+    assert mujoco.MjModel.from_xml_string(model.to_xml_string()).ngeom == 3

@@ -52,6 +52,27 @@ def test_fragment_takes_the_name_of_its_key(recipe: Callable[[str], Recipe]) -> 
     assert sensor == Element("touch", {"name": "pad"}, xml='<touch site="a"/>', at=("sensor", "pad"))
 
 
+@pytest.mark.parametrize(
+    ("section", "entry"),
+    [
+        ("equality", "{name: '', type: joint, joint1: a}"),
+        ("equality", "{name: '', xml: '<joint joint1=\"a\"/>'}"),
+        ("actuator", "{name: '', type: motor, joint: a}"),
+        ("tendon", "{name: '', type: fixed, path: [{joint: a, coef: 1}]}"),
+    ],
+)
+def test_an_empty_name_leaves_an_element_without_one(
+    recipe: Callable[[str], Recipe], section: str, entry: str
+) -> None:
+    (element,) = getattr(recipe(f"{section}: {{label: {entry}}}"), section)
+    assert "name" not in element.attributes and element.at == (section, "label")
+
+
+def test_an_asset_without_a_name(recipe: Callable[[str], Recipe]) -> None:
+    (sky,) = recipe("asset: {texture: {sky: {name: '', type: skybox, builtin: flat}}}").asset
+    assert "name" not in sky.attributes
+
+
 def test_tendon_path_keeps_its_order(recipe: Callable[[str], Recipe]) -> None:
     (rope,) = recipe(
         """

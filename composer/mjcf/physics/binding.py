@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,10 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean
 from composer.grammar.check import shorten
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import MjcfAttributeError, failure
+from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
+from composer.mjcf.physics import columns
 from composer.mjcf.physics.fields import Field, fields
+from composer.mjcf.physics.posed import RELEASES, Posed
 from composer.mjcf.physics.runs import RUNS, Run
 from composer.mjcf.physics.scattered import Home
 from composer.verify.roster import Model
@@ -27,9 +29,11 @@ Data = Any
 class Binding:
     """The fields of `mjModel` and `mjData` that an element, or each of several of one kind, has.
 
-    A field goes by MuJoCo's full name and by that without the kind: `geom_xpos` and `xpos`. What is read is
+    A field goes by MuJoCo's full name and by that without the kind: `geom_xpos` and `xpos`; as text it is an
+    index: `binding['xpos']`, `binding['xpos', 'z']`. What is read is
     MuJoCo's own memory and follows it: take a `copy()` to keep it. What is assigned, to a field or to items
-    of it, is written there.
+    of it, is written there. MuJoCo reads a `pos`, `quat`, `ipos` or `iquat` that was written here, also where it
+    had compiled it away because it was that of another frame.
 
     Shapes, for one element: a number has `()`, a row `(3,)`; what an element may have several of has its
     length even where that is one: `qpos` of a hinge is `(1,)`, of a free joint `(7,)`, `sensordata` of a
@@ -90,8 +94,65 @@ class Binding:
                 view.write(value)
             else:
                 view[...] = value
+        except MjcfError:
+            raise
         except (TypeError, ValueError):
             raise self._cannot_take(name, value) from None
+
+    def __getitem__(self, key: str | tuple[str, Any]) -> Any:
+        """A field by its name, `binding['xpos']`, or columns of it by number or name: `binding['xpos', 'z']`.
+
+        Columns are called `x y z`, `qw qx qy qz`, `r g b a` and, of a rotation matrix, `xx xy … zz`.
+        """
+        name, at = self._parts(key)
+        value = getattr(self, name)
+        return value if at is None else value[at]
+
+    def __setitem__(self, key: str | tuple[str, Any], value: Any) -> None:
+        """The same, written to MuJoCo."""
+        name, at = self._parts(key)
+        if at is None:
+            setattr(self, name, value)
+            return
+        has = getattr(self, name)
+        try:
+            has[at] = value
+        except MjcfError:
+            raise
+        except (TypeError, ValueError):
+            raise self._cannot_take(name, value, has[at]) from None
+
+    def _parts(self, key: str | tuple[str, Any]) -> tuple[str, Any]:
+        """The name of a field, and what of it: None for all, else an index."""
+        name, *rest = key if isinstance(key, tuple) else (key,)
+        if not isinstance(name, str) or len(rest) > 1:
+            raise failure(
+                "wrong-type",
+                f"a binding is indexed by the name of a field, got `{shorten(repr(key))}`",
+                call_site(),
+                help="`binding['xpos']`, `binding['xpos', 'z']` or `binding['xpos', [0, 2]]`",
+            )
+        if not rest:
+            return name, None
+        has = getattr(self, name)
+        if has.ndim < (1 if self._one else 2):
+            raise failure(
+                "wrong-type",
+                f"`{name}` of {self._labelled()} has one number for each, and no columns",
+                call_site(),
+            )
+        known = columns.names(fields(self._kind)[name].array, has.shape[-1])
+        try:
+            at = columns.numbered(rest[0], known)
+            has[..., at]
+        except (KeyError, IndexError, TypeError) as fault:
+            raise failure(
+                "out-of-range",
+                f"`{name}` has no column `{fault.args[0] if isinstance(fault, KeyError) else shorten(repr(rest[0]))}`",
+                call_site(),
+                notes=(Note(f"it has {has.shape[-1]}" + (f": {', '.join(known)}" if known else "")),),
+            ) from None
+        return name, (..., at)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled, and copied, with the state: together with its `Physics` it is a view on that one's copy."""
@@ -101,8 +162,10 @@ class Binding:
         return sorted({"element_id", "id", *fields(self._kind)})
 
     def __repr__(self) -> str:
-        shown = ", ".join(self._labels[:3]) + (", …" if len(self._labels) > 3 else "")
-        return f"<Binding of {shown}>"
+        return f"<Binding of {self._labelled()}>"
+
+    def _labelled(self) -> str:
+        return ", ".join(self._labels[:3]) + (", …" if len(self._labels) > 3 else "")
 
     def _read(self, name: str, field: Field) -> Array:
         view = self._view(name, field)
@@ -117,8 +180,10 @@ class Binding:
         view = self._one_view(array, field) if self._one else self._view_of_all(array, field)
         if isinstance(view, Home):
             self._homes[name] = view
-        else:
-            self.__dict__[name] = view
+            return view
+        if field.array in RELEASES:
+            view = Posed.of(view, self._model, field.array)
+        self.__dict__[name] = view
         return view
 
     def _one_view(self, array: Array, field: Field) -> Array:
@@ -139,7 +204,10 @@ class Binding:
             runs = (self._rows(run, at, field) for at in range(len(self._ids)))
             index = np.concatenate([np.arange(rows.start, rows.stop, dtype=np.intp) for rows in runs])
         regular = as_slice(index)
-        return Home.of(array, index) if regular is None else array[regular]
+        if regular is not None:
+            return array[regular]
+        release = RELEASES.get(field.array)
+        return Home.of(array, index, *([partial(release, self._model, field.array)] if release else []))
 
     def _rows(self, run: Run, at: int, field: Field) -> range:
         rows = run.rows(self._model, self._ids[at])
@@ -152,13 +220,13 @@ class Binding:
             )
         return rows
 
-    def _cannot_take(self, name: str, value: object) -> Exception:
-        has = self._read(name, fields(self._kind)[name])
+    def _cannot_take(self, name: str, value: object, of: Array | None = None) -> Exception:
+        has = self._read(name, fields(self._kind)[name]) if of is None else of
         try:
             got = np.asarray(value, dtype=has.dtype) if value is not None else None
         except (TypeError, ValueError):
             got = None
-        what = f"`{name}` of {', '.join(self._labels[:3])}{', …' if len(self._labels) > 3 else ''}"
+        what = f"`{name}` of {self._labelled()}"
         if got is None:
             shown = shorten(repr(value))
             return failure("wrong-type", f"{what} expects numbers, got `{shown}`", call_site())
@@ -191,10 +259,16 @@ class EmptyBinding:
         return np.empty(0)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if np.size(value) > 1:
+        if np.size(value):
             raise failure(
                 "wrong-length", f"`{name}` of nothing has the shape (0,), got {np.shape(value)}", call_site()
             )
+
+    def __getitem__(self, key: object) -> Array:
+        return np.empty(0)
+
+    def __setitem__(self, key: object, value: Any) -> None:
+        setattr(self, str(key[0] if isinstance(key, tuple) else key), value)
 
     def __repr__(self) -> str:
         return "<Binding of nothing>"

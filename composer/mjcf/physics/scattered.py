@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -37,11 +38,13 @@ class Scattered(np.ndarray[Any, np.dtype[Any]]):
             source[rows.home.index[key]] = np.asarray(self)[key]
         else:
             places = np.arange(source.size).reshape(source.shape)[rows.home.index]
-            np.put(source, _seen_alike(places, rows, self)[key], np.asarray(self)[key])
+            written = seen_alike(places, rows, self)[key]
+            rows.home.before(np.unique(written // source.shape[-1]))
+            np.put(source, written, np.asarray(self)[key])
 
 
-def _seen_alike(places: NDArray[np.intp], rows: Scattered, view: Scattered) -> NDArray[np.intp]:
-    """The part of `places` that a view of `rows`, an array of the same shape, shows of it."""
+def seen_alike(places: NDArray[np.intp], rows: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
+    """The part of `places` that a view of `rows`, an array of the same shape, shows of it; both lie in one piece."""
     offset = (view.ctypes.data - rows.ctypes.data) // rows.itemsize
     strides = [stride // rows.itemsize * places.itemsize for stride in view.strides]
     flat = places.reshape(-1)[offset : offset + 1] if view.size else places.reshape(-1)[:0]
@@ -50,15 +53,24 @@ def _seen_alike(places: NDArray[np.intp], rows: Scattered, view: Scattered) -> N
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Home(Generic[_Number]):
-    """Where scattered rows belong: the rows `index`, an array of integers, of `source`."""
+    """Where scattered rows belong: the rows `index`, an array of integers, of `source`.
+
+    `before` is called with the rows that are about to be written, where they have several numbers each.
+    """
 
     source: NDArray[_Number]
     index: NDArray[np.intp]
     flat: bool
+    before: Callable[[NDArray[np.intp]], None]
 
     @classmethod
-    def of(cls, array: NDArray[_Number], index: NDArray[np.intp]) -> Home[_Number]:
-        return cls(array.view(Scattered), index, array.ndim == 1)
+    def of(
+        cls,
+        array: NDArray[_Number],
+        index: NDArray[np.intp],
+        before: Callable[[NDArray[np.intp]], None] = lambda rows: None,
+    ) -> Home[_Number]:
+        return cls(array.view(Scattered), index, array.ndim == 1, before)
 
     def read(self) -> Scattered:
         """The rows as they are now."""
@@ -69,6 +81,9 @@ class Home(Generic[_Number]):
 
     def write(self, value: object) -> None:
         source: Any = self.source
+        if not self.flat:
+            np.empty((len(self.index), *source.shape[1:]), source.dtype)[...] = value
+            self.before(self.index)
         source[self.index] = value
 
 
@@ -84,5 +99,9 @@ def _in_place(name: str) -> Any:
     return write
 
 
-for _operator in "add sub mul truediv floordiv mod pow and or xor lshift rshift".split():
-    setattr(Scattered, f"__i{_operator}__", _in_place(f"__i{_operator}__"))
+IN_PLACE = [
+    f"__i{operator}__" for operator in "add sub mul truediv floordiv mod pow and or xor lshift rshift".split()
+]
+
+for _name in IN_PLACE:
+    setattr(Scattered, _name, _in_place(_name))

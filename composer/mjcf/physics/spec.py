@@ -16,6 +16,8 @@ from composer.mjcf.parse import from_xml_string
 from composer.mjcf.physics.compile import engine, refused
 from composer.mjcf.root import RootElement
 from composer.tree.write import to_text, write
+from composer.verify.roster import KINDS
+from composer.verify.rows import arrays
 
 
 def from_spec(spec: Any) -> RootElement:
@@ -23,7 +25,8 @@ def from_spec(spec: Any) -> RootElement:
 
     MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
     Numbers are those of the spec, to the last bit. MuJoCo before 3.16 writes six digits of each, and so does a later
-    one where models with different compiler settings are attached to each other: an `MjcfWarning` tells.
+    one where models with different compiler settings are attached to each other: an `MjcfWarning` tells. So it does
+    where the spec has a NaN, which MuJoCo does not write.
 
     >>> import mujoco
     >>> spec = mujoco.MjSpec()
@@ -36,7 +39,7 @@ def from_spec(spec: Any) -> RootElement:
         raise failure("wrong-type", f"`spec` expects an `MjSpec`, got `{type(spec).__name__}`", call_site())
     try:
         copied = spec.copy()
-        copied.compile()
+        compiled = copied.compile()
         text = _text(copied)
     except (ValueError, mujoco.FatalError) as error:
         raise refused(error) from None
@@ -44,7 +47,24 @@ def from_spec(spec: Any) -> RootElement:
     assets = dict(spec.assets)
     for name, data in spec.assets.items():  # MuJoCo goes by the last part of a path alone
         assets.setdefault(posixpath.basename(name), data)
+    if lost := _not_numbers(compiled):
+        place = call_site()
+        message = (
+            "MuJoCo leaves out attributes with a NaN when it writes a spec, so that they get their default:"
+            f" the spec has NaN in {', '.join(lost)}"
+        )
+        warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
     return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)
+
+
+def _not_numbers(compiled: Any) -> list[str]:
+    """The arrays of elements that have a NaN. MuJoCo 4.0 leaves out what is written as NaN: it means not written."""
+    return sorted(
+        name
+        for kind in KINDS
+        for name, array, _ in arrays(compiled, kind)
+        if array.dtype.kind == "f" and bool((array != array).any())
+    )
 
 
 def _text(compiled: Any) -> str:

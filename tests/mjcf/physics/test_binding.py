@@ -139,8 +139,12 @@ def test_nothing_is_bound_to_nothing(physics: Physics) -> None:
     nothing = physics.bind([])
     assert nothing.qpos.shape == (0,)
     nothing.ctrl = []
-    with pytest.raises(MjcfError, match=r"`ctrl` of nothing has the shape \(0,\), got \(2,\)"):
-        nothing.ctrl = [1, 2]
+    assert nothing["xpos", "z"].shape == (0,)
+    for value, shape in (([1, 2], r"\(2,\)"), (5, r"\(\)")):
+        with pytest.raises(MjcfError, match=rf"`ctrl` of nothing has the shape \(0,\), got {shape}"):
+            nothing.ctrl = value
+        with pytest.raises(MjcfError, match="`ctrl` of nothing"):
+            nothing["ctrl", 0] = value
 
 
 def test_a_wrong_shape_is_told_and_nothing_is_written(model: RootElement, physics: Physics) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import mujoco
@@ -87,3 +88,24 @@ def test_digits_that_mujoco_does_not_write_are_told() -> None:
     with pytest.warns(mjcf.MjcfWarning, match="in six digits only: .*inertiafromgeom"):
         model = mjcf.from_spec(spec)
     assert model.find("body", "c/b").pos.tolist() == [0.123457, 0, 0]
+
+
+def test_a_nan_is_not_lost_without_a_word() -> None:
+    """MuJoCo 4.0 writes no attribute with a NaN, so that the geom is back at its default."""
+    spec = mujoco.MjSpec.from_string(
+        '<mujoco><worldbody><body><geom name="g" size="1" pos="1 0 nan"/></body></worldbody></mujoco>'
+    )
+    with pytest.warns(mjcf.MjcfWarning, match=r"has NaN in .*geom_pos"):
+        model = mjcf.from_spec(spec)
+    assert model.find("geom", "g").pos is None
+
+
+def test_no_word_of_nan_where_all_are_numbers() -> None:
+    """What a spec leaves to MuJoCo it has as NaN itself: masses, frictions of a class, orientations."""
+    spec = mujoco.MjSpec.from_string(
+        '<mujoco><worldbody><frame pos="1 0 0"><body euler="1 2 3"><freejoint/><geom size="1"/></body></frame>'
+        "</worldbody></mujoco>"
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", mjcf.MjcfWarning)
+        mjcf.from_spec(spec)

@@ -1,0 +1,114 @@
+"""Pass: memory for the simulation. What one source asks for is for that source alone, not for the whole model.
+
+MuJoCo chooses the memory by the size of the model where nobody writes it. What a source writes would be for the whole:
+with `memory="1M"` of a lamp beside 300 boxes MuJoCo 4.0 drops contacts, and boxes fall through the floor. `njmax`,
+`nconmax` and `nstack` are older spellings, which lead to the same number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
+from composer.link.linking import Linking
+from composer.tree.unit import Unit
+
+ROOM = ("memory", "njmax", "nconmax", "nstack")
+_MOVING = ("joint", "freejoint", "flexcomp", "attach", "composite")
+_SCALE = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60}
+
+
+class Asked(NamedTuple):
+    """What a source writes of its memory, and where; what messages call the source."""
+
+    name: str
+    value: str
+    called: str
+    span: Span
+
+
+def asked(linking: Linking) -> tuple[Asked, ...]:
+    """What the units ask for, where MuJoCo has to be asked whether that is enough: where several of them move."""
+    calls = ["the base", *(part.called for part in linking.parts)]
+    moving = [next(unit.root.iter(*_MOVING), None) is not None for unit in linking.units]
+    for number, part in enumerate(linking.parts, 1):
+        moving[number] |= bool(part.joints)
+    if sum(moving) < 2 or any(f"size/{name}" in linking.settled for name in ROOM):
+        return ()
+    return tuple(each for unit, called in zip(linking.units, calls, strict=True)
+                 for each in _written(linking, unit, called))  # fmt: skip
+
+
+def _written(linking: Linking, unit: Unit, called: str) -> Iterator[Asked]:
+    for size in unit.root.iterchildren("size"):
+        for name in ROOM:
+            value = str(size.get(name) or "").strip()
+            if value and value != "-1":
+                yield Asked(name, value, called, linking.span(unit, size, name))
+
+
+def room(linking: Linking) -> None:
+    """Leave the memory to MuJoCo where it gives the whole model more than any source asks for."""
+    if not linking.room or linking.measure is None:
+        return
+    unit = linking.flat()
+    sizes = [size for size in unit.root.iterchildren("size") if any(size.get(name) for name in ROOM)]
+    memory = [str(size.get("memory")) for size in sizes if size.get("memory")]
+    written = bytes_of(memory[-1]) if memory else _measured(linking, unit)
+    kept = [(size, dict(size.attrib)) for size in sizes]
+    for size in sizes:
+        for name in ROOM:
+            size.attrib.pop(name, "")
+    own = _measured(linking, unit)
+    if written is None or own is None or own <= written:
+        for size, attributes in kept:
+            size.attrib.update(attributes)
+        return
+    for size in sizes:
+        _leave_out_empty(size)
+    first, *others = linking.room
+    linking.sink.warning(
+        "option-conflict",
+        f"`size.{first.name}` of {_quoted(first.called)} is {first.value}, which is too little for the whole model:"
+        f" MuJoCo's own choice, {_megabytes(own)}, is used",
+        first.span,
+        notes=[
+            Note(f"{_quoted(each.called)} asks for `{each.name}` {each.value}", each.span) for each in others
+        ],
+        help=f"to set it yourself, write in the recipe `size: {{memory: {_megabytes(own)}}}`, or another amount",
+    )
+
+
+def _measured(linking: Linking, unit: Unit) -> float | None:
+    """What MuJoCo gives the model as it stands; None where it refuses it, which is told when it is verified."""
+    assert linking.measure is not None
+    found = linking.measure(unit, ("narena",), attempt=True)
+    return found["narena"][0] if found else None
+
+
+def _leave_out_empty(size: Node) -> None:
+    parent = size.getparent()
+    if parent is not None and not size.attrib and not len(size):
+        parent.remove(size)
+
+
+def bytes_of(text: str) -> float:
+    """An amount of memory as MJCF writes it.
+
+    >>> bytes_of("2M")
+    2097152.0
+    """
+    text = text.strip().lower()
+    return float(text[:-1]) * _SCALE[text[-1]] if text and text[-1] in _SCALE else float(text or 0)
+
+
+def _megabytes(count: float) -> str:
+    return f"{round(count / 2**20)}M"
+
+
+def _quoted(called: str) -> str:
+    return called if called == "the base" else f"`{called}`"

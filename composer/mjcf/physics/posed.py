@@ -1,0 +1,113 @@
+"""Poses of a compiled model. MuJoCo does not read one of which it knows that it is that of another frame.
+
+Whoever writes such a pose wants it read: what MuJoCo noted when it compiled the model is taken back then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from composer.diagnostics.diagnostic import Note
+from composer.mjcf.call_site import call_site
+from composer.mjcf.errors import failure
+from composer.mjcf.physics.scattered import IN_PLACE, seen_alike
+from composer.verify.roster import Model
+
+Release = Callable[[Model, str, NDArray[np.intp]], None]
+
+# mjtSameFrame: geoms and sites that stand where the inertia of their body does, or are turned as it is.
+_WITH_INERTIA = (2, 4)
+
+
+def _own(of: str) -> Release:
+    def release(model: Model, array: str, rows: NDArray[np.intp]) -> None:
+        getattr(model, of)[rows] = 0
+
+    return release
+
+
+def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
+    """The inertia of bodies leaves their frame, and what stood where it was stays there."""
+    for row in rows:
+        if model.body_simple[row] and model.body_dofnum[row]:
+            raise _is_simple(model, array, int(row))
+    for kind in ("geom", "site"):
+        same = getattr(model, f"{kind}_sameframe")
+        stays = np.isin(getattr(model, f"{kind}_bodyid"), rows) & np.isin(same, _WITH_INERTIA)
+        same[stays] = 0
+    model.body_sameframe[rows] = 0
+    model.body_simple[rows] = 0
+
+
+def _is_simple(model: Model, array: str, row: int) -> Exception:
+    """A simple body has a diagonal in the mass matrix and room for no more; 4.0 refuses `mj_setConst` after it."""
+    name = model.body(row).name
+    return failure(
+        "not-supported",
+        f"`{array.removeprefix('body_')}` of the body `{name or row}` cannot be changed after compiling",
+        call_site(),
+        notes=(Note("MuJoCo compiled it as a simple body, whose part of the mass matrix is a diagonal"),),
+        help="compile it with `simple='false'` on the body",
+    )
+
+
+RELEASES: dict[str, Release] = {
+    "geom_pos": _own("geom_sameframe"),
+    "geom_quat": _own("geom_sameframe"),
+    "site_pos": _own("site_sameframe"),
+    "site_quat": _own("site_sameframe"),
+    "body_ipos": _of_inertia,
+    "body_iquat": _of_inertia,
+}
+"""By array of poses: what is done before some of its rows are written."""
+
+
+class Posed(np.ndarray[Any, np.dtype[Any]]):
+    """Rows of an array of poses, in MuJoCo's own memory; so are slices of it. Writing an item or `+=` releases its row."""
+
+    __slots__ = ("array", "model")
+    array: str
+    model: Model
+
+    @classmethod
+    def of(cls, view: NDArray[Any], model: Model, array: str) -> Posed:
+        posed = view.view(cls)
+        posed.model, posed.array = model, array
+        return posed
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        # Nothing is released for a value that does not fit.
+        tried = np.empty(self.shape, self.dtype)
+        tried[key] = value
+        self._release(key)
+        super().__setitem__(key, value)
+
+    def _release(self, key: Any = ...) -> None:
+        top = self if getattr(self, "array", None) is not None else self.base
+        array = getattr(top, "array", None)
+        if array is None:
+            return  # computed from poses
+        source = getattr(top.model, array)
+        places = np.arange(source.size).reshape(source.shape)
+        RELEASES[array](
+            top.model, array, np.unique(seen_alike(places, source, self)[key] // source.shape[-1])
+        )
+
+
+def _in_place(name: str) -> Any:
+    compute = getattr(np.ndarray, name)
+
+    def write(self: Posed, other: object) -> Posed:
+        self[...] = compute(np.array(self), other)
+        return self
+
+    write.__name__ = name
+    return write
+
+
+for _name in IN_PLACE:
+    setattr(Posed, _name, _in_place(_name))
