@@ -39,7 +39,7 @@ _UNSAID = ("actrange", "actearly", "actdim", "velrange", "ffrange")
 def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
     """Make each an actuator of the kind `to`, with the attributes that are given."""
     to = str(written["to"])
-    laws = laws_of(editing, found)
+    laws = laws_of(editing.linking, editing.sink, found)
     if laws is None:
         raise Unusable
     lost: dict[str, list[str]] = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -26,6 +26,7 @@ from composer.plan.plan import Plan, WriteKeyframe
 from composer.recipe.element import Single
 from composer.recipe.keyframe import FROM, TIME, VECTORS, Entry
 from composer.recipe.shown import shown
+from composer.steps.control_units import ControlUnits
 from composer.steps.elements import Making, in_radians, plain
 from composer.tree.classes import through_frames
 from composer.tree.key import Key
@@ -59,8 +60,10 @@ def write_keyframes(plan: Plan, linking: Linking, making: Making) -> None:
         "mocap body": {_name(node): (node, None) for node in layout.mocaps if node.tag == "body"},
     }
     parts = frozenset(parts_of(plan))
+    types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
+    units = ControlUnits(linking, making.sink, types)
     for step in plan.keyframes:
-        linking.written_keys.append(_Writing(step, linking, making, holders, parts).key())
+        linking.written_keys.append(_Writing(step, linking, making, holders, parts, units).key())
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
@@ -93,6 +96,7 @@ class _Writing:
     making: Making
     holders: Mapping[str, Mapping[str, _Holder]]
     parts: frozenset[str]
+    units: ControlUnits
     values: dict[str, dict[Node, list[str]]] = field(default_factory=dict)
 
     def key(self) -> Key:
@@ -166,18 +170,35 @@ class _Writing:
             if len(entry) != width:
                 self._wrong_width(vector, name, slot, entry, width)
                 return
-        if slot is not None and slot.kind == "hinge":
-            values = [self._angle(vector, name, value) for value in entry]
-        else:
-            values = [plain(value) for value in entry]
+        meant = self._meant(vector, name, node, slot, len(entry))
+        values = [
+            plain(value) if words is None else self._angle(vector, name, value, words)
+            for value, words in zip(entry, meant, strict=True)
+        ]
         self.values.setdefault(vector, {})[node] = numbers.text(values).split()
 
-    def _angle(self, vector: str, name: str, value: Single) -> float:
+    def _meant(
+        self, vector: str, name: str, node: Node, slot: Slot | None, width: int
+    ) -> Sequence[str | None]:
+        """In words, what each number of an entry is if it has the unit of an angle."""
+        if slot is not None and slot.kind == "hinge":
+            return [f"`{vector}` of the hinge `{name}` is an angle"]
+        if vector not in ("ctrl", "act"):
+            return [None] * width
+        meant = self.units.of(node)
+        words = meant.controls if vector == "ctrl" else [meant.activation]
+        if len(words) != width:
+            return [None] * width
+        joint = node.get("joint") or node.get("jointinparent")
+        moves = f"`{vector}` of `{name}`, which moves the hinge `{joint}`, is"
+        return [each and f"{moves} {each}" for each in words]
+
+    def _angle(self, vector: str, name: str, value: Single, words: str) -> float:
         reading = self.making.readings.at((*self.step.key.at, vector, name))
         if reading.angle is None and not isinstance(value, Angle) and value != 0:
             self.making.sink.error(
                 "bare-angle",
-                f"`{vector}` of the hinge `{name}` is an angle and {shown(value)} has no unit",
+                f"{words} and {shown(value)} has no unit",
                 self._at(vector, name),
                 help=f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe",
             )

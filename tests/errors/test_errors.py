@@ -38,6 +38,7 @@ SEVERAL = {
     "files_beside_others",
     "variant_pieces",
     "when_not",
+    "keyframe_ctrl_unit",
     "keyframe_several",
     "draw_faults",
     "draw_in_cells",
@@ -52,6 +53,7 @@ BUILT = {
     "conflict_warning",
     "copies_warning",
     "edit_convert_loss",
+    "keyframe_out_of_range",
     "memory_warning",
     "subtree_cut",
 }
