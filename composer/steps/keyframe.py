@@ -55,15 +55,22 @@ def write_keyframes(plan: Plan, linking: Linking, making: Making) -> None:
         "actuator": {
             _name(node): (node, slot)
             for node, slot in layout.actuators.items()
-            if not isinstance(node, Copy) and node.tag != "attach"
+            if not isinstance(node, Copy) and node.tag != "attach" and _name(node)
         },
-        "mocap body": {_name(node): (node, None) for node in layout.mocaps if node.tag == "body"},
+        "mocap body": {
+            _name(node): (node, None) for node in layout.mocaps if node.tag == "body" and _name(node)
+        },
     }
+    unnamed = [
+        node
+        for node in layout.actuators
+        if not isinstance(node, Copy) and node.tag != "attach" and not _name(node)
+    ]
     parts = frozenset(parts_of(plan))
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
     units = ControlUnits(linking, making.sink, types)
     for step in plan.keyframes:
-        linking.written_keys.append(_Writing(step, linking, making, holders, parts, units).key())
+        linking.written_keys.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
@@ -97,6 +104,7 @@ class _Writing:
     holders: Mapping[str, Mapping[str, _Holder]]
     parts: frozenset[str]
     units: ControlUnits
+    unnamed: Sequence[Node]
     values: dict[str, dict[Node, list[str]]] = field(default_factory=dict)
 
     def key(self) -> Key:
@@ -218,7 +226,7 @@ class _Writing:
     def _unknown(self, vector: str, name: str) -> None:
         kind, linking, sink = VECTORS[vector], self.linking, self.making.sink
         span = self._at(vector, name, key=True)
-        names = [each for each in self.holders[kind] if each]
+        names = list(self.holders[kind])
         declared = linking.names.find(kind, name)
         if declared is not None and declared.getroottree().getroot() is not linking.base.root:
             sink.forgive([name])  # it was lost with another fault
@@ -240,7 +248,41 @@ class _Writing:
             notes.insert(0, Note(f"`{name}` is {word(others[0], article=True)}"))
             drives = [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]
             if drives:
-                help = f"`{drives[0]}` is the {kind} of that {others[0]}"
+                named = " and ".join(f"`{each}`" for each in drives)
+                verb = "is the" if len(drives) == 1 else "are"
+                help = f"{named} {verb} {kind}{'s' * (len(drives) > 1)} of that {others[0]}"
+        if kind == "actuator" and self.unnamed:
+            notes.append(Note(f"{_count(len(self.unnamed))} no name, and a key goes by names"))
+            help = help or _naming(self.unnamed, name)
         sink.error(
             "unknown-name", f"there is no {kind} `{name}` to set `{vector}` of", span, notes=notes, help=help
         )
+
+
+def _count(actuators: int) -> str:
+    return "one actuator has" if actuators == 1 else f"{actuators} actuators have"
+
+
+def _naming(actuators: Sequence[Node], name: str) -> str:
+    """How to give names to those actuators, or to those of them that act on what has the name."""
+    ends = [
+        (each, str(attribute))
+        for each in actuators
+        for attribute, value in each.items()
+        if attribute in _TRANSMISSIONS and value == name
+    ]
+    if not ends:
+        common = [end for end in _TRANSMISSIONS if all(each.get(end) for each in actuators)]
+        new = f"${{{common[0]}}}" if common else "a${index}"
+        return (
+            f"""name them: `edit: [{{select: {{actuator: "**", where: {{name: ""}}}}, rename: "{new}"}}]`"""
+        )
+    (actuator, end), *more = ends
+    tag = actuator.tag if all(each.tag == actuator.tag for each, _ in more) else "actuator"
+    new = f'"{name}_${{index}}"' if more else name
+    which = "those that act on it have" if more else f"the `{tag}` that acts on it has"
+    select = f'{tag}: "**", where: {{{end}: {name}, name: ""}}'
+    return f"{which} no name; give one: `edit: [{{select: {{{select}}}, rename: {new}}}]`"
+
+
+_TRANSMISSIONS = ("joint", "jointinparent", "tendon", "site", "body", "cranksite", "slidersite")
