@@ -462,6 +462,17 @@ def test_limits_gains_and_keys_stay_with_the_actuator(servos: Case, name: str, t
         assert forces[0] == pytest.approx(forces[1], abs=1e-9)
 
 
+@pytest.mark.parametrize("name", ["two", "full", "slow", "plain", "speed"])
+def test_a_pid_comes_back_from_its_general_form(servos: Case, name: str) -> None:
+    """All that it has, its integral gain and slew rate too, has to be read from a gain of MuJoCo's kind `pid`."""
+    before = servos.model("recipe: 1\nbase: ./arm.xml\n")
+    one, two = (f"{{select: {{actuator: {name}}}, convert: {{to: {to}}}}}" for to in ("general", "pid"))
+    after = servos.edited(f"{one}, {two}")
+    for array in ("gainprm", "biasprm", "dynprm", "dyntype", "ctrlspec"):
+        array = f"actuator_{array}"
+        assert np.array_equal(getattr(before, array), getattr(after, array)), array
+
+
 @pytest.mark.parametrize(
     ("name", "to", "said", "home"),
     [
