@@ -654,6 +654,20 @@ def test_edits_are_done_in_order(radian: Case) -> None:
     assert model.joint("bend").damping[0] == 11
 
 
+def test_attributes_stand_in_values_and_new_names(radian: Case) -> None:
+    edit = "{select: {actuator: 'm?'}, set: {gear: ['${index + 3}']}, rename: '${joint}_motor'}"
+    assert radian.edited(edit).actuator("elbow_motor").gear[0] == 3
+
+
+def test_a_parameter_stands_before_an_attribute_of_its_name(radian: Case) -> None:
+    model = radian.model(
+        "recipe: 1\nparams: {armature: 0.5}\nbase: ./arm.xml\n"
+        "edit: [{select: {joint: elbow}, set: {damping: '${armature}', frictionloss: '${damping + 1}'}}]\n"
+    )
+    joint = model.joint("elbow")
+    assert (joint.damping[0], model.dof_frictionloss[joint.dofadr[0]]) == (0.5, 1.5)
+
+
 def names(model: mujoco.MjModel, kind: str) -> Iterable[str]:
     return [mujoco.mj_id2name(model, NAMES[kind], row) for row in range(getattr(model, f"n{kind}"))]
 
