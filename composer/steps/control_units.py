@@ -41,11 +41,15 @@ class Meant(NamedTuple):
 
 @dataclass
 class ControlUnits:
-    """Answers for the actuators of a model that is complete but for its keys. `joints` are the types by name."""
+    """Answers for the actuators of a model that is complete but for its keys. `joints` are the types by name.
+
+    `in_doubt`: there were errors before, and MuJoCo may not read the model.
+    """
 
     linking: Linking
     sink: Sink
     joints: Mapping[str, str]
+    in_doubt: bool = False
     known: dict[Node, Meant] = field(default_factory=dict)
 
     def of(self, actuator: Node) -> Meant:
@@ -62,7 +66,7 @@ class ControlUnits:
             return Meant()
         control = self._control(actuator)
         if control is None:
-            if self.sink.has_errors:  # MuJoCo would only repeat what is wrong
+            if self.in_doubt:  # MuJoCo would only repeat what is wrong
                 return Meant()
             control = self._laws[actuator].control if actuator in self._laws else "other"
         # What the activation is the integral of, or a filter for, is what the gain is for.
