@@ -113,10 +113,13 @@ def _verified(
     """MuJoCo's verdict, and the recipe's checks."""
     from composer.verify.checks import run_checks  # a build without verification has no use for that room
     from composer.verify.judged import judge
+    from composer.verify.key_ranges import check_key_ranges
     from composer.verify.parts import WHOLE
 
     compiled = judge(bundle, composed.model, context, session, keep=WHOLE)
     if compiled is not None:
+        if compiled.index is not None:
+            check_key_ranges(plan, composed.model, compiled.index, context.sink)
         renamed = renamed_in(composed.model, composed.members)
         run_checks(plan, composed.members, session, context, merged, renamed, hear)
     return compiled

@@ -72,10 +72,11 @@ def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
 
 
 def of_transmission(model: Any, mujoco: Any, row: int) -> str | None:
-    """The unit of an actuator's length: that of the coordinate it acts on, unless a gear changes the scale."""
+    """The unit of an actuator's length: that of the coordinate it acts on, unless a gear scales it."""
     kinds = mujoco.mjtTrn
     kind, target = int(model.actuator_trntype[row]), int(model.actuator_trnid[row, 0])
-    if list(model.actuator_gear[first_row(model, "actuator_gear", row)]) != [1, 0, 0, 0, 0, 0]:
+    scale, *others = model.actuator_gear[first_row(model, "actuator_gear", row)]
+    if abs(scale) != 1 or any(others):
         return None
     if kind == int(kinds.mjTRN_TENDON):
         return LENGTH

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.sink import Sink
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
-from composer.steps.editing import Editing
+from composer.link.linking import Linking
 from composer.steps.whole import without_keys
 
 _ARRAYS = (
@@ -31,12 +32,12 @@ class Law:
     dynamics: str
     gainprm: tuple[float, ...]
     biasprm: tuple[float, ...]
-    dynprm: tuple[float, ...]
-    ctrl_limited: bool
-    ctrlrange: tuple[float, float]
-    act_limited: bool
-    actrange: tuple[float, float]
-    inputs: tuple[str, ...]
+    dynprm: tuple[float, ...] = ()
+    ctrl_limited: bool = False
+    ctrlrange: tuple[float, float] = (0.0, 0.0)
+    act_limited: bool = False
+    actrange: tuple[float, float] = (0.0, 0.0)
+    inputs: tuple[str, ...] = ()
 
     @property
     def is_affine(self) -> bool:
@@ -75,11 +76,10 @@ class Law:
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 
-def laws_of(editing: Editing, found: list[Node]) -> dict[Node, Law] | None:
+def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, Law] | None:
     """What each actuator does, from MuJoCo; None where the model as it is cannot be compiled, which is told."""
-    linking = editing.linking
     if linking.measure is None:
-        editing.sink.error("mujoco-missing", "actuators cannot be converted without MuJoCo")
+        sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
         return None
     unit = linking.flat()
     marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}

@@ -16,6 +16,8 @@ from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.grammar.format import to_text
 from composer.link import numbers
+from composer.link.multiplied import element_of
+from composer.link.part_keys import part_keys
 from composer.recipe.edit_values import FROM
 from composer.recipe.fault import Fault, Path
 from composer.recipe.value import read_value
@@ -39,7 +41,7 @@ _UNSAID = ("actrange", "actearly", "actdim", "velrange", "ffrange")
 def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
     """Make each an actuator of the kind `to`, with the attributes that are given."""
     to = str(written["to"])
-    laws = laws_of(editing, found)
+    laws = laws_of(editing.linking, editing.sink, found)
     if laws is None:
         raise Unusable
     lost: dict[str, list[str]] = {}
@@ -139,8 +141,24 @@ def _converted(
     )
     editing.note(node)
     if not keeps:
+        lost += _lost_in_keys(editing, node)
         editing.linking.emptied.add(node)
     return lost
+
+
+def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
+    """What keys say of a control, or of its activation, that means another thing from now on."""
+    found = [key for part in part_keys(editing.linking).values() for key in part.keys]
+    for vector in ("ctrl", "act"):
+        names = {
+            f"`{key.name}`" if key.name else "without a name": None
+            for key in found
+            for holder, row in key.values.get(vector, {}).items()
+            if element_of(holder) is node and any(numbers.read(" ".join(row)))
+        }
+        if names:
+            keys = f"the key{'s' * (len(names) > 1)} {', '.join(names)}"
+            yield f"its `{vector}` in {keys}: it is zero now"
 
 
 def _replaced(written: Mapping[str, str]) -> Iterator[str]:

@@ -69,10 +69,15 @@ class Values:
     def evaluated(
         self, text: str, at: Path, scope: Mapping[str, Value], *, needs_value: bool = False
     ) -> Value:
-        """The value of a text with `${…}`."""
+        """The value of a text with `${…}`; names that the scope lacks are attributes of the element."""
         try:
             return Template.parse(text).value(scope)
         except ExpressionError as error:
+            attribute = (
+                kind_of(self.node).attributes.get(error.name) if isinstance(error, UnknownName) else None
+            )
+            if attribute is not None and (now := self.now(attribute)) is not None:
+                return self.evaluated(text, at, {**scope, attribute.name: now}, needs_value=needs_value)
             self._tell(error, at, scope, needs_value)
             raise Unusable from None
 

@@ -18,8 +18,7 @@ from composer.link.linking import Linking
 from composer.recipe.fault import Path
 from composer.steps.elements import Making
 from composer.tree.classes import Classes
-from composer.tree.effective import levels
-from composer.tree.effective import value as effective_value
+from composer.tree.effective import text_in_effect
 from composer.tree.kinds import kind_of, section_of
 from composer.tree.name_index import NameIndex
 from composer.tree.names import WORLD
@@ -86,11 +85,7 @@ class Editing:
 
     def effective(self, node: Node, name: str) -> str | None:
         """The text of an attribute in effect: written, given by a class, or MuJoCo's default."""
-        kind = kind_of(node)
-        attribute = kind.attributes.get(name)
-        if attribute is None:
-            return None
-        return effective_value(levels(node, kind, attribute, self.classes))
+        return text_in_effect(node, kind_of(node), name, self.classes)
 
     def called(self, node: Node) -> str:
         """An element as messages name it."""

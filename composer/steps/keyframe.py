@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -26,6 +26,7 @@ from composer.plan.plan import Plan, WriteKeyframe
 from composer.recipe.element import Single
 from composer.recipe.keyframe import FROM, TIME, VECTORS, Entry
 from composer.recipe.shown import shown
+from composer.steps.control_units import ControlUnits
 from composer.steps.elements import Making, in_radians, plain
 from composer.tree.classes import through_frames
 from composer.tree.key import Key
@@ -55,13 +56,22 @@ def write_keyframes(plan: Plan, linking: Linking, making: Making) -> None:
         "actuator": {
             _name(node): (node, slot)
             for node, slot in layout.actuators.items()
-            if not isinstance(node, Copy) and node.tag != "attach"
+            if not isinstance(node, Copy) and node.tag != "attach" and _name(node)
         },
-        "mocap body": {_name(node): (node, None) for node in layout.mocaps if node.tag == "body"},
+        "mocap body": {
+            _name(node): (node, None) for node in layout.mocaps if node.tag == "body" and _name(node)
+        },
     }
+    unnamed = [
+        node
+        for node in layout.actuators
+        if not isinstance(node, Copy) and node.tag != "attach" and not _name(node)
+    ]
     parts = frozenset(parts_of(plan))
+    types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
+    units = ControlUnits(linking, making.sink, types, making.sink.has_errors)
     for step in plan.keyframes:
-        linking.written_keys.append(_Writing(step, linking, making, holders, parts).key())
+        linking.written_keys.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
@@ -104,6 +114,8 @@ class _Writing:
     making: Making
     holders: Mapping[str, Mapping[str, _Holder]]
     parts: frozenset[str]
+    units: ControlUnits
+    unnamed: Sequence[Node]
     values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
 
     def key(self) -> Key:
@@ -179,21 +191,38 @@ class _Writing:
             if len(entry) != width:
                 self._wrong_width(vector, name, slot, entry, width)
                 return
-        if slot is not None and slot.kind == "hinge":
-            values = [self._angle(vector, name, value) for value in entry]
-        else:
-            values = [plain(value) for value in entry]
+        meant = self._meant(vector, name, node, slot, len(entry))
+        values = [
+            plain(value) if words is None else self._angle(vector, name, value, words)
+            for value, words in zip(entry, meant, strict=True)
+        ]
         source = KeySource("entry", vector, span=self._at(vector, name))
         self.values.setdefault(vector, {})[node] = [
             Number(text, source, at) for at, text in enumerate(numbers.text(values).split())
         ]
 
-    def _angle(self, vector: str, name: str, value: Single) -> float:
+    def _meant(
+        self, vector: str, name: str, node: Node, slot: Slot | None, width: int
+    ) -> Sequence[str | None]:
+        """In words, what each number of an entry is if it has the unit of an angle."""
+        if slot is not None and slot.kind == "hinge":
+            return [f"`{vector}` of the hinge `{name}` is an angle"]
+        if vector not in ("ctrl", "act"):
+            return [None] * width
+        meant = self.units.of(node)
+        words = meant.controls if vector == "ctrl" else [meant.activation]
+        if len(words) != width:
+            return [None] * width
+        joint = node.get("joint") or node.get("jointinparent")
+        moves = f"`{vector}` of `{name}`, which moves the hinge `{joint}`, is"
+        return [each and f"{moves} {each}" for each in words]
+
+    def _angle(self, vector: str, name: str, value: Single, words: str) -> float:
         reading = self.making.readings.at((*self.step.key.at, vector, name))
         if reading.angle is None and not isinstance(value, Angle) and value != 0:
             self.making.sink.error(
                 "bare-angle",
-                f"`{vector}` of the hinge `{name}` is an angle and {shown(value)} has no unit",
+                f"{words} and {shown(value)} has no unit",
                 self._at(vector, name),
                 help=f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe",
             )
@@ -213,7 +242,7 @@ class _Writing:
     def _unknown(self, vector: str, name: str) -> None:
         kind, linking, sink = VECTORS[vector], self.linking, self.making.sink
         span = self._at(vector, name, key=True)
-        names = [each for each in self.holders[kind] if each]
+        names = list(self.holders[kind])
         declared = linking.names.find(kind, name)
         if declared is not None and declared.getroottree().getroot() is not linking.base.root:
             sink.forgive([name])  # it was lost with another fault
@@ -235,7 +264,41 @@ class _Writing:
             notes.insert(0, Note(f"`{name}` is {word(others[0], article=True)}"))
             drives = [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]
             if drives:
-                help = f"`{drives[0]}` is the {kind} of that {others[0]}"
+                named = " and ".join(f"`{each}`" for each in drives)
+                verb = "is the" if len(drives) == 1 else "are"
+                help = f"{named} {verb} {kind}{'s' * (len(drives) > 1)} of that {others[0]}"
+        if kind == "actuator" and self.unnamed:
+            notes.append(Note(f"{_count(len(self.unnamed))} no name, and a key goes by names"))
+            help = help or _naming(self.unnamed, name)
         sink.error(
             "unknown-name", f"there is no {kind} `{name}` to set `{vector}` of", span, notes=notes, help=help
         )
+
+
+def _count(actuators: int) -> str:
+    return "one actuator has" if actuators == 1 else f"{actuators} actuators have"
+
+
+def _naming(actuators: Sequence[Node], name: str) -> str:
+    """How to give names to those actuators, or to those of them that act on what has the name."""
+    ends = [
+        (each, str(attribute))
+        for each in actuators
+        for attribute, value in each.items()
+        if attribute in _TRANSMISSIONS and value == name
+    ]
+    if not ends:
+        common = [end for end in _TRANSMISSIONS if all(each.get(end) for each in actuators)]
+        new = f"${{{common[0]}}}" if common else "a${index}"
+        return (
+            f"""name them: `edit: [{{select: {{actuator: "**", where: {{name: ""}}}}, rename: "{new}"}}]`"""
+        )
+    (actuator, end), *more = ends
+    tag = actuator.tag if all(each.tag == actuator.tag for each, _ in more) else "actuator"
+    new = f'"{name}_${{index}}"' if more else name
+    which = "those that act on it have" if more else f"the `{tag}` that acts on it has"
+    select = f'{tag}: "**", where: {{{end}: {name}, name: ""}}'
+    return f"{which} no name; give one: `edit: [{{select: {{{select}}}, rename: {new}}}]`"
+
+
+_TRANSMISSIONS = ("joint", "jointinparent", "tendon", "site", "body", "cranksite", "slidersite")

@@ -83,7 +83,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
         if naming.declares in MAY_REPEAT:
             continue
         other = taken.setdefault((naming.declares, name), node)
-        help = "write `${name}`, `${parent}` or `${index}` in the new name"
+        help = _advice(editing, node, other, at)
         if other is node:
             there = editing.index.find(naming.declares, name)
             if there is None or there in new:
@@ -99,6 +99,21 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
             help=help,
         )
         raise Unusable
+
+
+def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
+    """What tells two elements apart that would get one name."""
+    one, two = (Values(editing, each, 0, at) for each in (node, other))
+    differ = [name for name in ("name", "parent") if one.scope[name] != two.scope[name]]
+    differ += [
+        name
+        for name, attribute in kind_of(node).attributes.items()
+        if attribute.type == "reference"
+        and name != "class"
+        and len({node.get(name), other.get(name), None}) == 3
+    ]
+    words = [f"`${{{name}}}`" for name in (*differ, "index")]
+    return f"write {' or '.join([', '.join(words[:-1]), words[-1]] if words[1:] else words)} in the new name"
 
 
 def _copies(editing: Editing, node: Node, namespace: str, name: str) -> list[str]:

@@ -89,6 +89,12 @@ def value(steps: list[Level]) -> str | None:
     return " ".join(words) if words else next((step.text for step in steps if step.taken), None)
 
 
+def text_in_effect(element: Node, kind: ElementType, name: str, classes: Classes) -> str | None:
+    """The text of an attribute in effect; None where the element has none of that name, or nothing gives it one."""
+    attribute = kind.attributes.get(name)
+    return None if attribute is None else value(levels(element, kind, attribute, classes))
+
+
 def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[Attribute, Level]]:
     """Every attribute that some class gives to an element, and the nearest level that does."""
     seen = {name for name in map(str, element.keys()) if written(element, name) is not None}

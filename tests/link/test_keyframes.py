@@ -144,6 +144,15 @@ def test_equal_times_written_differently_are_equal(workshop: Workshop) -> None:
     assert not workshop.link(ARM, Piece(hand)).sink.diagnostics
 
 
+@pytest.mark.parametrize("times", ["", ' time="2"'])
+def test_a_key_has_the_time_of_any_part_that_gives_one(workshop: Workshop, times: str) -> None:
+    base = PLAIN.replace("</mujoco>", f'<keyframe><key name="home"{times} qpos="1"/></keyframe></mujoco>')
+    second = Piece(base.replace(times, ""), "second/")
+    third = Piece(base.replace('name="home"' + times, 'name="home" time="2"'), "third/")
+    model = workshop.link(base, second, third).check()
+    assert (names(model), model.key_time.tolist()) == (["home"], [2])
+
+
 @pytest.mark.parametrize("vector", ["qpos", "qvel", "act", "ctrl", "mpos", "mquat"])
 def test_a_row_that_is_too_long_is_told(workshop: Workshop, vector: str) -> None:
     base = PLAIN.replace("</mujoco>", f'<keyframe>\n<key {vector}="1 2 3 4 5"/></keyframe></mujoco>')

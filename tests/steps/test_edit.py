@@ -462,6 +462,17 @@ def test_limits_gains_and_keys_stay_with_the_actuator(servos: Case, name: str, t
         assert forces[0] == pytest.approx(forces[1], abs=1e-9)
 
 
+@pytest.mark.parametrize("name", ["two", "full", "slow", "plain", "speed"])
+def test_a_pid_comes_back_from_its_general_form(servos: Case, name: str) -> None:
+    """All that it has, its integral gain and slew rate too, has to be read from a gain of MuJoCo's kind `pid`."""
+    before = servos.model("recipe: 1\nbase: ./arm.xml\n")
+    one, two = (f"{{select: {{actuator: {name}}}, convert: {{to: {to}}}}}" for to in ("general", "pid"))
+    after = servos.edited(f"{one}, {two}")
+    for array in ("gainprm", "biasprm", "dynprm", "dyntype", "ctrlspec"):
+        array = f"actuator_{array}"
+        assert np.array_equal(getattr(before, array), getattr(after, array)), array
+
+
 @pytest.mark.parametrize(
     ("name", "to", "said", "home"),
     [
@@ -641,6 +652,20 @@ def test_edits_are_done_in_order(radian: Case) -> None:
         "{select: {joint: elbow}, rename: bend, scale: {damping: 2}, set: {damping: 5}}, {select: {joint: bend}, offset: {damping: 1}}"
     )
     assert model.joint("bend").damping[0] == 11
+
+
+def test_attributes_stand_in_values_and_new_names(radian: Case) -> None:
+    edit = "{select: {actuator: 'm?'}, set: {gear: ['${index + 3}']}, rename: '${joint}_motor'}"
+    assert radian.edited(edit).actuator("elbow_motor").gear[0] == 3
+
+
+def test_a_parameter_stands_before_an_attribute_of_its_name(radian: Case) -> None:
+    model = radian.model(
+        "recipe: 1\nparams: {armature: 0.5}\nbase: ./arm.xml\n"
+        "edit: [{select: {joint: elbow}, set: {damping: '${armature}', frictionloss: '${damping + 1}'}}]\n"
+    )
+    joint = model.joint("elbow")
+    assert (joint.damping[0], model.dof_frictionloss[joint.dofadr[0]]) == (0.5, 1.5)
 
 
 def names(model: mujoco.MjModel, kind: str) -> Iterable[str]:

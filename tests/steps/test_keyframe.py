@@ -63,7 +63,10 @@ def built(tmp_path: Path) -> Built:
         context = Context(environment={}, folder=tmp_path)
         done = build(tmp_path / "recipe.yaml", context, verified=False)
         assert done is not None, [each.message for each in context.sink.diagnostics]
-        return mujoco.MjModel.from_xml_string(done.bundle.files["model.xml"].decode())
+        for name, content in done.bundle.files.items():
+            (tmp_path / "out" / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / "out" / name).write_bytes(content)
+        return mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
 
     return built
 
@@ -347,3 +350,47 @@ add:
     )
     assert Reset(model, "up").qpos("shoulder") == [1.0]
     _is_the_reference(model, "up", "shoulder", "slide")
+
+
+# -- a free joint of a part inside a part -----------------------------------------------------------------------
+
+SUB = """
+<mujoco model="sub"><worldbody><body name="cube" pos="0 0 1"><freejoint name="free"/><geom size=".1"/></body></worldbody>
+  {}</mujoco>
+"""
+SUB_KEY = '<keyframe><key name="home" qpos="0 0 2 1 0 0 0"/></keyframe>'
+CARRIER = """
+<mujoco model="carrier"><asset><model name="sub" file="sub.xml"/></asset><worldbody><frame pos="0 0 .25">
+  <attach model="sub" body="cube" prefix="s/"/></frame></worldbody>{}</mujoco>
+"""
+HIGHER = "attach: {p: {model: ./carrier.%s, pos: [0, 0, 0.5]}}"
+
+
+def heights(model: mujoco.MjModel) -> dict[str, float]:
+    return {name: float(model.key(name).qpos[2]) for name in names(model)}
+
+
+def test_a_key_moves_with_every_recipe_that_attaches_it(built: Built) -> None:
+    nested = "recipe: 1\nattach: {s: {model: ./sub.xml, pos: [0, 0, 0.25]}}"
+    model = built(HIGHER % "yaml", sub__xml=SUB.format(SUB_KEY), carrier__yaml=nested)
+    assert heights(model) == {"home": 2.75}
+
+
+def test_a_key_is_in_the_world_of_the_model_that_writes_it(built: Built, tmp_path: Path) -> None:
+    own = SUB_KEY.replace("0 0 2", "0 0 3")
+    model = built(HIGHER % "xml", sub__xml=SUB.format(""), carrier__xml=CARRIER.format(own))
+    assert heights(model) == {"home": 3.5}
+    alone = mujoco.MjModel.from_xml_path(str(tmp_path / "carrier.xml"))
+    assert heights(alone) == {"home": 3}  # above the carrier's world, not above the frame
+
+
+def test_keys_that_mujoco_itself_brings_stay_where_it_leaves_them(built: Built, tmp_path: Path) -> None:
+    files = {"sub.xml": SUB.format(SUB_KEY), "carrier.xml": CARRIER.format("")}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    assert heights(mujoco.MjModel.from_xml_path(str(tmp_path / "carrier.xml"))) == {"s/home": 2}
+    (tmp_path / "recipe.yaml").write_text("recipe: 1\n" + HIGHER % "xml")
+    context = Context(environment={}, folder=tmp_path)
+    assert build(tmp_path / "recipe.yaml", context, verified=False) is None
+    (fault,) = context.sink.errors
+    assert fault.code == "not-supported" and "`p/` moves it" in fault.message

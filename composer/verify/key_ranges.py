@@ -1,0 +1,153 @@
+"""Values that the recipe writes into its keys outside the ranges that the compiled model has for them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from typing import TYPE_CHECKING, NamedTuple
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.document.node import locate
+from composer.engine.index import Actuator, Index, Joint, Range
+from composer.expr.angle import Angle
+from composer.plan.plan import Plan
+from composer.recipe.fault import Path
+from composer.tree.effective import text_in_effect
+from composer.tree.kinds import kind_of
+from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from composer.recipe.keyframe import Keyframe
+
+_ROUNDING = 1e-6
+"""How far a value may be outside, in parts of the larger of 1 and the bound: ranges are often rounded numbers."""
+_KINDS = {"qpos": "joint", "ctrl": "actuator", "act": "actuator"}
+
+
+class _Bound(NamedTuple):
+    """A value and the range that it should be in, and the unit of both as MuJoCo has it."""
+
+    value: float
+    range: Range
+    unit: str | None
+
+
+def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
+    """Warn of what the recipe's own keys set outside of a range; keys of its parts are theirs."""
+    if not plan.keyframes:
+        return
+    written = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
+    for step in plan.keyframes:
+        element = written.get(step.key.name)
+        if element is None:
+            continue
+        for vector, kind in _KINDS.items():
+            row = [float(each) for each in str(element.get(vector) or "").split()]
+            for name in step.key.values.get(vector, {}):
+                for bound in _bounds(index, vector, name, row):
+                    _check(plan, model, step.key, (vector, name), kind, bound, sink)
+
+
+def _bounds(index: Index, vector: str, name: str, row: Sequence[float]) -> Iterator[_Bound]:
+    """The numbers of an entry that have a range."""
+    if vector == "qpos":
+        joint = _joint(index, name)
+        if joint is None or not joint.limited:
+            return
+        values = row[joint.qpos_address : joint.qpos_address + joint.qpos_size]
+        if joint.type == "ball" and values:  # its range limits how far it is turned, whatever the axis
+            angle = 2 * math.atan2(math.hypot(*values[1:]), abs(values[0]))
+            yield _Bound(angle, (0.0, joint.range[1]), "rad")
+        elif values:
+            yield _Bound(values[0], joint.range, "rad" if joint.type == "hinge" else "m")
+        return
+    actuator = next((each for each in index.actuators if each.name == name), None)
+    if actuator is None:
+        return
+    for value, bounds in _of_actuator(actuator, vector, row):
+        if bounds is not None:
+            yield _Bound(value, bounds, actuator.unit if actuator.ctrl_size == 1 else None)
+
+
+def _of_actuator(
+    actuator: Actuator, vector: str, row: Sequence[float]
+) -> Iterator[tuple[float, Range | None]]:
+    if vector == "ctrl":
+        values = row[actuator.ctrl_address : actuator.ctrl_address + actuator.ctrl_size]
+        yield from zip(values, actuator.ctrl_ranges, strict=False)
+    elif actuator.act_size:
+        yield row[actuator.act_address], actuator.act_range
+
+
+def _joint(index: Index, name: str) -> Joint | None:
+    """The joint of that name, or the one without a name in the body of that name."""
+    named = (each for each in index.joints if each.name == name)
+    return next(chain(named, (each for each in index.joints if not each.name and each.body == name)), None)
+
+
+def _check(
+    plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str], kind: str, bound: _Bound, sink: Sink
+) -> None:
+    low, high = bound.range
+    if _down(low) <= bound.value <= -_down(-high):
+        return
+    vector, name = entry
+    holder, unit = _element(model.root, kind, name), bound.unit or ""
+    if vector == "act" and holder is not None and _integrates(holder, model):
+        unit = unit.removesuffix("/s")
+    in_degrees = unit.startswith("rad") and _in_degrees(plan, key, (*key.at, *entry), entry)
+
+    def said(number: float) -> str:
+        shown = f"{math.degrees(number) if in_degrees else number:.6g}"
+        return (
+            f"{shown} {unit.replace('rad', 'deg') if in_degrees else unit}"
+            if unit not in ("", "1")
+            else shown
+        )
+
+    notes = []
+    if holder is not None:
+        notes.append(Note(f"the {kind}", model.origins.span(holder, model.file)))
+    sink.warning(
+        "out-of-range",
+        f"`{vector}` of `{name}` is {said(bound.value)}, outside of its range from {said(low)} to {said(high)}",
+        locate(plan.document, (*key.at, *entry)),
+        notes=notes,
+    )
+
+
+def _down(bound: float) -> float:
+    """A lower end, a little lower."""
+    return bound - _ROUNDING * max(1.0, abs(bound))
+
+
+def _in_degrees(plan: Plan, key: Keyframe, at: Path, entry: tuple[str, str]) -> bool:
+    """Whether the user wrote degrees there."""
+    vector, name = entry
+    angles = [each for each in key.values[vector][name] if isinstance(each, Angle)]
+    return angles[0].unit == "deg" if angles else plan.readings.at(at).angle == "degree"
+
+
+def _integrates(actuator: Node, model: Unit) -> bool:
+    """Whether its activation is what its control is the rate of."""
+    dynamics = text_in_effect(actuator, kind_of(actuator), "dyntype", model.classes)
+    return actuator.tag == "intvelocity" or dynamics == "integrator"
+
+
+def _element(root: Node, kind: str, name: str) -> Node | None:
+    if kind == "actuator":
+        return next((each for each in root.iterfind("actuator/*") if each.get("name") == name), None)
+    joints = [each for body in root.iterfind("worldbody") for each in body.iter("joint", "freejoint")]
+    named = (each for each in joints if each.get("name") == name)
+    of_body = (
+        each
+        for each in joints
+        if not each.get("name")
+        and (body := next(each.iterancestors("body"), None)) is not None
+        and body.get("name") == name
+    )
+    return next(chain(named, of_body), None)
