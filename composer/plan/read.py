@@ -23,6 +23,7 @@ from composer.sources.resolve import resolve
 from composer.sources.source import Source
 
 EXTENDS = "extends"
+_EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes a recipe to begin with"
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
@@ -49,7 +50,7 @@ def _read(
 ) -> Node | None:
     before = context.sink.error_count
     text = _text(path, context)
-    node = None if text is None else load(text, context.shown(path), context.sink)
+    node = None if text is None else load(text, context.shown(path), context.sink, empty=_EMPTY)
     if node is None or context.sink.error_count > before:
         return None
     if not isinstance(node, Mapping):

@@ -27,6 +27,7 @@ SEVERAL = {
     "edit_unset",
     "extends_without_angle",
     "several_sources",
+    "model_with_backslashes",
     "several_names",
     "several_stages",
     "check_failed",
