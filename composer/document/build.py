@@ -249,7 +249,7 @@ class Builder:
         except UnicodeDecodeError:
             self._sink.error(
                 "yaml-syntax",
-                "an escape here is half of a surrogate pair, which is no character",
+                "an escape here is half of a surrogate pair, which is not a character",
                 span,
                 help="write both halves, as in `\\ud83d\\ude00`, or the character itself",
             )

@@ -86,4 +86,4 @@ def _unreadable(error: Exception, text: str, file: str) -> Diagnostic:
         return Diagnostic("yaml-syntax", f"this is not YAML: {error}", Span(file, 1, 1))
     line, column = position(text, escape.start())
     span = Span(file, line, column, line, column + len(escape.group()))
-    return Diagnostic("yaml-syntax", f"`{escape.group()}` is no character", span)
+    return Diagnostic("yaml-syntax", f"`{escape.group()}` is not a character", span)

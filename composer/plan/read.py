@@ -68,7 +68,7 @@ def _read(
     lower = _read(source.path, context, (*chain, path), extended, said)
     if not isinstance(lower, Mapping):
         if lower is not None:
-            context.sink.error("wrong-type", "what is extended is no recipe", named.span)
+            context.sink.error("wrong-type", "what is extended is not a recipe", named.span)
         return None
     return merge(lower, upper, context.sink)
 
@@ -100,7 +100,7 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         return None
     if source.format != "recipe":
         sink.error(
-            "source-kind", f"`{named.value}` is no recipe, which is all that can be extended", named.span,
+            "source-kind", f"`{named.value}` is not a recipe, which is all that can be extended", named.span,
             help=f"start from it: `base: {named.value}`",
         )  # fmt: skip
         return None

@@ -225,7 +225,7 @@ class Reader:
             )
         return Fault(
             "unknown-attribute",
-            f"`{name}` is no attribute of {owner}",
+            f"`{name}` is not an attribute of {owner}",
             at,
             key=True,
             remarks=remarks,

@@ -120,7 +120,7 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
             "refer to the recipe or the XML that it was built from",
         )
     else:
-        problem = f"ends in `{suffix}`, which is no model file" if suffix else "has no file suffix"
+        problem = f"ends in `{suffix}`, which is not a model file" if suffix else "has no file suffix"
         fix = "end it in `.yaml` for a recipe, `.xml` for MJCF, `.urdf` for URDF, or write `menagerie:ROBOT`"
     return SourceError(
         "source-kind",

@@ -91,7 +91,7 @@ def unknown_attribute(element: Node, name: str) -> Told:
         return Told("unknown-attribute", message, name, _versions(attribute.since, attribute.until), key=True)
     return Told(
         "unknown-attribute",
-        f"`{name}` is no attribute of `<{element.tag}>`",
+        f"`{name}` is not an attribute of `<{element.tag}>`",
         name,
         (exists_note("attribute", known, name),) if known else (),
         did_you_mean(name, known) or f"take `{name}` out",
