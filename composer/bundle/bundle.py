@@ -105,7 +105,7 @@ def _fault(path: str) -> str | None:
     try:
         path.encode()
     except UnicodeEncodeError:
-        return "it is no Unicode text"
+        return "it is not Unicode text"
     return None
 
 

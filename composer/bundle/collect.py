@@ -87,13 +87,13 @@ def _store(
 
 def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Callable[[Path], str]) -> None:
     source = Path(use.source)
-    message, help = f"the file `{shown(source)}` is not there", None
+    message, help = f"the file `{shown(source)}` does not exist", None
     try:
         beside = sorted(os.listdir(source.parent))
     except OSError:
         beside = []
         if isinstance(error, FileNotFoundError):
-            message += f", and neither is the folder `{shown(source.parent)}`"
+            message += f", and neither does the folder `{shown(source.parent)}`"
     # What one folder lacks is one finding, unless each file needs a correction of its own.
     folder: Path | None = None
     if near := closest(source.name, beside):

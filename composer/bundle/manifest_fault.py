@@ -31,12 +31,12 @@ def newer_format(error: ValueError) -> int | None:
 def _in_words(fault: ErrorDetails) -> str:
     place = "`" + "/".join(map(str, fault["loc"])) + "`"
     if fault["type"] == "json_invalid":
-        return "it is no JSON: " + fault["msg"].removeprefix("Invalid JSON: ")
+        return "it is not JSON: " + fault["msg"].removeprefix("Invalid JSON: ")
     if not fault["loc"]:
-        return "it is no mapping"
+        return "it is not a mapping"
     if fault["type"] == "extra_forbidden":
-        return f"{place} is no key of a manifest"
+        return f"{place} is not a key of a manifest"
     if fault["type"] == "missing":
-        return f"{place} is not there"
+        return f"{place} is missing"
     message = fault["msg"]
     return f"{place}: {message[:1].lower()}{message[1:]}"

@@ -64,7 +64,7 @@ def read(path: Path, limits: ReadLimits | None = None) -> Bundle:
             raise ReadError("file-not-found", f"there is no file or folder `{path}`")
         return Bundle(files, _model(files, path))
     except BundleError as error:
-        raise ReadError("file-unreadable", f"`{path}` is no bundle: {error}") from error
+        raise ReadError("file-unreadable", f"`{path}` is not a bundle: {error}") from error
     except OSError as error:
         raise ReadError("file-unreadable", f"cannot read `{path}`: {error.strerror or error}") from error
 
@@ -100,7 +100,7 @@ def _read_archive(file: Path, limits: ReadLimits) -> dict[str, bytes]:
             _check_entries(entries, file, limits)
             return {entry.filename: archive.read(entry) for entry in entries}
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError) as error:
-        raise ReadError("file-unreadable", f"`{file}` is no readable zip: {error}") from error
+        raise ReadError("file-unreadable", f"`{file}` is not a readable zip: {error}") from error
 
 
 def _check_entries(entries: list[zipfile.ZipInfo], file: Path, limits: ReadLimits) -> None:

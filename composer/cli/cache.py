@@ -90,7 +90,7 @@ def prune(size: str | None, everything: bool, form: str) -> None:
     store, context = _store()
     limit = 0 if everything else store.limit if size is None else parse_size(size)
     if limit is None:
-        raise click.UsageError(f"`{size}` is no size: write it as 500M or 2G")
+        raise click.UsageError(f"`{size}` is not a size: write it as 500M or 2G")
     try:
         removed = store.prune(limit, grace=GRACE if size is None and not everything else 0)
     except SourceError as error:

@@ -21,9 +21,9 @@ def caching_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def no_cache_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """`--no-cache`; the command gets it as `no_cache`."""
-    return click.option(
-        "--no-cache", is_flag=True, help="Build what was built before once more, and keep nothing."
-    )(command)
+    return click.option("--no-cache", is_flag=True, help="Ignore the cache, and do not store the result.")(
+        command
+    )
 
 
 @contextlib.contextmanager

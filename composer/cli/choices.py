@@ -54,7 +54,7 @@ def chosen_values(
     for option, written in [("--set", each) for each in sets] + [("--variant", each) for each in variants]:
         name, equals, text_of_value = written.partition("=")
         if not equals or not name:
-            context.sink.error("wrong-type", f"`{option} {written}` is no NAME=VALUE",
+            context.sink.error("wrong-type", f"`{option} {written}` is not NAME=VALUE",
                                help=f"write for instance `{option} {name or 'reach'}=0.5`")  # fmt: skip
             continue
         span = Span(f"{option} {name}", 1, 1)

@@ -88,7 +88,7 @@ def _mujoco() -> Iterator[Finding]:
 def _git() -> Finding:
     found = shutil.which("git")
     if found is None:
-        return Finding("git", "is not there: `git+…` references and `diff REV:path` need it", None)
+        return Finding("git", "is not installed: `git+…` references and `diff REV:path` need it", None)
     said = subprocess.run([found, "--version"], capture_output=True, text=True, check=False).stdout.strip()
     return Finding("git", said.removeprefix("git version "))
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from os.path import commonprefix
 
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.synonyms import SYNONYMS
 
 _SHOWN = 8
 _PREFIX = re.compile(r"[/:.]")
@@ -16,12 +17,15 @@ def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
     """At most `n` of the candidates that were probably meant by `name`, the likeliest first.
 
     Understands typing errors (a character too many, too few, another or two swapped), case, `-` for `_`,
-    plurals, a prefix that is missing or too much, and an end that is missing. Empty when nothing is near.
+    plurals, other words for the same (`SYNONYMS`), a prefix that is missing or too much, and an end that is missing.
+    Empty when nothing is near.
 
     >>> closest("left_pad", ["gripper/left_pad", "gripper/right_pad"])
     ['gripper/left_pad']
     >>> closest("Sensors", ["sensor", "section"])
     ['sensor']
+    >>> closest("colours", ["material", "rgba"])
+    ['rgba']
     """
     ranked = []
     for position, candidate in enumerate(dict.fromkeys(candidates)):
@@ -72,6 +76,9 @@ def _score(name: str, candidate: str) -> float | None:
         return 0.1
     if _singular(written) == _singular(known):
         return 0.2
+    meant = SYNONYMS.get(_singular(written), SYNONYMS.get(written, ()))
+    if known in meant:
+        return 0.3 + 0.01 * meant.index(known)
     bare, known_bare = _PREFIX.split(written)[-1], _PREFIX.split(known)[-1]
     prefixed = len(bare) != len(written) or len(known_bare) != len(known)
     if bare and prefixed and _is_tail(written, known):

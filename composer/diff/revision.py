@@ -81,7 +81,7 @@ class _Git:
             )  # fmt: skip
         except FileNotFoundError as error:
             raise RevisionError(
-                "git-revision", "the git command is not there: revisions cannot be read", "install git"
+                "git-revision", "the git command is not installed: revisions cannot be read", "install git"
             ) from error
         except subprocess.TimeoutExpired as error:
             raise RevisionError("git-revision", f"{fault}: git took longer than {_SECONDS} s") from error

@@ -75,15 +75,24 @@ class _Anchored:
 class Builder:
     """Builds one tree. `text` is what the events' marks point into; faults go to `sink`.
 
-    `restore` turns a scalar's text into what is written in the file; it may raise `UnicodeDecodeError`.
+    `restore` turns a scalar's text into what is written in the file; it may raise `UnicodeDecodeError`. `empty` is the
+    help for a file that holds nothing.
     """
 
-    def __init__(self, text: str, file: str, sink: Sink, restore: Callable[[str], str] | None = None) -> None:
+    def __init__(
+        self,
+        text: str,
+        file: str,
+        sink: Sink,
+        restore: Callable[[str], str] | None = None,
+        empty: str | None = None,
+    ) -> None:
         self._text = text
         self._file = file
         self._marks = Marks(text, file)
         self._sink = sink
         self._restore = restore
+        self._empty = empty
         self._stack: list[_Frame] = []
         self._anchors: dict[str, _Anchored] = {}
         self._total = 0
@@ -156,6 +165,7 @@ class Builder:
                 f"`{self._file}` holds nothing"
                 + (" but comments" if self._text.lstrip().startswith("#") else ""),
                 Span(self._file, 1, 1),
+                help=self._empty,
             )
             return None
         return root
@@ -239,7 +249,7 @@ class Builder:
         except UnicodeDecodeError:
             self._sink.error(
                 "yaml-syntax",
-                "an escape here is half of a surrogate pair, which is no character",
+                "an escape here is half of a surrogate pair, which is not a character",
                 span,
                 help="write both halves, as in `\\ud83d\\ude00`, or the character itself",
             )

@@ -298,7 +298,7 @@ def _block(it: Complaint) -> Fault | None:
         message = (
             "a list item stands among the keys of a mapping"
             if it.shown[1] == "-"
-            else (f"{it.shown} is no key, and stands among the keys of a mapping")
+            else (f"{it.shown} is not a key, and stands among the keys of a mapping")
         )
         help = "give the list a key of its own, or write `key: value`"
     elif it.text.startswith("-", it.at):

@@ -25,8 +25,10 @@ _MAX_READINGS = 50
 _MAX_CHARACTERS_READ = 4_000_000
 
 
-def load(text: str | bytes, file: str, sink: Sink) -> Node | None:
-    """The tree of a YAML file; `file` is its path as the user may open it. No I/O.
+def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) -> Node | None:
+    """The tree of a YAML file; `file` is its path as the user may open it, `empty` the help where it holds nothing.
+
+    No I/O.
 
     Every fault that can be told in one run goes to `sink`. After a fault that leaves the meaning of the
     rest clear (a duplicate key, a tag, text that only lacks quotes) there is still a tree, so that later
@@ -41,7 +43,7 @@ def load(text: str | bytes, file: str, sink: Sink) -> Node | None:
     readings = max(1, min(_MAX_READINGS, _MAX_CHARACTERS_READ // max(len(source), 1)))
     for _ in range(readings):
         found = Sink()
-        builder = Builder(source, file, found, _restorer(mask, reader is _PURE))
+        builder = Builder(source, file, found, _restorer(mask, reader is _PURE), empty)
         try:
             root = builder.build(yaml.parse(mask.text, Loader=reader))
         except yaml.MarkedYAMLError as error:
@@ -84,4 +86,4 @@ def _unreadable(error: Exception, text: str, file: str) -> Diagnostic:
         return Diagnostic("yaml-syntax", f"this is not YAML: {error}", Span(file, 1, 1))
     line, column = position(text, escape.start())
     span = Span(file, line, column, line, column + len(escape.group()))
-    return Diagnostic("yaml-syntax", f"`{escape.group()}` is no character", span)
+    return Diagnostic("yaml-syntax", f"`{escape.group()}` is not a character", span)

@@ -7,7 +7,7 @@ from collections.abc import Mapping as Map
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.merge import merge
-from composer.document.node import Mapping, Node, Scalar
+from composer.document.node import Mapping, Node, Scalar, Sequence
 from composer.expand.name import is_usable
 
 # What belongs to the recipe as a whole and to no piece of it.
@@ -23,6 +23,8 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
         return {}
     help = "write `variants: {gripper: {small: {…}, large: {…}}}`"
     if not isinstance(found[1], Mapping):
+        if words := _words(found[1]):
+            help = f"write `variants: {{AXIS: {_pieces(words)}}}`"
         sink.error(
             "wrong-type", "`variants` is a mapping from axes to their values", found[1].span, help=help
         )
@@ -33,7 +35,9 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
             continue
         if not isinstance(values, Mapping) or not values.entries:
             message = f"variant `{key.name}` is a mapping from its values to pieces of recipe"
-            sink.error("wrong-type", message, key.span, help=help)
+            words = _words(values)
+            own = f"write `{key.name}: {_pieces(words)}`, each with what it changes" if words else help
+            sink.error("wrong-type", message, key.span, help=own)
             continue
         axes[key.name] = values
         for value, piece in values.entries.values():
@@ -53,6 +57,17 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
                     sink.error("unknown-key", f"`{name}` cannot stand in a variant", piece.entries[name][0].span,
                                help="write it at the top of the recipe")  # fmt: skip
     return axes
+
+
+def _words(node: Node) -> list[str]:
+    """The texts of a list of texts, or a single text."""
+    items = node.items if isinstance(node, Sequence) else (node,)
+    texts = [item.text for item in items if isinstance(item, Scalar) and item.text]
+    return texts if len(texts) == len(items) else []
+
+
+def _pieces(values: list[str]) -> str:
+    return f"{{{', '.join(f'{value}: {{}}' for value in values)}}}"
 
 
 def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:

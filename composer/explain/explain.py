@@ -39,7 +39,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
     watch = Trace()
     if path.suffix.lower() == ".xml":
         for node in (given or {}).values():
-            message = f"`{context.shown(context.folder / path)}` is no recipe and has no parameters"
+            message = f"`{context.shown(context.folder / path)}` is not a recipe and has no parameters"
             context.sink.error("unknown-name", message, node.span)
         if given:
             return None

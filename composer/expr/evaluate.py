@@ -208,5 +208,5 @@ def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[
         if abs(value) >= MAX_INTEGER:
             raise ExpressionError("the result is too large for a whole number", tree.start, tree.end)
     elif not math.isfinite(value):
-        raise ExpressionError("the result is no finite number", tree.start, tree.end)
+        raise ExpressionError("the result is not a finite number", tree.start, tree.end)
     return value

@@ -65,7 +65,9 @@ def _unreadable(text: str, at: int) -> ExpressionError:
         return ExpressionError(f"the text that begins with {text[at]} has no end", at, len(text))
     for foreign, ours in _FOREIGN.items():
         if text.startswith(foreign, at):
-            return ExpressionError(f"`{foreign}` is no operator", at, at + len(foreign), f"write `{ours}`")
+            return ExpressionError(
+                f"`{foreign}` is not an operator", at, at + len(foreign), f"write `{ours}`"
+            )
     if text[at] == ".":
         return ExpressionError("there are no attributes in expressions", at, at + 1)
     return ExpressionError(f"`{text[at]}` has no meaning in an expression", at, at + 1)
@@ -78,4 +80,4 @@ def _run_on(text: str, start: int) -> ExpressionError:
     unit = next((unit for unit in ("deg", "rad") if word.endswith(unit)), None)
     number = word.removesuffix(unit) if unit else ""
     help = f"units stand outside of expressions; write `rad({number})` for radians" if unit == "deg" else None
-    return ExpressionError(f"`{word}` is no number", start, found.end(), help)
+    return ExpressionError(f"`{word}` is not a number", start, found.end(), help)

@@ -118,7 +118,7 @@ class _Reader:
             self.pins += self.next.kind == "Anchor"
             properties.append(self.take().text)
         if self.next.kind not in ("Scalar", "Alias") or self.next.line != self.next.end_line:
-            raise Unusual("a key here is no name on one line", self.next.line + 1)
+            raise Unusual("a key here is not a name on one line", self.next.line + 1)
         entry.lead += self.rest()
         entry.key = self.leaf()
         entry.key.properties = " ".join(properties)

@@ -154,7 +154,7 @@ class _Writer:
 def _key(key: Leaf) -> str:
     text = lines_of(key, 0)[0]
     if text.startswith("*"):
-        text += " "  # the colon is no part of an alias
+        text += " "  # the colon is not a part of an alias
     return f"{key.properties} {text}" if key.properties else text
 
 

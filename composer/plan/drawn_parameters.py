@@ -77,7 +77,7 @@ class _Source:
             self.sink.error("wrong-type", message, span, help=f"write `{CHOICE}: [VALUE, …]`")
             return False
         if drawing.unit is not None and not (self.parameter and self.parameter.is_angle):
-            message = f"parameter `{self.name}` is no angle, and what is drawn for it is one"
+            message = f"parameter `{self.name}` is not an angle, and what is drawn for it is one"
             self.sink.error("wrong-type", message, locate(self.document, field.drawn_at),
                             help=f"declare it as one: `{self.name}: {{unit: {drawing.unit}, …}}`")  # fmt: skip
             return False

@@ -267,7 +267,7 @@ class _Planner:
     ) -> None:
         self.sink.error(
             "unknown-key",
-            f"`{key}` is for {what}, and `{model}` is none",
+            f"`{key}` is for {what}, and `{model}` is not one",
             locate(document, (*at, key), key=True),
             help=f"take `{key}` out",
         )
@@ -282,7 +282,7 @@ class _Planner:
             if not folder.is_dir():
                 self.sink.error(
                     "file-not-found",
-                    f"the folder of the package `{name}` is not there: `{self.context.shown(folder)}`",
+                    f"the folder of the package `{name}` does not exist: `{self.context.shown(folder)}`",
                     span,
                     help="the path is relative to the recipe, and leads to the folder that `package://"
                     f"{name}` stands for",

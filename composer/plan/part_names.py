@@ -26,7 +26,7 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
         near = closest(check.part, parts)
         sink.error(
             "unknown-name",
-            f"check `{check.name}` is about `{check.part}`, which is no part of this recipe",
+            f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
             locate(plan.document, (*check.at, "unchanged", "part")),
             notes=[exists_note("part", parts, check.part)],
             help=f"write `part: {near[0]}`" if near else None,

@@ -23,6 +23,7 @@ from composer.sources.resolve import resolve
 from composer.sources.source import Source
 
 EXTENDS = "extends"
+_EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes a recipe to begin with"
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
@@ -49,7 +50,7 @@ def _read(
 ) -> Node | None:
     before = context.sink.error_count
     text = _text(path, context)
-    node = None if text is None else load(text, context.shown(path), context.sink)
+    node = None if text is None else load(text, context.shown(path), context.sink, empty=_EMPTY)
     if node is None or context.sink.error_count > before:
         return None
     if not isinstance(node, Mapping):
@@ -67,7 +68,7 @@ def _read(
     lower = _read(source.path, context, (*chain, path), extended, said)
     if not isinstance(lower, Mapping):
         if lower is not None:
-            context.sink.error("wrong-type", "what is extended is no recipe", named.span)
+            context.sink.error("wrong-type", "what is extended is not a recipe", named.span)
         return None
     return merge(lower, upper, context.sink)
 
@@ -99,7 +100,7 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         return None
     if source.format != "recipe":
         sink.error(
-            "source-kind", f"`{named.value}` is no recipe, which is all that can be extended", named.span,
+            "source-kind", f"`{named.value}` is not a recipe, which is all that can be extended", named.span,
             help=f"start from it: `base: {named.value}`",
         )  # fmt: skip
         return None

@@ -139,7 +139,7 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
         help = f"write it in the section `{name}`"
     return Fault(
         "unknown-element",
-        f"`{name}` is no element that can be added",
+        f"`{name}` is not an element that can be added",
         at,
         key=True,
         remarks=(remark,),

@@ -180,7 +180,7 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
     """What is wrong with a prefix."""
     separator = context.separator
     if prefix == RESERVED:
-        message = f"`{RESERVED}` means the model to start from and is no prefix"
+        message = f"`{RESERVED}` means the model to start from and is not a prefix"
         return Fault("reserved-prefix", message, at, key, help="choose another name for the part")
     if not prefix:
         message = "a prefix is empty"

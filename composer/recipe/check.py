@@ -54,12 +54,18 @@ class Checks:
 def _read(name: str, value: Any, faults: list[Fault]) -> Iterator[Check]:
     owner = f"check `{name}`"
     if not isinstance(value, dict):
-        help = f"write `{name}: {{unchanged: {{}}}}`"
+        help = f"write `{name}: {{unchanged: {{}}}}`" if name not in KINDS else _named(name)
         faults.append(Fault("wrong-type", f"{owner} is a mapping, got {kind_of(value)}", (name,), help=help))
         return
     if not value:
-        help = "write for instance `unchanged: {}`"
+        help = "write for instance `unchanged: {}`" if name not in KINDS else _named(name)
         faults.append(Fault("missing-key", f"{owner} checks nothing", (name,), help=help))
+    if name in KINDS and not any(word in (*KINDS, "when") for word in value):
+        first = next(iter(value), None)
+        if first is not None:
+            message = f"`{first}` in {owner} is not a kind of check: `{name}` is the name of this check"
+            faults.append(Fault("unknown-key", message, (name, first), key=True, help=_named(name)))
+        return
     for word, given in value.items():
         kind = KINDS.get(word)
         if kind is None:
@@ -75,11 +81,16 @@ def _read(name: str, value: Any, faults: list[Fault]) -> Iterator[Check]:
                 yield check
 
 
+def _named(word: str) -> str:
+    """What to write where a kind of check stands in the place of a name."""
+    return f"the key is a name that you choose: write `NAME: {{{word}: {KINDS[word].example}}}`"
+
+
 def _unknown_kind(key: str, owner: str, at: Path) -> Fault:
     near = closest(key, (*KINDS, "when"))
     return Fault(
         "unknown-key",
-        f"`{key}` in {owner} is no kind of check",
+        f"`{key}` in {owner} is not a kind of check",
         at,
         key=True,
         remarks=(Remark(exists_note("check kind", KINDS, key).message),),

@@ -136,7 +136,7 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
         remark = Remark(exists_note("key", _KEYS, name).message)
         yield Fault(
             "unknown-key",
-            f"`{name}` is no key of an entry of `edit`",
+            f"`{name}` is not a key of an entry of `edit`",
             (*at, name),
             key=True,
             remarks=(remark,),

@@ -88,7 +88,7 @@ class Checker:
             known = [child for child in kinds[0].children if child != "default"]
             near = closest(name, known)
             help = f"write the tag first: `{{{near[0] if near and name in known else 'geom'}: {{…}}}}`"
-            message = f"`{name}` is no tag that a class can have settings for"
+            message = f"`{name}` is not a tag that a class can have settings for"
             return Fault("unknown-element", message, at, key=True, help=help)
         return unknown_attribute(name, tag, kinds, at)
 
@@ -127,7 +127,7 @@ class Checker:
         subject = f"`{at[-1]}` of `{tag}`"
         numeric = [each for each in fitting if each.is_number]
         if fitting and not numeric:
-            message = f"{subject} is no number, which `{verb}` needs"
+            message = f"{subject} is not a number, which `{verb}` needs"
             if index is not None:
                 message = f"`{fitting[0].name}` of `{tag}` has no numbers that could be counted"
             self.faults.append(Fault("wrong-type", message, at, key=True))
@@ -135,7 +135,7 @@ class Checker:
         lengths = [each.max_length for each in numeric]
         if index is not None and numeric and all(most is not None and index >= most for most in lengths):
             most = max(each for each in lengths if each is not None)
-            message = f"{subject} is not there: `{numeric[0].name}` has {most} number{'s' * (most != 1)}"
+            message = f"{subject} does not exist: `{numeric[0].name}` has {most} number{'s' * (most != 1)}"
             self.faults.append(Fault("wrong-length", message, at, key=True, help="the first number is `[0]`"))
             return
         if isinstance(value, list) and index is None:
@@ -218,7 +218,7 @@ class Checker:
     ) -> dict[str, Any]:
         if kinds and not any(kind.path.startswith("actuator/") for kind in kinds):
             tag = selector.tag if selector else ""
-            self.faults.append(Fault("wrong-type", f"`convert` is for actuators, and `{tag}` is none", at))
+            self.faults.append(Fault("wrong-type", f"`convert` is for actuators, and `{tag}` is not one", at))
             return {}
         to = value.get("to")
         if to not in CONVERTIBLE:
@@ -267,7 +267,7 @@ class Checker:
         for name in [name for name in pose if name not in ("pos", *ORIENTATIONS)]:
             near = closest(name, ("to", "pos", *ORIENTATIONS))
             remark = Remark(exists_note("key", ("to", "pos", *ORIENTATIONS), name).message)
-            self.faults.append(Fault("unknown-key", f"`{name}` is no key of `move`", (*at, name), key=True,
+            self.faults.append(Fault("unknown-key", f"`{name}` is not a key of `move`", (*at, name), key=True,
                                      remarks=(remark,), help=f"write `{near[0]}`" if near else None))  # fmt: skip
             del pose[name]
         self._attributes("set", pose, kinds, tag, at)

@@ -9,7 +9,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.expand.expand import SETTLED
 from composer.recipe.advice import without_space
+from composer.recipe.at_top import belongs, part_keys
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.fault import Fault, Path, Remark
@@ -18,13 +20,6 @@ from composer.recipe.recipe import VERSION, Recipe
 from composer.recipe.shown import kind_of
 
 _NOTHING = object()
-# Keys that people who know MJCF look for at the top of a recipe.
-_ELSEWHERE = {
-    "worldbody": "write `add: [{to: world, body: {…}}]`",
-    "include": "write `attach` for another model, or `base` for the one to start from",
-    "model": "write `base` for the model to start from, or `name` for what the result is called",
-    "parts": "write `attach`",
-}
 
 
 def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
@@ -37,12 +32,14 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     missing = [each for each in errors if each["type"] == "missing"]
     typos = {id(each): _meant(each["loc"], missing) for each in extra}
     meant = {id(each) for each in typos.values() if each is not None}
+    stray = [*part_keys(data)] if isinstance(data, Mapping) else []
     for each in errors:
         loc = real_path(data, each["loc"])
         if each["type"] == "fault":
             yield _moved(each["ctx"]["fault"], loc, each["loc"], data)
         elif each["type"] == "extra_forbidden":
-            yield _extra(loc, typos[id(each)])
+            if loc[0] not in stray[1:]:  # the keys of a part at the top are one mistake
+                yield _extra(loc, typos[id(each)], data)
         elif each["type"] != "missing":
             yield _other(each, loc)
         elif id(each) not in meant:
@@ -94,14 +91,15 @@ def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
     return replace(fault, at=loc, remarks=remarks)
 
 
-def _extra(loc: Path, meant: Any | None) -> Fault:
+def _extra(loc: Path, meant: Any | None, data: Any) -> Fault:
     name = str(loc[-1])
     model, owner = _owner(loc[:-1])
-    known = list(model.model_fields)
+    known = [field.alias or name for name, field in model.model_fields.items()]
+    known += SETTLED if model is Recipe else ()
     near = [str(meant["loc"][-1])] if meant is not None else closest(name, known)
     help = f"write `{near[0]}`" if near else None
-    if model is Recipe and name in _ELSEWHERE:
-        help = _ELSEWHERE[name]
+    if model is Recipe and len(loc) == 1:
+        help = belongs(name, data[name], data) or help
     remark = Remark(exists_note("key", known, name).message)
     return Fault("unknown-key", f"{owner} has no key `{name}`", loc, key=True, remarks=(remark,), help=help)
 

@@ -106,7 +106,7 @@ class _Check:
             attribute = kind.attributes.get(name)
             if attribute is None:
                 known = ("attribute", name, kind.attributes)
-                self.fault("unknown-attribute", f"`{name}` is no attribute of {owner}", names=known)
+                self.fault("unknown-attribute", f"`{name}` is not an attribute of {owner}", names=known)
                 continue
             answer = check_value(attribute, value)
             if answer is not None:

@@ -73,7 +73,7 @@ def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:
             reader.faults.append(
                 Fault(
                     "unknown-key",
-                    f"`{key}` is no key of a keyframe",
+                    f"`{key}` is not a key of a keyframe",
                     (*at, key),
                     key=True,
                     remarks=(Remark(exists_note("key", _KEYS).message),),

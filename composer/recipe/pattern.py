@@ -21,7 +21,9 @@ def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
     if is_regular(text):
         wrong = fault_of(text[1:-1])
         return (
-            Fault("wrong-type", f"the regular expression of {owner} is none: {wrong}", at) if wrong else None
+            Fault("wrong-type", f"the regular expression of {owner} is not valid: {wrong}", at)
+            if wrong
+            else None
         )
     stray = stray_brace(text)
     if stray is None:

@@ -90,10 +90,10 @@ def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
     }
     for axis in axes.get(name, ()):
         if math.hypot(*axis) < TINY:
-            message = f"`{name}` of {OWNER} is no orientation: all its numbers are zero"
+            message = f"`{name}` of {OWNER} is not an orientation: all its numbers are zero"
             return Fault("out-of-range", message, help=f"leave `{name}` out, or write {_NEUTRAL[name]}")
     if name == "xyaxes" and math.hypot(*_cross(numbers[:3], numbers[3:])) < TINY:
-        message = f"`xyaxes` of {OWNER} is no orientation: its two axes have the same direction"
+        message = f"`xyaxes` of {OWNER} is not an orientation: its two axes have the same direction"
         return Fault(
             "out-of-range", message, help="write axes at a right angle, such as `[1, 0, 0, 0, 1, 0]`"
         )

@@ -26,6 +26,7 @@ FRAGMENT = "xml"
 CONFIG = "config"
 NAME = "name"
 _OBJECT = {"objtype", "objname"}
+_OWNERS = 3  # elements that a help line names
 
 
 @dataclass(slots=True)
@@ -219,10 +220,17 @@ class Reader:
         remarks = (Remark(exists_note("attribute", attributes, name).message),) if attributes else ()
         help = f"write `{near[0]}`" if near else f"take `{name}` out"
         groups = [tag for tag, child in kind.children.items() if name in child.attributes]
+        siblings = GRAMMAR.element("body").children
+        if not near and not groups and kind.tag in siblings:
+            owners = [f"`{tag}`" for tag, each in siblings.items() if name in each.attributes]
+            if 0 < len(owners) <= _OWNERS:
+                help = f"it is an attribute of {_either(owners)}"
         if name in GRAMMAR.root.children:
             help = f"write it in the section `{name}`"
         if len(groups) == 1 and not near:
             help = f"write it in `{groups[0]}: {{…}}`"
+        elif 1 < len(groups) <= _OWNERS and not near:
+            help = f"write it in {_either([f'`{tag}`' for tag in groups])}"
         if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
             help = f"write `objtype: {name}, objname: {value}`"
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
@@ -237,7 +245,7 @@ class Reader:
             )
         return Fault(
             "unknown-attribute",
-            f"`{name}` is no attribute of {owner}",
+            f"`{name}` is not an attribute of {owner}",
             at,
             key=True,
             remarks=remarks,
@@ -256,6 +264,10 @@ class Reader:
                 self.faults.append(unprintable(f"a name in {owner}", (*at, name), key=True))
             else:
                 yield name, item
+
+
+def _either(words: list[str]) -> str:
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def label(tag: str, value: Any) -> str:

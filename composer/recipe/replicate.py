@@ -83,7 +83,7 @@ def _axis(reader: Reader, value: Any, at: Path) -> Axis | None:
             near = closest(name, ATTRIBUTES)
             remark = Remark(exists_note("attribute", ATTRIBUTES).message)
             help = f"write `{near[0]}`" if near else None
-            message = f"`{name}` is no attribute of {owner}"
+            message = f"`{name}` is not an attribute of {owner}"
             reader.faults.append(
                 Fault("unknown-attribute", message, path, key=True, remarks=(remark,), help=help)
             )

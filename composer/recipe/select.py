@@ -52,7 +52,7 @@ def read_selector(
                 EXCLUSIVE if known else "unknown-key",
                 f"{owner} has both `{tag}` and `{others[0]}`, of which only one may stand"
                 if known
-                else f"`{others[0]}` is no key of a selector",
+                else f"`{others[0]}` is not a key of a selector",
                 (*at, others[0]),
                 key=True,
                 remarks=() if known else (Remark(exists_note("key", keys, others[0]).message),),
@@ -161,7 +161,12 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
         help = "it has `gainprm` and `biasprm`; `convert: {to: position}` makes one with `kp` and `kv` of it"
     remarks = (Remark(exists_note("attribute", known, name).message),)
     return Fault(
-        "unknown-attribute", f"`{name}` is no attribute of `{tag}`", at, key=True, remarks=remarks, help=help
+        "unknown-attribute",
+        f"`{name}` is not an attribute of `{tag}`",
+        at,
+        key=True,
+        remarks=remarks,
+        help=help,
     )
 
 

@@ -103,7 +103,7 @@ def _model_file(description: Any, reference: Reference) -> Path:
         path = Path(written)
         if not path.is_file() or not has_format(path):
             raise SourceError(
-                "source-not-found", f"`{reference.text}` stands for `{path}`, which is no model file"
+                "source-not-found", f"`{reference.text}` stands for `{path}`, which is not a model file"
             )
         return path
     raise SourceError("source-kind", f"`{reference.text}` has neither MJCF nor URDF")

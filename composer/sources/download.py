@@ -178,7 +178,8 @@ class _Download:
             is_address = False
         if not is_address:
             raise SourceError(
-                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is no address of the web"
+                "source-fetch",
+                f"`{self.url}` leads to `{hide(leads_to)}`, which is not an address of the web",
             )
         was_open = urlsplit(self.url).scheme == "http"
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
@@ -197,7 +198,9 @@ class _Download:
             self.forget()
             raise _Broken("the server has another file now")
         if status in (404, 410):
-            raise SourceError("source-not-found", f"`{self.url}` is not there: the server answered {status}")
+            raise SourceError(
+                "source-not-found", f"`{self.url}` does not exist: the server answered {status}"
+            )
         if status not in (200, 206):
             why = " (it wants a login, which is not supported)" if status in (401, 403, 407) else ""
             raise SourceError(

@@ -26,7 +26,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
         if inside.is_relative_to(left_out):
             raise SourceError(
                 "source-not-found",
-                f"the model `{reference.text}` is not there: `{left_out}` is {why}",
+                f"the model `{reference.text}` does not exist: `{left_out}` is {why}",
                 notes=(exists_note("model file", existing, reference.text).message,),
             )
     if not has_format(inside):

@@ -126,10 +126,12 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
     node = load(text, shown, own)
     if own.errors:
         first = own.sorted()[0]
-        sink.error("lock-invalid", f"`{shown}` is no lock: {first.message}", first.span, help=_HELP)
+        sink.error("lock-invalid", f"`{shown}` is not a lock: {first.message}", first.span, help=_HELP)
         return None
     if not isinstance(node, Mapping):
-        sink.error("lock-invalid", f"`{shown}` is no lock", None if node is None else node.span, help=_HELP)
+        sink.error(
+            "lock-invalid", f"`{shown}` is not a lock", None if node is None else node.span, help=_HELP
+        )
         return None
     version = node.entries.get("lock")
     number = version[1] if version is not None else None
@@ -180,10 +182,10 @@ def _tell(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, si
     key = fault in ("missing", "extra_forbidden")
     where = " / ".join(f"`{step}`" for step in path)
     said = {
-        "missing": "is not there",
-        "extra_forbidden": "is no key of a lock",
-        "string_pattern_mismatch": "is no hash",
+        "missing": "is missing",
+        "extra_forbidden": "is not a key of a lock",
+        "string_pattern_mismatch": "is not a hash",
     }.get(fault, "is not what it must be")
     sink.error(
-        "lock-invalid", f"`{shown}` is no lock: {where} {said}", locate(node, path, key=key), help=_HELP
+        "lock-invalid", f"`{shown}` is not a lock: {where} {said}", locate(node, path, key=key), help=_HELP
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from pathlib import Path, PurePath
+from pathlib import Path, PurePath, PureWindowsPath
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources.error import SourceError
@@ -47,15 +47,56 @@ def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
 
 def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | None = None) -> SourceError:
     """The error for a reference whose file is not there; `existing` are references that lead to a file."""
-    known = list(existing)
+    suffix = PurePath(text).suffix.lower()
+    # Files of the kind that was written first: who looks for an XML file has no use for the recipes beside it.
+    known = sorted(existing, key=lambda each: PurePath(each).suffix.lower() != suffix)
     near = nearest(text, known)
     shown = [near, *(each for each in known if each != near)] if near else known
+    message = f"the model `{text}` does not exist"
+    note = exists_note("model file", shown).message
+    if "\\" in text:
+        hint, near = _with_slashes(text, near), None
+    elif not wanted.parent.is_dir():
+        message, note, corrected = _without_folder(text, wanted)
+        near = corrected or near
     return SourceError(
         "source-not-found",
-        f"the model `{text}` is not there",
-        notes=(f"looked for `{wanted}`", exists_note("model file", shown).message),
+        message,
+        notes=(f"looked for `{wanted}`", note),
         help=f"write `{near}`" if near else hint,
     )
+
+
+def _with_slashes(text: str, near: str | None) -> str:
+    """What to write instead of a path with backslashes, which are part of a name outside of Windows."""
+    if near is None and PureWindowsPath(text).drive:
+        return "paths are written with `/` and are best relative to the recipe: `./models/arm.xml`"
+    return f"paths are written with `/`: write `{near or text.replace(chr(92), '/')}`"
+
+
+def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
+    """For a file in a folder that does not exist: the message, the folders that do, and the path with the nearest."""
+    missing = next(
+        each
+        for each in (wanted.parent, *wanted.parent.parents)
+        if each.parent.is_dir() or each == each.parent
+    )
+    depth = len(wanted.parts) - len(missing.parts)
+    written = text.removesuffix("".join(f"/{part}" for part in wanted.parts[-depth:]))
+    try:
+        folders = sorted(
+            each.name for each in os.scandir(missing.parent) if each.is_dir() and each.name[0] != "."
+        )
+    except OSError:
+        folders = []
+    near = closest(missing.name, folders)
+    inside = written.removesuffix(missing.name)
+    message = f"the model `{text}` does not exist: there is no folder `{written}`"
+    listed = sorted(folders, key=lambda each: each not in near)
+    note = exists_note("folder", [f"{inside}{each}" for each in listed]).message
+    corrected = missing.with_name(near[0]).joinpath(*wanted.parts[-depth:]) if near else None
+    exists = corrected is not None and corrected.is_file()
+    return message, note, f"{inside}{near[0]}{text.removeprefix(written)}" if exists else None
 
 
 def nearest(text: str, existing: Iterable[str]) -> str | None:
@@ -79,7 +120,7 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
             "refer to the recipe or the XML that it was built from",
         )
     else:
-        problem = f"ends in `{suffix}`, which is no model file" if suffix else "has no file suffix"
+        problem = f"ends in `{suffix}`, which is not a model file" if suffix else "has no file suffix"
         fix = "end it in `.yaml` for a recipe, `.xml` for MJCF, `.urdf` for URDF, or write `menagerie:ROBOT`"
     return SourceError(
         "source-kind",

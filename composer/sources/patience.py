@@ -26,7 +26,7 @@ def patience(environment: Mapping[str, str]) -> float:
     if not _SHORTEST <= seconds <= _LONGEST:
         raise SourceError(
             "source-fetch",
-            f"`MJCOMPOSE_TIMEOUT` is no number of seconds from {_SHORTEST} to {_LONGEST:.0f}: `{written}`",
+            f"`MJCOMPOSE_TIMEOUT` is not a number of seconds from {_SHORTEST} to {_LONGEST:.0f}: `{written}`",
             help="write it as `30`",
         )
     return seconds

@@ -236,7 +236,7 @@ def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:
         help = f"if it is a path, write `./{text}`"
     return SourceError(
         "source-kind",
-        f"`{scheme}:` is no kind of model reference, in `{text}`",
+        f"`{scheme}:` is not a kind of model reference, in `{text}`",
         notes=(_forms_note(),),
         help=help,
     )

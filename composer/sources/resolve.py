@@ -64,7 +64,7 @@ def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> So
         if inside.is_relative_to(name):
             return SourceError(
                 "source-not-found",
-                f"the model `{reference.text}` is not there: `{name}` of `{origin.id}` is {why}",
+                f"the model `{reference.text}` does not exist: `{name}` of `{origin.id}` is {why}",
             )
     return None
 

@@ -117,7 +117,7 @@ class Store:
                 _erase(stage)
         entry = self._read(kind, self.folder / kind / key)
         if entry is None:
-            raise SourceError("store-unusable", f"what was just stored in `{self.folder}` is not there")
+            raise SourceError("store-unusable", f"what was just stored in `{self.folder}` does not exist")
         self.prune(self.limit, keep={key})
         return entry
 
@@ -349,7 +349,7 @@ def _size(text: str) -> int:
     if size is None:
         raise SourceError(
             "store-unusable",
-            f"`MJCOMPOSE_CACHE_SIZE` is no size: `{text}`",
+            f"`MJCOMPOSE_CACHE_SIZE` is not a size: `{text}`",
             help="write it as `500M` or `10G`",
         )
     return size

@@ -213,7 +213,7 @@ class Change:
         assert text is not None
         have = numbers.read(text)
         if subscript is not None and subscript >= len(have):
-            message = f"`{at[-1]}` of {editing.called(node)} is not there: it has {len(have)} numbers"
+            message = f"`{at[-1]}` of {editing.called(node)} does not exist: it has {len(have)} numbers"
             self._fault(Fault("wrong-length", message, at, key=True), node)
         now = values.now(attribute, subscript)
         given = values.of(written, at, now)

@@ -40,7 +40,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     except BadXPath as error:
         editing.sink.error(
             "selector",
-            f"`{selector.pattern}` is no XPath for elements: {error}",
+            f"`{selector.pattern}` is not an XPath for elements: {error}",
             editing.span((*path, XPATH)),
         )
     except Unusable:
@@ -174,7 +174,7 @@ def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
         f"`{selector}` selects nothing",
         editing.span(path),
         notes=_existing(editing, selector),
-        help=help or "write `optional: true` if that is no fault",
+        help=help or "write `optional: true` if that is not a fault",
     )
 
 

@@ -106,7 +106,7 @@ class _Reading:
         if root.tag != "robot":
             help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
             self._error(
-                "not-urdf", f"`{shown}` is no URDF: its root is `<{root.tag}>`, not `<robot>`", help=help
+                "not-urdf", f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`", help=help
             )
         elif macro is not None:
             help = f"expand it first: `xacro {Path(shown).name} > robot.urdf`"
@@ -135,7 +135,7 @@ class _Reading:
                 if name not in known:
                     self.context.sink.warning(
                         "unknown-attribute",
-                        f"`{name}` is no attribute of `<{tag}>`",
+                        f"`{name}` is not an attribute of `<{tag}>`",
                         self._span(section, name, key=True),
                         notes=(exists_note("attribute", known, name),),
                         help=did_you_mean(name, known) or f"take `{name}` out",

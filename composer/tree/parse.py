@@ -212,7 +212,7 @@ def _unreadable(what: str, name: Path, path: Path, error: OSError) -> tuple[str,
     if not isinstance(error, FileNotFoundError):
         return f"{what} cannot be read: {error.strerror.lower() if error.strerror else error}", None
     near = closest(path.name, _beside(path))
-    return f"{what} is not there", f"did you mean `{(name.parent / near[0]).as_posix()}`?" if near else None
+    return f"{what} does not exist", f"did you mean `{(name.parent / near[0]).as_posix()}`?" if near else None
 
 
 def _beside(path: Path) -> list[str]:
@@ -240,7 +240,7 @@ def _parser() -> etree.XMLParser:
 def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
     """The root of XML that may be lax where MuJoCo's reader is; what is wrong with it goes to `sink`."""
     if isinstance(data, str):
-        data = data.encode(errors="surrogatepass")  # what is no text is told by the parser
+        data = data.encode(errors="surrogatepass")  # what is not text is told by the parser
     root = _parsed(data, file, sink)
     if root is not None and _CDATA in data:
         take_cdata_in(root, data)

@@ -37,7 +37,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
     gains = _GAINS.get((tag, attribute))
     known = family in TAGS and (gains or attribute in attributes(family))
     if not known:
-        return {"error": f"`{attribute}` of `{tag}` is no array of mjModel"}
+        return {"error": f"`{attribute}` of `{tag}` is not an array of mjModel"}
     number = _id(mujoco, model, asked)
     if isinstance(number, str):
         return {"error": number}

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _UNKNOWN_ATTRIBUTE = re.compile(r"unrecognized attribute: '(?P<name>[^']*)'")
 _UNKNOWN_ELEMENT = re.compile(r"unrecognized (?:model )?element")
 _NAMED_ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'|attribute missing: '(?P<missing>[^']*)'")
+_SIZE = re.compile(r"^size (?P<index>\d) must be positive")
 _WORD = re.compile(r"\w+")
 _QUOTED = re.compile(r"'([^'\n]+)'")
 
@@ -27,6 +28,7 @@ _ADVICE: tuple[tuple[str, str], ...] = (
         r"^size \d must be positive in geom",
         "a sphere has one size, a capsule or cylinder two, a box or ellipsoid three",
     ),
+    (r"are negative in geom", "write a number above 0, or 0 for a geom without mass"),
     (r"^free joint can only be used on top level", "put a body with a free joint into the world: `to: world`"),
     (r"^mocap body .* is not a fixed child of world", "put a mocap body into the world, without joints: `to: world`"),
     (r"is not sphere or cylinder", "a tendon wraps around spheres and cylinders only"),
@@ -75,7 +77,7 @@ def told(message: str, element: Node | None) -> Told:
         f"MuJoCo rejects {subject}: {message}",
         attribute,
         _keywords(element, attribute),
-        _advice(message),
+        _not_positive(message, element) or _advice(message),
     )
 
 
@@ -89,7 +91,7 @@ def unknown_attribute(element: Node, name: str) -> Told:
         return Told("unknown-attribute", message, name, _versions(attribute.since, attribute.until), key=True)
     return Told(
         "unknown-attribute",
-        f"`{name}` is no attribute of `<{element.tag}>`",
+        f"`{name}` is not an attribute of `<{element.tag}>`",
         name,
         (exists_note("attribute", known, name),) if known else (),
         did_you_mean(name, known) or f"take `{name}` out",
@@ -153,6 +155,15 @@ def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
     if (versions := known.keyword_versions.get(text)) is not None:
         return _versions(*versions)
     return () if text in known.keywords else (exists_note("keyword", known.keywords, text),)
+
+
+def _not_positive(message: str, element: Node) -> str | None:
+    """The advice for a size that is written, and is 0 or less; a size that is missing has another one."""
+    if (found := _SIZE.search(message)) is None:
+        return None
+    sizes = str(element.get("size") or "").split()
+    index = int(found["index"])
+    return f"`{sizes[index]}` is not above 0: sizes are lengths in metres" if index < len(sizes) else None
 
 
 def _advice(message: str) -> str | None:

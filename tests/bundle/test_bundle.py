@@ -41,7 +41,7 @@ def test_it_does_not_follow_changes_of_the_mapping_it_was_made_from() -> None:
         ("", "it has an empty segment"),
         ("a\nb", "it has a control character"),
         ("a\x00", "it has a control character"),
-        ("\ud800", "it is no Unicode text"),
+        ("\ud800", "it is not Unicode text"),
     ],
 )
 def test_a_path_that_is_not_plain_and_relative_is_refused(path: str, fault: str) -> None:

@@ -70,7 +70,7 @@ def test_binary_is_told_to_be_no_bundle(tmp_path: Path) -> None:
 
 def test_what_is_no_zip_is_told(tmp_path: Path) -> None:
     (tmp_path / "a.zip").write_bytes(b"PK\x03\x04 and then nothing")
-    assert "is no readable zip" in refusal(tmp_path / "a.zip")
+    assert "is not a readable zip" in refusal(tmp_path / "a.zip")
 
 
 @pytest.mark.parametrize("damage", range(4))
@@ -138,7 +138,7 @@ def test_a_bomb_that_lies_about_its_size_is_not_unpacked(tmp_path: Path) -> None
     content = path.read_bytes()
     content = content.replace((10_000_000).to_bytes(4, "little"), (10).to_bytes(4, "little"))
     path.write_bytes(content)
-    assert "is no readable zip" in refusal(path, ReadLimits(bytes=1_000_000))
+    assert "is not a readable zip" in refusal(path, ReadLimits(bytes=1_000_000))
 
 
 @pytest.mark.parametrize("make", [folder, archive])

@@ -138,7 +138,7 @@ CASES: dict[str, tuple[Callable[[World], str | None], str, str]] = {
     "a branch that lost its commit": (
         branch_that_lost_its_commit, "source-revision", "the branch or tag was moved",
     ),
-    "a tag that is not there": (
+    "a tag that does not exist": (
         lambda world: world.robots.reference("v2"), "source-revision", "tags that exist: v1",
     ),
     "a commit that never was": (

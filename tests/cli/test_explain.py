@@ -74,7 +74,7 @@ def test_of_a_build_with_values(folder: Path) -> None:
     told = run("explain", "study.yaml", "option timestep", "--set", "x=3", "--variant", "speed=fast")
     assert told.exit_code == 0 and "study.yaml:3" in told.stdout
     result = run("explain", "models/arm.xml", "joint", "--set", "x=3")
-    assert result.exit_code == 1 and "`models/arm.xml` is no recipe and has no parameters" in result.stderr
+    assert result.exit_code == 1 and "`models/arm.xml` is not a recipe and has no parameters" in result.stderr
 
 
 def test_of_a_cell_and_a_sample(folder: Path) -> None:

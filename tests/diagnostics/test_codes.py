@@ -32,9 +32,9 @@ def test_page(code: str) -> None:
     text = PAGES[code].read_text(encoding="utf-8")
     assert text.startswith(f"# {code}\n")
     headings = re.findall(r"^## (.+)$", text, re.MULTILINE)
-    assert headings == ["Example", "How to mend it"], "a page shows a case and says what to do"
-    assert "```" in text.split("## Example")[1].split("## How to mend it")[0]
-    assert len(text.split("## How to mend it")[1].strip()) > 40
+    assert headings == ["Example", "How to fix it"], "a page shows a case and says what to do"
+    assert "```" in text.split("## Example")[1].split("## How to fix it")[0]
+    assert len(text.split("## How to fix it")[1].strip()) > 40
     assert text.count("```") % 2 == 0
     assert len(text.splitlines()) <= 45
 

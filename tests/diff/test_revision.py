@@ -127,7 +127,7 @@ def test_faults(repository: Path, tmp_path: Path) -> None:
         check_out(
             "HEAD", tmp_path / "a.yaml", tmp_path, {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path)}
         )
-    with pytest.raises(RevisionError, match="the git command is not there"):
+    with pytest.raises(RevisionError, match="the git command is not installed"):
         check_out("HEAD", path, tmp_path, {"PATH": str(tmp_path)})
 
 

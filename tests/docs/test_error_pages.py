@@ -131,7 +131,7 @@ def blocks(text: str, kind: str) -> list[str]:
 
 
 def parts(code: str) -> tuple[str, str]:
-    example, mended = PAGES[code].split("## How to mend it")
+    example, mended = PAGES[code].split("## How to fix it")
     return example.split("## Example")[1], mended
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -116,16 +117,12 @@ def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
 
 
 def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
-    models = ROOT / "recipes" / "models"
-    arm = (models / "arm6" / "arm6.xml").read_text().replace("assets", str(models / "arm6" / "assets"))
-    tool = '<mujoco model="tool"><worldbody><body><geom size="0.01"/></body></worldbody></mujoco>'
-    (tmp_path / "arm.xml").write_text(arm)
+    shutil.copytree(ROOT / "recipes" / "models", tmp_path / "recipes" / "models")
     demo = build(ROOT / "recipes" / "demo.yaml", Context(folder=tmp_path))
     assert demo is not None
     write(demo.bundle, tmp_path / "build" / "demo.zip", environment={})
-    (tmp_path / "gripper.xml").write_text(tool)
     for text in blocks("README.md", "python"):
         command = [sys.executable, "-c", text]
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         subprocess.run(command, cwd=tmp_path, env=environment, check=True, timeout=120)
-    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).nq == 6
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).nq == 9

@@ -15,7 +15,7 @@ PAGES = sorted((Path(__file__).parents[2] / "docs" / "errors").glob("*.md"))
 
 def blocks(page: Path) -> tuple[list[str], list[str]]:
     """The YAML of the example, and of what mends it."""
-    example, mended = page.read_text(encoding="utf-8").split("## How to mend it")
+    example, mended = page.read_text(encoding="utf-8").split("## How to fix it")
     find = re.compile(r"^```yaml\n(.*?)^```", re.MULTILINE | re.DOTALL).findall
     return find(example), find(mended)
 

@@ -29,6 +29,7 @@ SEVERAL = {
     "edit_unset",
     "extends_without_angle",
     "several_sources",
+    "model_with_backslashes",
     "several_names",
     "several_stages",
     "check_failed",

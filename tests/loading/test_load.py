@@ -177,7 +177,7 @@ def test_a_manifest_is_needed(cell: Path) -> None:
     [
         ({"manifest": 2}, "was written by a newer mjcompose: its format is 2, this one knows 1"),
         ({"manifest": 2, "more": []}, "was written by a newer mjcompose"),
-        ({"more": []}, "`more` is no key of a manifest"),
+        ({"more": []}, "`more` is not a key of a manifest"),
         ({"files": 3}, "`files`: input should be a valid array"),
     ],
 )
@@ -192,7 +192,7 @@ def test_a_manifest_that_is_another_says_why(cell: Path, change: dict[str, Any],
 
 
 @pytest.mark.parametrize(
-    ("text", "told"), [("{", "it is no JSON: EOF while parsing"), ("[]", "it is no mapping")]
+    ("text", "told"), [("{", "it is not JSON: EOF while parsing"), ("[]", "it is not a mapping")]
 )
 def test_a_manifest_that_is_none(cell: Path, text: str, told: str) -> None:
     (cell / "manifest.json").write_text(text)

@@ -52,7 +52,7 @@ def test_text_with_its_files(folder: Path, compiled: Compiled) -> None:
         model = mjcf.from_xml_string(text, assets=assets)
         assert compiled(model).nmesh == 1 and list(model.assets.values()) == [mesh]
     assert compiled(mjcf.from_xml_string(text.encode(), base_dir=folder / "arm")).nmesh == 1
-    with pytest.raises(mjcf.MjcfError, match="shell.stl` is not there"):
+    with pytest.raises(mjcf.MjcfError, match="shell.stl` does not exist"):
         _ = mjcf.from_xml_string(text, base_dir=folder).assets
 
 
@@ -141,7 +141,7 @@ def test_zips_that_cannot_be_read(tmp_path: Path) -> None:
     for files, message in (
         ({"a.xml": model, "b.xml": model}, "and several other models: `a.xml`, `b.xml`"),
         ({"readme.txt": "hello"}, "has neither `model.xml` nor `z.xml`"),
-        ({"../model.xml": model}, "is no bundle"),
+        ({"../model.xml": model}, "is not a bundle"),
         ({"model.xml": "<mujoco><worldbdy/></mujoco>"}, "`<worldbdy>` cannot stand in `<mujoco>`"),
     ):
         with pytest.raises(MjcfError, match=re.escape(message)):

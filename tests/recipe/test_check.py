@@ -27,7 +27,7 @@ def test_a_check_knows_its_name_and_place(recipe: Callable[[str], Recipe]) -> No
         ("[{unchanged: {}}]", "wrong-type", "expects a mapping from names"),
         ("{a: {}}", "missing-key", "checks nothing"),
         ("{a: unchanged}", "wrong-type", "is a mapping"),
-        ("{a: {unchange: {}}}", "unknown-key", "no kind of check"),
+        ("{a: {unchange: {}}}", "unknown-key", "not a kind of check"),
         ("{a: {unchanged: gripper}}", "wrong-type", "is a mapping"),
         ("{a: {unchanged: {parts: gripper}}}", "unknown-key", "has no key `parts`"),
         ("{a: {unchanged: {part: [gripper]}}}", "wrong-type", "the prefix of a part"),

@@ -32,7 +32,7 @@ def test_kept() -> None:
             "unknown-element",
             "`clock` cannot stand in `body`",
         ),
-        ("<geom sizes='1'/>", "unknown-attribute", "`sizes` is no attribute of `geom`"),
+        ("<geom sizes='1'/>", "unknown-attribute", "`sizes` is not an attribute of `geom`"),
         ("<geom size='a'/>", "wrong-type", "`size` of `geom` expects 1 to 3 numbers, got `a`"),
         ("<geom type='cube'/>", "wrong-keyword", "`type` of `geom` expects"),
         ("<inertial pos='0 0 0'/>", "missing-key", "`inertial` lacks `mass`"),

@@ -94,7 +94,7 @@ def keys(node: Node) -> Iterator[Any]:
 
 def is_rare(fault: Diagnostic) -> bool:
     """Whether it is about an edit of what is seldom edited, whose attributes the schema leaves out."""
-    found = re.fullmatch(r"`\S+` is no attribute of `(\w+)`", fault.message)
+    found = re.fullmatch(r"`\S+` is not an attribute of `(\w+)`", fault.message)
     return found is not None and found[1] in known_tags() and found[1] not in TAGS
 
 

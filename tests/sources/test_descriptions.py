@@ -97,7 +97,7 @@ def test_the_commit_is_the_one_that_is_checked_out(library: Path, head: str, exp
         ),
         ("descriptions:_empty_description", "source-not-found", "no description", None),
         ("descriptions:offline_mj_description", "source-not-found", "could not be fetched", None),
-        ("descriptions:gone_mj_description", "source-not-found", "which is no model file", None),
+        ("descriptions:gone_mj_description", "source-not-found", "which is not a model file", None),
         ("descriptions:macro_description", "source-kind", "neither MJCF nor URDF", None),
     ],
 )

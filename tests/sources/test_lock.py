@@ -54,17 +54,17 @@ def test_a_newer_lock_says_so() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('"commit": "1111', '"commit": "xyz', "`commit` is no hash"),
-        ('"arm.xml": "33', '"arm.xml": "3', "`arm.xml` is no hash"),
+        ('"commit": "1111', '"commit": "xyz', "`commit` is not a hash"),
+        ('"arm.xml": "33', '"arm.xml": "3', "`arm.xml` is not a hash"),
         ('"kind": "git"', '"kind": "hg"', "`kind` is not what it must be"),
-        ('"kind": "git",', '"kind": "git", "colour": 1,', "`colour` is no key of a lock"),
-        ('"mjcompose": "0.1.0",', "", "`mjcompose` is not there"),
+        ('"kind": "git",', '"kind": "git", "colour": 1,', "`colour` is not a key of a lock"),
+        ('"mjcompose": "0.1.0",', "", "`mjcompose` is missing"),
         ('"lock": 1,', '"lock": true,', "`lock` is not what it must be"),
         ('"lock": 1,', '"lock": 1.0,', "`lock` is not what it must be"),
-        ('"lock": 1,', "", "`lock` is not there"),
+        ('"lock": 1,', "", "`lock` is missing"),
         ('"lock": 1,', '"lock": "one",', "`lock` is not what it must be"),
-        ("}\n", "\n", "is no lock"),
-        ("{", "[", "is no lock"),
+        ("}\n", "\n", "is not a lock"),
+        ("{", "[", "is not a lock"),
     ],
 )
 def test_a_lock_edited_by_hand_has_one_fault_with_its_place(old: str, new: str, said: str) -> None:
@@ -78,7 +78,7 @@ def test_a_lock_edited_by_hand_has_one_fault_with_its_place(old: str, new: str, 
 
 @pytest.mark.parametrize("text", ["", "null", "[]", json.dumps("text")])
 def test_what_is_no_lock_at_all(text: str) -> None:
-    assert "is no lock" in fault(text)[1]
+    assert "is not a lock" in fault(text)[1]
 
 
 def test_the_marks_of_a_merge_are_told_at_their_line() -> None:

@@ -59,7 +59,7 @@ def test_a_pipe_is_no_file(project: Path) -> None:
 def test_a_missing_file_names_those_beside_it(project: Path) -> None:
     error = fail("./parts/tabel.xml", project)
     assert error.code == "source-not-found"
-    assert error.message == "the model `./parts/tabel.xml` is not there"
+    assert error.message == "the model `./parts/tabel.xml` does not exist"
     assert error.notes[0] == f"looked for `{project / 'parts' / 'tabel.xml'}`"
     assert "./parts/table.xml" in error.notes[1]
     assert error.help == "write `./parts/table.xml`"
@@ -70,13 +70,32 @@ def test_a_missing_file_names_those_beside_it(project: Path) -> None:
     [
         ("./table.xml", "./parts/table.xml"),
         ("./prats/table.xml", "./parts/table.xml"),
-        (r".\parts\table.xml", "./parts/table.xml"),
         ("cell.yml", "./cell.yaml"),
         ("../cell.yaml", "./cell.yaml"),
     ],
 )
 def test_finds_what_was_meant(project: Path, text: str, meant: str) -> None:
     assert fail(text, project).help == f"write `{meant}`"
+
+
+def test_a_folder_that_does_not_exist_is_named_with_those_that_do(project: Path) -> None:
+    error = fail("./prats/deep/table.xml", project)
+    assert error.message.endswith("does not exist: there is no folder `./prats`")
+    assert error.notes[1].startswith("folders that exist: ./parts")
+    assert error.help == "write `./parts/table.xml`"  # the corrected path has no such file, another place has
+
+
+@pytest.mark.parametrize(
+    ("text", "written"),
+    [
+        (r".\parts\table.xml", "write `./parts/table.xml`"),
+        (r"parts\humanoid.xml", "write `parts/humanoid.xml`"),
+        (r"C:\Users\me\humanoid.xml", "`./models/arm.xml`"),
+    ],
+)
+def test_backslashes(project: Path, text: str, written: str) -> None:
+    help = fail(text, project).help
+    assert help is not None and help.startswith("paths are written with `/`") and help.endswith(written)
 
 
 def test_nothing_near_is_no_guess(project: Path) -> None:

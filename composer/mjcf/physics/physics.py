@@ -101,7 +101,7 @@ class Physics:
             text = xml_string.encode()
         except UnicodeEncodeError as error:
             raise failure(
-                "not-mjcf", f"`xml_string` is no Unicode text: {error.reason}", call_site()
+                "not-mjcf", f"`xml_string` is not Unicode text: {error.reason}", call_site()
             ) from None
         return cls(compile_text(text, files))
 
@@ -301,11 +301,11 @@ class Physics:
             message = f"{what} is of the model `{element._model.name}`, which was not compiled here"
             help = "compile the model that it is in, or bind before you copy"
         elif element._model.frame_above(element._node) is element._node and not len(element._node):
-            message = f"the frame of `{element.name}` is no body of the compiled model: it had no joint"
+            message = f"the frame of `{element.name}` is not a body of the compiled model: it had no joint"
             help = "bind what it is attached to, or the bodies of the attached model"
         elif element.tag == WORLD_SECTION:
             message = (
-                f"the world of `{element._model.name}` is no body of the compiled model: it was attached"
+                f"the world of `{element._model.name}` is not a body of the compiled model: it was attached"
             )
             help = (
                 "bind what it is attached to, the bodies in it, or its attachment frame once that has a joint"

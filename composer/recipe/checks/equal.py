@@ -85,7 +85,7 @@ def attribute_of(
     """
     match = _INDEXED.fullmatch(written)
     if match is None:
-        message = f"`{at[-1]}` of {keys.owner} is `{written}`, which is no attribute"
+        message = f"`{at[-1]}` of {keys.owner} is `{written}`, which is not an attribute"
         keys.add("wrong-type", message, *at, help='write for instance `damping`, or `"range[1]"`')
         return None, None
     name, index = match.groups()

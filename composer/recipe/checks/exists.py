@@ -90,7 +90,7 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
         if tag not in TAGS:
             near = closest(tag, (*TAGS, *_BESIDE))
             remark = Remark(exists_note("tag", TAGS, tag).message)
-            message = f"`{tag}` in {keys.owner} is no tag whose names a compiled model has"
+            message = f"`{tag}` in {keys.owner} is not a tag whose names a compiled model has"
             if tag in NARROWING:
                 message = f"`{tag}` in {keys.owner} is nothing that a compiled model knows"
                 remark, near = (

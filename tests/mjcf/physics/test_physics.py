@@ -183,13 +183,13 @@ def test_attached_and_detached_models(arm: RootElement, gripper: RootElement) ->
 
 def test_a_frame_without_a_joint_is_no_body(arm: RootElement, gripper: RootElement) -> None:
     frame = arm.worldbody.attach(gripper)
-    with pytest.raises(MjcfError, match="the frame of `gripper/` is no body of the compiled model"):
+    with pytest.raises(MjcfError, match="the frame of `gripper/` is not a body of the compiled model"):
         arm.compile_model().bind(frame)
 
 
 def test_the_world_of_what_is_attached_is_no_body(arm: RootElement, gripper: RootElement) -> None:
     arm.worldbody.attach(gripper)
-    with pytest.raises(MjcfError, match="the world of `gripper` is no body of the compiled model"):
+    with pytest.raises(MjcfError, match="the world of `gripper` is not a body of the compiled model"):
         arm.compile_model().bind(gripper.worldbody)
 
 
@@ -205,7 +205,7 @@ def test_a_number_of_steps_that_cannot_be(arm: RootElement, number: int) -> None
 
 
 def test_text_that_is_none() -> None:
-    with pytest.raises(MjcfError, match="is no Unicode text"):
+    with pytest.raises(MjcfError, match="is not Unicode text"):
         Physics.from_xml_string("<mujoco model='\ud800'/>")
 
 
