@@ -233,7 +233,10 @@ _DEFINITIONS: dict[str, Callable[[str], Schema]] = {
     "step": _definition_of_step,
     "class": _definition_of_class,
     "addition": _definition_of_addition,
-    "nameless": lambda _: {"const": "", "description": "`\"\"`: the element has no name; the key is not its name"},
+    "nameless": lambda _: {
+        "const": "",
+        "description": '`""`: the element has no name; the key is not its name',
+    },
     "edit": lambda _: edit(),
     "settable": settable,
     "scalable": scalable,
