@@ -69,7 +69,8 @@ def command(merged: Path, parts: tuple[Path, ...], out: Path | None) -> None:
         click.echo(f"the two models could not be compared{why}")
     elif outcome.same:
         rounded = amount(len(outcome.rounded), "number")
-        but = f", but for {rounded} that {shown} has rounded" if outcome.rounded else ""
+        verb = "is" if len(outcome.rounded) == 1 else "are"
+        but = f"; {rounded} {verb} equal to six digits only" if outcome.rounded else ""
         click.echo(f"it builds, and the model is that of {shown}, element by element{but}")
     else:
         several(f"it builds, and is not yet the model of {shown}", list(differs(outcome, shown)))

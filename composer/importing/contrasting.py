@@ -10,7 +10,7 @@ from composer.diff.models import contrast
 from composer.diff.models import told as contrasted
 from composer.engine import Session, call, compile
 from composer.importing.comparing import Names
-from composer.importing.likeness import Likeness, is_rounding, told, unchanged
+from composer.importing.likeness import Likeness, is_rounding, numbers, told, unchanged
 from composer.importing.match import Instance, parent_body
 from composer.importing.propose import Proposal
 from composer.verify.parts import WHOLE
@@ -23,7 +23,7 @@ _MERGED = "merged"
 class Outcome:
     """What the recipe's model, B, is not as the merged one, A; names are those of the recipe.
 
-    `rounded` are numbers that are the same but for digits that the merged model does not have, or the other way round.
+    `rounded` are numbers that are equal to six digits only, which is what MuJoCo writes when it saves a model.
     """
 
     changes: tuple[Change, ...] = ()
@@ -85,16 +85,23 @@ class Trial:
 
 
 def _only_name(change: Change, proposal: Proposal) -> bool:
-    """Whether it is a difference of names alone: another asset that is equal, or one more of it."""
+    """Whether it is a difference of names or signs alone: another asset that is equal, one more of it, a quaternion
+    and its negative."""
+    if change.field.endswith("quat") and _opposite(change):
+        return True
     if change.what == "added":
         return change.kind in _ASSETS and change.name in proposal.alike
     wanted, there = change.before, change.after
     if not isinstance(wanted, str) or not isinstance(there, str):
         return False
-    alike = proposal.alike.get(wanted)
-    return there in [each.out + wanted for each in proposal.found] or (
-        alike is not None and alike == proposal.alike.get(there)
-    )
+    own = proposal.alike.get(there)
+    names = [wanted, *(each.out + wanted for each in proposal.found)]
+    return there in names or (own is not None and any(proposal.alike.get(name) == own for name in names))
+
+
+def _opposite(change: Change) -> bool:
+    ours, theirs = numbers(change.before), numbers(change.after)
+    return bool(ours and theirs) and all(abs(a + b) <= _TOLERANCE for a, b in zip(ours, theirs, strict=True))  # type: ignore[arg-type]
 
 
 _ASSETS = ("texture", "material", "mesh", "hfield", "skin")

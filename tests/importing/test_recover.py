@@ -231,7 +231,11 @@ def test_two_arms(menagerie: Path, tmp_path: Path) -> None:
     assert any(
         "select: {body: left/left_finger_link}, move: {to: left/gripper_base" in line for line in lines
     )
-    assert found.outcome is not None and found.outcome.same and not any(entry.note for entry in found.proposal.entries)
+    assert (
+        found.outcome is not None
+        and found.outcome.same
+        and not any(entry.note for entry in found.proposal.entries)
+    )
 
 
 @pytest.mark.slow
