@@ -60,7 +60,7 @@ def command(merged: Path, parts: tuple[Path, ...], out: Path | None) -> None:
     )
     click.echo(f"wrote {target}: {amount(len(found.proposal.found), 'part')}{only if left else ''}")
     several(
-        f"{shown} says otherwise than its parts, and the recipe with it",
+        f"changed in {shown}, and written into the recipe",
         list(changed(found.proposal.changed)),
     )
     outcome = found.outcome

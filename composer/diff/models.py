@@ -25,12 +25,13 @@ from composer.verify.roster import KINDS, Model, Roster
 def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
     """For `composer.engine.call`: a `Contrast` as JSON data; ``given`` has the ``tolerance``.
 
-    It may have ``names``: by kind what elements of A are called in B, where that is known.
+    It may have ``names``: by kind what elements of A are called in B, where that is known. Elements without a name
+    may then stand in another order.
     """
     mine, theirs = Roster(a), Roster(b)
     known = given.get("names")
     names = renames(mine, theirs) if known is None else known
-    matching = Matching(mine, theirs, prefix="", mount=Mount(), renamed=names)
+    matching = Matching(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
     values = Values(mujoco, matching, float(given["tolerance"]))
     changes = [
         *(_renamed(names, matching) if known is None else ()),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from composer.diff.change import Change
+from composer.diff.change import Change, Contrast
 from composer.diff.models import contrast
 from composer.diff.models import told as contrasted
 from composer.engine import Session, call, compile
@@ -79,14 +79,26 @@ class Trial:
         answer = call(self.session, contrast, [_MERGED, WHOLE], given)
         if not answer.ok:
             return None
-        found = [each for each in contrasted(answer.value).changes if not _only_name(each, proposal)]
+        seen = contrasted(answer.value)
+        found = [each for each in seen.changes if not _only_name(each, proposal)]
+        found += _lost_without_name(seen, proposal)
         rounded = [each for each in found if each.what == "changed" and is_rounding(each)]
         return Outcome(tuple(each for each in found if each not in rounded), tuple(rounded))
 
 
+def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[Change]:
+    """Keys without a name that the recipe's model has not, which are compared with nothing."""
+    keys = [each.what for each in seen.changes if each.kind == "key"]
+    before, after = seen.elements["key"]
+    lost = (before - keys.count("removed")) - (after - keys.count("added"))
+    numbers = proposal.nameless_keys[: max(lost, 0)]
+    return [Change("removed", "key", f"#{number}", index=(number, -1)) for number in numbers]
+
+
 def _only_name(change: Change, proposal: Proposal) -> bool:
     """Whether it is a difference of names or signs alone: another asset that is equal, one more of it, a quaternion
-    and its negative."""
+    and its negative.
+    """
     if change.field.endswith("quat") and _opposite(change):
         return True
     if change.what == "added":

@@ -58,6 +58,7 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
         prefix=given["prefix"],
         mount=Mount(given["body"], None),
         renamed=given["names"],
+        by_order=False,
     )
     changed: dict[str, set[tuple[int, int]]] = defaultdict(set)
     for each in (*references(matching), *Values(mujoco, matching, 0.0).changes()):

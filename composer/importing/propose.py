@@ -53,6 +53,8 @@ class Proposal:
     renamed: dict[str, dict[str, str]] = field(default_factory=dict)
     alike: dict[str, tuple[object, ...]] = field(default_factory=dict)
     """What each asset of a part is, by its name in the recipe."""
+    nameless_keys: tuple[int, ...] = ()
+    """Which keys of the merged model have no name."""
     changed: tuple[Changed, ...] = ()
     """What the merged model says otherwise than the parts, and the recipe with it."""
 
@@ -138,7 +140,8 @@ class _Proposer(Comparison):
             namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
             for namespace, pairs in renamed.items()
         }
-        return Proposal(head, self.entries, self.found, renamed, self.alike, tuple(self.told))
+        nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
+        return Proposal(head, self.entries, self.found, renamed, self.alike, nameless, tuple(self.told))
 
     def label(self, section: str, word: str) -> str:
         """A key for what has no name in a section: one that nothing there is called."""
@@ -226,8 +229,8 @@ class _Proposer(Comparison):
         for path in dict.fromkeys([*wanted, *base, *(path for other in others for path in other)]):
             section, *inner, name = path
             attribute = GRAMMAR.element("/".join([section, *inner])).attributes.get(name)
-            if attribute is None:
-                continue
+            if attribute is None or path == ("size", "nkey"):
+                continue  # MuJoCo writes how many keys there are, and fills up with empty ones
             value = wanted.get(path, default_text(attribute))
             said = {each.get(path, value) for each in others}
             if value is not None and (
@@ -242,6 +245,11 @@ class _Proposer(Comparison):
 
     def left_over(self) -> None:
         """What the merged model has and no part."""
+        brought = {
+            (namespace, each.out + name)
+            for each in self.found
+            for namespace, name in named(self.parts[each.part])
+        }
         for item in items(self.merged):
             node = item.node
             if node in self.covered or (item.kind.tag == "frame" and self.is_empty(node)):
@@ -262,7 +270,12 @@ class _Proposer(Comparison):
                 values = flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
                 self.entries.append(Entry("contact", values, group=item.kind.tag))
             elif item.name:
-                text = f"{word(item.name)}: {{xml: {quoted(self.fragment(node))}}}"
+                key = item.name
+                if (item.namespace, key) in brought:  # until the part's own is removed, the name is taken
+                    key = self.label(item.section, f"{key}_new")
+                    select = selector_of(item.namespace, item.kind.tag, key)
+                    self.edit({"select": select, "rename": word(item.name)}, RENAMED)
+                text = f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}"
                 self.entries.append(Entry(item.section, text))
             else:
                 key = self.label(item.section, item.kind.tag)
@@ -276,8 +289,8 @@ class _Proposer(Comparison):
             for child in frame.iterchildren("*")
         )
 
-    def fragment(self, node: Node) -> str:
-        """An element of the merged model as text, with the values that its classes give it."""
+    def fragment(self, node: Node, called: str | None = None) -> str:
+        """An element of the merged model as text, with the values that its classes give it; `called` is its name."""
         kind = GRAMMAR.within(str(_section(node).tag)).get(str(node.tag))
         around = childclass_of(node)
         tag = str(node.tag)
@@ -288,6 +301,7 @@ class _Proposer(Comparison):
             value = node.get(name) or self.merged.classes.effective(node, around, name)
             if value is not None:
                 shown = self.name(kind.attributes[name], str(value)) if kind is not None else str(value)
+                shown = called if called is not None and name == "name" else shown
                 text += f" {name}={quoteattr(' '.join(shown.split()))}"
         # What a part has stands there already, and is moved.
         inside = "".join(

@@ -123,12 +123,18 @@ class _Recovery:
             for entry, fault in guilty:
                 entry.note = " ".join(fault.message.split())
         outcome = None if bundle is None else self.trial.outcome(proposal)
-        missing = [] if outcome is None else [each.name for each in outcome.lost_keys]
+        missing = [] if outcome is None else [each.name for each in outcome.lost_keys if _has_name(each)]
         if missing:  # with a key of that name it can be said what is in it
             blank = [Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
             bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])
             outcome = None if bundle is None else self.trial.outcome(proposal)
-        keys = keyframes(outcome.changes if outcome is not None else (), proposal, missing)
+        changes = outcome.changes if outcome is not None else ()
+        keys = keyframes(changes, proposal, missing)
+        for each in changes:
+            if each.kind == "key" and each.what == "removed" and not _has_name(each):
+                note = "a key without a name; the keys of a recipe have one"
+                proposal.entries.append(Entry("keyframe", f"key_{each.index[0]}: {{}}", note))
+                text, _ = recipe_text(proposal)
         if keys:
             self.tell("trying the recipe with its keyframes")
             proposal.entries += keys
@@ -174,6 +180,10 @@ def _reference(path: Path, folder: Path) -> str:
     return relative if relative.startswith(".") else f"./{relative}"
 
 
+def _has_name(key: Change) -> bool:
+    return not key.name.startswith("#")
+
+
 def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()) -> list[Entry]:
     """The keys of the merged model that the parts' keys do not make, written with what differs.
 
@@ -181,7 +191,7 @@ def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collecti
     """
     rows: dict[str, dict[str, dict[str, str]]] = {name: {} for name in missing}
     for each in changes:
-        if each.kind == "key" and each.entry and not each.entry.startswith("#"):
+        if each.kind == "key" and each.entry and _has_name(each) and not each.entry.startswith("#"):
             given = each.before if isinstance(each.before, tuple) else (each.before,)
             values = [value for value in given if isinstance(value, float)]
             unit = "rad" if len(values) == 1 and "angle: degree" in proposal.head else ""

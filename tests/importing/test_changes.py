@@ -13,8 +13,12 @@ import pytest
 
 from composer.bundle.staging import write_files
 from composer.context import Context
+from composer.diff.change import Change
+from composer.importing.comparing import Changed
+from composer.importing.contrasting import Outcome
 from composer.importing.recover import Recovered, recover
-from composer.importing.words import changed
+from composer.importing.words import changed, left
+from composer.pipeline import build
 
 ARM = """\
 <mujoco model="arm">
@@ -120,7 +124,13 @@ def physics(model: Any) -> dict[str, list[list[float]]]:
     for kind, arrays in owners.items():
         count = model.nv if kind == "dof" else len(getattr(model, f"name_{kind}adr"))
         for index in range(count):
-            row = [float(each) for array in arrays for each in np.ravel(getattr(model, array)[index])]
+            values = {array: np.ravel(getattr(model, array)[index]) for array in arrays}
+            # Of actuators that stand in another order, so do the controls.
+            row = [
+                float(each)
+                for array, numbers in values.items()
+                for each in (sorted(numbers) if array == "key_ctrl" else numbers)
+            ]
             found[kind].append(row)
     option = [
         model.opt.timestep,
@@ -173,6 +183,11 @@ CHANGES = {
     "mesh": (r'(<mesh name="wedge")', r'\1 scale="1.1 1.1 1.1"', "{select: {mesh: wedge}, set: {scale: [1.1, 1.1, 1.1]}}"),
     "texture": (r'builtin="checker"', 'builtin="gradient"', "{select: {texture: grid}, set: {builtin: gradient}}"),
     "gain": (r'biasprm="0 -100"', 'biasprm="0 -100 -3"', 'general_1: {name: ""'),
+    "kind of actuator": (
+        r'<general name="shoulder" joint="shoulder"[^>]*/>',
+        '<motor name="shoulder" joint="shoulder" gear="3"/>',
+        "{select: {actuator: shoulder_new_1}, rename: shoulder}",
+    ),
     "option": (r"<worldbody>", '<option gravity="0 0 -1.6" cone="elliptic"/><worldbody>', "option: {gravity: [0, 0, -1.6], cone: elliptic}"),
     "visual": (r"<worldbody>", '<visual><map znear="0.1"/></visual><worldbody>', "visual: {map: {znear: 0.1}}"),
     "statistic": (r"<worldbody>", '<statistic extent="3"/><worldbody>', "statistic: {extent: 3}"),
@@ -207,3 +222,91 @@ def test_a_change_is_in_the_recipe(change: str, merged: str, tmp_path: Path) -> 
     assert_builds_the_same(found, tmp_path)
     if found.proposal.changed:
         assert all("→" in line for line in changed(found.proposal.changed))
+
+
+def test_a_key_without_a_name_is_a_comment(merged: str, tmp_path: Path) -> None:
+    found = imported(tmp_path, merged.replace('<key name="home"', "<key"))
+    assert "# not expressed: a key without a name; the keys of a recipe have one" in found.text
+    assert found.outcome is not None and "keyframe #0 is missing" in left(found.outcome, "all.xml")
+
+
+def test_what_differs_is_told_in_sentences() -> None:
+    outcome = Outcome(
+        (
+            Change("removed", "equality", "#0 (`a`, `b`)"),
+            Change("changed", "joint", "elbow", "dof_damping", 2.0, 3.0, "hinge"),
+            Change("changed", "geom", "pad", "geom_rbound", 1.0, 2.0, follows=True),
+            Change("changed", "body", "palm", "body_invweight0", (1.0, 1.0), (2.0, 2.0), follows=True),
+        )
+    )
+    assert list(left(outcome, "all.xml")) == [
+        "equality #0 (`a`, `b`) is missing",
+        "damping of joint `elbow`: 3 N·m·s/rad, in all.xml it is 2 N·m·s/rad",
+        "2 numbers that MuJoCo computes from these differ too",
+    ]
+
+
+def test_what_changed_is_told_once() -> None:
+    facts = (
+        Changed("mesh", "elbow", "scale", "1 1 1", "1.1 1.1 1.1"),
+        Changed("joint", "a", "damping", "1", "2", "N·m·s/rad"),
+        Changed("joint", "b", "damping", "1", "2", "N·m·s/rad"),
+        Changed("default class", "pad", "geom friction", None, "1.5", count=4),
+    )
+    assert list(changed(facts)) == [
+        "mesh `elbow`: scale 1 1 1 → 1.1 1.1 1.1",
+        "2 joints `a`, `b`: damping 1 N·m·s/rad → 2 N·m·s/rad",
+        "default class `pad`: geom friction none → 1.5 (4 elements)",
+    ]
+
+
+def test_progress_is_heard(merged: str, tmp_path: Path) -> None:
+    for name, text in (("arm", ARM), ("tool", TOOL), ("all", merged)):
+        (tmp_path / f"{name}.xml").write_text(text)
+    heard: list[str] = []
+    files = [tmp_path / f"{name}.xml" for name in ("all", "arm", "tool")]
+    recover(files[0], files[1:], tmp_path / "all.yaml", Context(folder=tmp_path), heard.append)
+    assert heard == ["compiling all.xml and its parts", "trying the recipe"]
+
+
+PAIRS = {
+    "ur5e and 2f85": ("universal_robots_ur5e/ur5e", "robotiq_2f85/2f85", "attachment_site"),
+    "xarm7 and hand": ("ufactory_xarm7/xarm7_nohand", "ufactory_xarm7/hand", "attachment_site"),
+}
+REAL = {
+    "nothing": (),
+    "mesh class": ((r'(<mesh (?:class="[^"]*" )?)(?=[^>]*name="[^"]*base)', r'\1refpos="0 0 0.001" '),),
+    "joint range": (
+        (r'(<joint [^>]*name="[^"]*2[^"]*"[^>]*?)( range="[^"]*")?/>', r'\1 range="-0.5 0.7"/>'),
+    ),
+    "equality": ((r"<worldbody>", '<equality><joint joint1="{0}" joint2="{1}"/></equality><worldbody>'),),
+    "geom": ((r'(<body name="[^"]*2[^"]*"[^>]*>)', r'\1<geom size="0.02" pos="0 0 0.1"/>'),),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pair", PAIRS)
+def test_real_models_that_were_changed(pair: str, corpus: Path, tmp_path: Path) -> None:
+    base, part, site = PAIRS[pair]
+    files = [corpus / "models" / f"{name}.xml" for name in (base, part)]
+    (tmp_path / "cell.yaml").write_text(
+        f"recipe: 1\nconflict: merge\nbase: {files[0]}\nattach: {{tool: {{model: {files[1]}, site: {site}}}}}\n"
+    )
+    built = build(tmp_path / "cell.yaml", Context(folder=tmp_path))
+    assert built is not None
+    (tmp_path / "cell").mkdir()
+    write_files(built.bundle, tmp_path / "cell")
+    text = (tmp_path / "cell" / "model.xml").read_text()
+    joints = re.findall(r'<joint [^>]*name="([^"]*)"', text)
+    for name, changes in REAL.items():
+        changed_text = text
+        for old, new in changes:
+            new = new.format(*joints) if "{" in new else new
+            changed_text, times = re.subn(old, new, changed_text, count=1)
+            assert times, name
+        (tmp_path / "cell" / "all.xml").write_text(changed_text)
+        found = recover(tmp_path / "cell" / "all.xml", files, tmp_path / "all.yaml", Context(folder=tmp_path))
+        assert found is not None and found.outcome is not None and found.outcome.same, (name, found)
+        assert not any(entry.note for entry in found.proposal.entries), name
+        if not changes:
+            assert "edit:" not in found.text
