@@ -23,15 +23,20 @@ from composer.verify.roster import KINDS, Model, Roster
 
 
 def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
-    """For `composer.engine.call`: a `Contrast` as JSON data; ``given`` has the ``tolerance``."""
+    """For `composer.engine.call`: a `Contrast` as JSON data; ``given`` has the ``tolerance``.
+
+    It may have ``names``: by kind what elements of A are called in B, where that is known. Elements without a name
+    may then stand in another order.
+    """
     mine, theirs = Roster(a), Roster(b)
-    names = renames(mine, theirs)
-    matching = Matching(mine, theirs, prefix="", mount=Mount(), renamed=names)
+    known = given.get("names")
+    names = renames(mine, theirs) if known is None else known
+    matching = Matching(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
     values = Values(mujoco, matching, float(given["tolerance"]))
     changes = [
-        *_renamed(names, matching),
+        *(_renamed(names, matching) if known is None else ()),
         *_presence(matching),
-        *_references(matching),
+        *references(matching),
         *values.changes(),
         *_keys(matching, float(given["tolerance"])),
         *setting_changes(mujoco, a, b, float(given["tolerance"])),
@@ -103,7 +108,7 @@ def _goes_along(roster: Roster, kind: str, index: int, ids: list[int] | None, ta
     )
 
 
-def _references(matching: Matching) -> Iterator[Change]:
+def references(matching: Matching) -> Iterator[Change]:
     """References that stand for another element than before."""
     for kind in KINDS:
         if kind == "key":

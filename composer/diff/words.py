@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
+from typing import TypeAlias
 
 from composer.diff.change import SETTINGS, Change, Count, Move, Value, View
 from composer.diff.fields import is_place, quantity, rank, unit
@@ -16,13 +17,18 @@ _PLURALS = {
     "equality": "equalities",
     "flex": "flexes",
     "key": "keyframes",
+    "default class": "default classes",
 }
 _SINGULARS = {"key": "keyframe"}
+Between: TypeAlias = Callable[[Value, Value, str], str]
 _ORDER = ("renamed", "removed", "added", "changed")
 
 
-def sentences(changes: Iterable[Change]) -> Iterator[str]:
-    """One line for each change, or for all that say the same of several elements."""
+def sentences(changes: Iterable[Change], between: Between | None = None) -> Iterator[str]:
+    """One line for each change, or for all that say the same of several elements.
+
+    `between` puts a value and what it became into words, with their unit; an arrow does that otherwise.
+    """
     changes = sorted(changes, key=lambda each: (_ORDER.index(each.what), rank(each.field)))
     found: dict[tuple[object, ...], list[Change]] = {}
     for change in changes:
@@ -35,7 +41,7 @@ def sentences(changes: Iterable[Change]) -> Iterator[str]:
             key = (change.what, change.kind)
         found.setdefault(key, []).append(change)
     for alike in found.values():
-        yield _sentence(alike)
+        yield _sentence(alike, between)
 
 
 def count(told: Count) -> str:
@@ -158,7 +164,7 @@ def _without_noise(value: Value, negligible: float) -> Value:
     return 0.0 if isinstance(value, float) and abs(value) < negligible else value
 
 
-def _sentence(alike: Sequence[Change]) -> str:
+def _sentence(alike: Sequence[Change], between: Between | None) -> str:
     change, names = alike[0], [each.name for each in alike]
     if change.what in ("added", "removed"):
         return f"{'+' if change.what == 'added' else '−'} {subject(change.kind, names)}"
@@ -168,9 +174,11 @@ def _sentence(alike: Sequence[Change]) -> str:
             return f"part `{prefixes[0]}` is called `{prefixes[1]}`: {len(alike)} names"
         return f"{change.kind} `{change.before}` is called `{change.after}`"
     known = quantity(change.field)
-    told = change.note or arrow(
-        change.before, change.after, unit(change.field, change.form), share=not is_place(change.field)
-    )
+    said = unit(change.field, change.form)
+    if between is not None and not change.note:
+        told = between(change.before, change.after, said)
+    else:
+        told = change.note or arrow(change.before, change.after, said, share=not is_place(change.field))
     if change.kind.partition("/")[0] in SETTINGS:
         return f"{change.kind} {change.field}: {told}"
     if change.kind == "key":

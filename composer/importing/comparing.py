@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
+from composer.diff.fields import ANGULAR, unit
 from composer.document.quote import quoted
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
@@ -19,22 +21,26 @@ from composer.importing.elements import (
     items,
     named,
 )
-from composer.importing.flow import flow, flow_list, numbers, word
+from composer.importing.flow import flow, flow_list, nested, numbers, word
+from composer.importing.likeness import Likeness, places
 from composer.importing.match import Instance, parent_body
+from composer.importing.meaning import POSE, at_the_same_place, plain
 from composer.link.placing import read_pose
 from composer.pose import Pose
+from composer.tree.classes import MAIN, childclass_of, default_tag
 from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-# Before what is removed by its number all is changed, and what refers to something goes before it does; names are
-# as the parts have them until the end.
-REMOVED, RENAMED = 10_000, 20_000
+# Classes first. Before what is removed by its number all is changed, and what refers to something goes before it
+# does; names are as the parts have them until the end.
+CLASSES, REMOVED, RENAMED = -1, 10_000, 20_000
+_SEVERAL = 2  # as many elements that change alike are a change of their class
 _ASSETS = frozenset(("material", *NAMED_AFTER_FILE))
 _IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera")
-_POSE = frozenset({"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"})
+_SORTED = frozenset({"pair", "exclude"})  # MuJoCo counts these in an order of its own
 
 
 @dataclass(slots=True)
@@ -51,6 +57,38 @@ class Entry:
     rank: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """An element of a part and what is otherwise in the merged model; `select` is how the recipe selects it."""
+
+    select: str
+    item: Item
+    each: Instance
+    changes: dict[str, str | None]
+    moved: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """An attribute that the merged model says otherwise than the parts.
+
+    `kind` and `name` are those of the element or, for `count` elements that have it from there, of the class. `before`
+    and `after` are as they are written, None where nothing is.
+    """
+
+    kind: str
+    name: str
+    attribute: str
+    before: str | None
+    after: str | None
+    unit: str = ""
+    count: int = 1
+
+
+Names = dict[str, dict[str, str]]
+"""By kind what a part's elements are called in the merged model, where that is not their name with the prefix."""
+
+
 class Comparison:
     """Compares the parts with what they are in the merged model, and writes down the edits that make up for it."""
 
@@ -62,6 +100,7 @@ class Comparison:
         found: list[Instance],
         separator: str,
         relative: Callable[[Path], str],
+        likeness: Callable[[Instance, Names], Likeness],
     ) -> None:
         self.merged, self.parts, self.references, self.found = merged, parts, references, found
         self.relative = relative
@@ -71,8 +110,73 @@ class Comparison:
         self.names: dict[tuple[str, str], str] = {}
         """Names of the merged model to names in the recipe, before it renames anything."""
         self.covered: set[Node] = {each.body for each in found}
-        self.christened: list[str] = []
         self.entries: list[Entry] = []
+        self.pairs: list[Pair] = []
+        self.labels: set[str] = set()
+        self.told: list[Changed] = []
+        self.places = {unit: places(unit) for unit in (merged, *parts)}
+        self.counts = {
+            unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()
+        }
+        self.likeness: dict[int, Likeness] = {}
+        self.new_names: dict[tuple[int, str, str], str] = {}
+        """What the merged model calls a part's element other than with its prefix, by instance, namespace and name."""
+        for each in found:
+            self.find_renamed(each)
+        self.likeness = {id(each): likeness(each, self.names_in_merged(each)) for each in found}
+        self.places = {unit: places(unit) for unit in (merged, *parts)}
+        self.counts = {
+            unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()
+        }
+
+    def theirs(self, each: Instance, namespace: str | None, name: str) -> str:
+        """What the merged model calls an element of a part; without a namespace, of any."""
+        if namespace is not None:
+            return self.new_names.get((id(each), namespace, name), each.prefix + name)
+        found = (new for (part, _, old), new in self.new_names.items() if part == id(each) and old == name)
+        return next(found, each.prefix + name)
+
+    def find_renamed(self, each: Instance) -> None:
+        """Elements that are called otherwise and are the same: the only one of its tag that is new in its body, or
+        that refers to the same.
+        """
+        part = self.parts[each.part]
+        known = {
+            (namespace, one.prefix + name)
+            for one in self.found
+            for namespace, name in named(self.parts[one.part])
+        }
+        new = [item for key, item in self.there.items() if key not in known]
+        for (namespace, name), item in named(part).items():
+            if (namespace, each.prefix + name) in self.there:
+                continue
+            alike = [
+                other for other in new if other.namespace == namespace and self.renamed(item, other, each)
+            ]
+            if len(alike) == 1:
+                self.new_names[id(each), namespace, name] = alike[0].name
+                new.remove(alike[0])
+
+    def renamed(self, item: Item, other: Item, each: Instance) -> bool:
+        if item.section != "worldbody" or other.section != "worldbody":
+            return item.section == other.section and self.meant(item, each) == self.meant(other, None)
+        if item.kind.tag != other.kind.tag or self.changes(item, other, each):
+            return False
+        before, after = parent_body(item.node), parent_body(other.node)
+        if before is None or after is None:
+            return before is after and each.is_base
+        return self.theirs(each, "body", str(before.get("name"))) == after.get("name")
+
+    def names_in_merged(self, each: Instance) -> Names:
+        found: Names = {}
+        for (part, namespace, name), new in self.new_names.items():
+            if part == id(each):
+                found.setdefault(namespace, {})[name] = new
+        assets = assets_of(self.merged)
+        for tag, name in assets_of(self.parts[each.part]):
+            if (tag, each.prefix + name) not in assets and (tag, name) in assets:
+                found.setdefault(tag, {})[name] = name
+        return found
 
     def values(self, node: Node, unit: Unit) -> dict[str, str]:
         """What is written of an asset, or comes from its class; files as the recipe finds them."""
@@ -106,9 +210,11 @@ class Comparison:
         part = self.parts[each.part]
         gone: set[Node] = set()
         for (namespace, name), item in named(part).items():
-            there = self.there.get((namespace, each.prefix + name))
+            there = self.there.get((namespace, self.theirs(each, namespace, name)))
             select = selector_of(namespace, item.kind.tag, each.out + name)
-            if there is None or there.kind.tag != item.kind.tag:
+            if there is None or (
+                there.kind.tag != item.kind.tag and not self.same(item.node, there.node, each)
+            ):
                 if not gone.isdisjoint(item.node.iterancestors()):
                     continue  # it goes with what it stands in
                 gone.add(item.node)
@@ -118,16 +224,36 @@ class Comparison:
             moved = self.moved(item, there, each)
             changes = self.changes(item, there, each)
             if moved or item.node is each.root:  # its place is said by the attachment
-                changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in _POSE}
-            self.change(select, item, changes, moved)
+                changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in POSE}
+            self.pairs.append(Pair(select, item, each, changes, moved))
             if item.kind.tag == "body":
                 self.unnamed(item.node, there.node, f'//body[@name="{each.out}{name}"]', each)
 
     def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
-        """What an element of the part is otherwise in the merged model."""
-        one, other = effective(before, self.parts[each.part]), effective(after, self.merged)
+        """What an element of the part is otherwise in the merged model; nothing where it means the same."""
+        if self.same(before.node, after.node, each):
+            return {}
+        part = self.parts[each.part]
+        degrees = self.merged.settings.angle == "degree"
+        one = plain(effective(before, part), before.kind.tag, part.settings, degrees)
+        other = plain(effective(after, self.merged), after.kind.tag, self.merged.settings, degrees)
+        if POSE & (one.keys() | other.keys()) and at_the_same_place(
+            one, part.settings, other, self.merged.settings
+        ):
+            for name in (*POSE, "size"):
+                one.pop(name, None)
+                other.pop(name, None)
         for name, attribute in before.kind.attributes.items():
-            if attribute.refers in _ASSETS and name in one and name in other:
+            both = name in one and name in other
+            if (
+                both
+                and attribute.is_reference
+                and other[name].split()
+                == [self.theirs(each, attribute.refers, old) for old in one[name].split()]
+            ):
+                del one[name], other[name]
+                continue
+            if both and attribute.refers in _ASSETS:
                 own, there = (
                     self.alike.get(each.out + one[name]),
                     self.names.get((attribute.refers, other[name])),
@@ -138,49 +264,153 @@ class Comparison:
                     del one[name], other[name]  # the part has its own that is the same
         return differing(one, other, before.kind, each.prefix)
 
-    def change(self, select: str, item: Item, changes: dict[str, str | None], moved: dict[str, str]) -> None:
-        attributes = item.kind.attributes
+    def same(self, before: Node, after: Node, each: Instance) -> bool:
+        """Whether MuJoCo compiles the two to the same."""
+        part, likeness = self.parts[each.part], self.likeness.get(id(each), Likeness())
+        of_body = before.tag == after.tag == "inertial"
+        here, there = (parent_body(node) if of_body else node for node in (before, after))
+        if here is None or there is None:
+            return False
+        one, other = self.places[part].get(here), self.places[self.merged].get(there)
+        if one is None or other is None or one[0] != other[0] or one[0] in _SORTED:
+            return False
+        kind, counts = one[0], (self.counts[part][one[0]], self.counts[self.merged][one[0]])
+        return likeness.counts.get(kind) == counts and (one[1], other[1]) in likeness.same.get(kind, ())
+
+    def changed(self) -> None:
+        """The entries of all that is otherwise: of a class where all that it gives a value to changed alike."""
+        groups: dict[tuple[int, str, str, str], list[Pair]] = {}
+        different = {name for pair in self.pairs for name in pair.changes}
+        for pair in self.pairs:
+            for name in pair.item.kind.attributes:
+                owner = self.owner(pair, name)
+                if owner is not None and name in different:
+                    groups.setdefault((id(pair.each), owner, default_tag(pair.item.node), name), []).append(
+                        pair
+                    )
+        settled: dict[str, dict[str, dict[str, object]]] = {}
+        for (_, owner, tag, name), pairs in groups.items():
+            values = {pair.changes.get(name) for pair in pairs}
+            value = values.pop()
+            if values or value is None or len(pairs) < _SEVERAL:
+                continue
+            pair = pairs[0]
+            attribute = pair.item.kind.attributes[name]
+            called = owner if pair.each.is_base else pair.each.out + (owner if owner != MAIN else "")
+            settled.setdefault(called, {}).setdefault(tag, {})[name] = written_value(
+                attribute, self.name(attribute, value)
+            )
+            before = effective(pair.item, self.parts[pair.each.part]).get(name)
+            self.told.append(
+                Changed(
+                    "default class", called, f"{tag} {name}", before, value, self.unit(pair, name), len(pairs)
+                )
+            )
+            for each in pairs:
+                del each.changes[name]
+        for owner, tags in settled.items():
+            self.edit({"select": f"{{default: {word(owner)}}}", "set": nested(dict(tags))}, CLASSES)
+        for pair in self.pairs:
+            self.change(pair)
+
+    def owner(self, pair: Pair, name: str) -> str | None:
+        """The class that gives an element a value; None where it writes that itself, or nothing gives it."""
+        node, unit = pair.item.node, self.parts[pair.each.part]
+        if node.get(name) is not None or not pair.item.kind.takes_class:
+            return None
+        found = unit.classes.get(str(node.get("class") or childclass_of(node) or MAIN))
+        given = found.lookup(default_tag(node), name)
+        if given is None:
+            return None
+        above = given[1].getparent()
+        return None if above is None else str(above.get("class") or MAIN)
+
+    def change(self, pair: Pair) -> None:
+        attributes = pair.item.kind.attributes
         written = {
             k: written_value(attributes[k], self.name(attributes[k], v))
-            for k, v in changes.items()
+            for k, v in pair.changes.items()
             if v is not None
         }
-        unset = [k for k, v in changes.items() if v is None]
-        if changes or moved:
-            verbs = {"select": select} | ({"unset": flow_list(unset)} if unset else {})
+        unset = [k for k, v in pair.changes.items() if v is None]
+        before = effective(pair.item, self.parts[pair.each.part])
+        for name, value in pair.changes.items():
+            if value is not None or name in before:
+                place = Changed(
+                    pair.item.kind.tag,
+                    self.called(pair),
+                    name,
+                    before.get(name),
+                    value,
+                    self.unit(pair, name),
+                )
+                self.told.append(place)
+        if pair.changes or pair.moved:
+            verbs = {"select": pair.select} | ({"unset": flow_list(unset)} if unset else {})
             verbs |= {"set": flow(written)} if written else {}
-            self.edit(verbs | ({"move": flow(moved)} if moved else {}))
+            self.edit(verbs | ({"move": flow(pair.moved)} if pair.moved else {}))
+
+    def called(self, pair: Pair) -> str:
+        """What messages call an element."""
+        item = pair.item
+        name = item.name or (
+            PurePosixPath(str(item.node.get("file") or "")).stem if item.section == "asset" else ""
+        )
+        if name:
+            return pair.each.out + name
+        body = parent_body(item.node) if item.section == "worldbody" else None
+        if body is not None and body.get("name"):
+            number = list(body.iterchildren(item.kind.tag)).index(item.node)
+            return f"#{number} of body `{pair.each.out}{body.get('name')}`"
+        number = list(item.node.getparent().iterchildren(item.kind.tag)).index(item.node)  # type: ignore[union-attr]
+        return f"#{number}"
+
+    def unit(self, pair: Pair, name: str) -> str:
+        """The unit of an attribute as the merged model writes it."""
+        kind, attribute = pair.item.kind, pair.item.kind.attributes[name]
+        form = ""
+        if kind.tag == "joint" and pair.item.section == "worldbody":
+            form = effective(pair.item, self.parts[pair.each.part]).get("type", "hinge")
+        if attribute.angle is not None and form in ("", *ANGULAR):
+            if attribute.angle == "joint" or form:
+                return "deg" if self.merged.settings.angle == "degree" else "rad"
+            return ""
+        arrays = {"joint": ("jnt", "dof"), "camera": ("cam",), "material": ("mat",), "texture": ("tex",)}
+        for array in arrays.get(kind.tag, (kind.tag,)):
+            if known := unit(f"{array}_{name}", form):
+                return known
+        return ""
 
     def compare_assets(self, each: Instance) -> None:
-        """The edits of the part's own assets; those of meshes and textures from files stay its own."""
+        """The edits of the part's own assets, whose files stay its own."""
         part, assets = self.parts[each.part], assets_of(self.merged)
         for (tag, name), node in assets_of(part).items():
             there = assets.get((tag, each.prefix + name), assets.get((tag, name)))
-            if there is None or tag in NAMED_AFTER_FILE:
+            if there is None:
                 continue
             kind = GRAMMAR.element(tag)
             item = Item(node, kind, "asset", tag)
             changes = self.changes(item, Item(there, kind, "asset", tag), each)
-            self.change(selector_of(tag, tag, each.out + name), item, changes, {})
+            self.pairs.append(Pair(selector_of(tag, tag, each.out + name), item, each, changes, {}))
 
     def compare_sections(self, each: Instance) -> None:
         """What has no name in a section is taken for what refers to the same."""
         there: dict[tuple[object, ...], Item] = {}
         for item in items(self.merged):
             if not item.name and item.section != "worldbody":
-                there.setdefault(self.meant(item, ""), item)
+                there.setdefault(self.meant(item, None), item)
         for item in items(self.parts[each.part]):
             if item.name or item.section == "worldbody":
                 continue
-            meant = self.meant(item, each.prefix)
+            meant = self.meant(item, each)
             references = {k: word(each.out + v) for k, a, v in self.written(item) if a.is_reference}
             select = flow({f"{item.section}/{item.kind.tag}": '"**"', "where": flow(references)})
             found = there.pop(meant, None)
-            if found is None:
+            if found is None or (found.kind != item.kind and not self.same(item.node, found.node, each)):
                 self.edit({"select": select, "remove": "true"}, REMOVED)
             else:
                 self.covered.add(found.node)
-                self.change(select, item, self.changes(item, found, each), {})
+                self.pairs.append(Pair(select, item, each, self.changes(item, found, each), {}))
 
     def compare_world(self, each: Instance) -> list[str]:
         """Selectors of what has no name in the part's own world and is not in the merged model's."""
@@ -198,16 +428,20 @@ class Comparison:
             for number, _ in enumerate(_without_name(here, tag), 1)
         ]
 
-    def meant(self, item: Item, prefix: str) -> tuple[object, ...]:
+    def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
         """What an element is about: its tag, and what it refers to as the merged model calls it."""
-        return (item.kind.path, *((k, prefix + v) for k, a, v in self.written(item) if a.is_reference))
+        kind = (
+            item.section if item.section == "actuator" else item.kind.path
+        )  # MuJoCo writes all as `general`
+        found = [(k, a, v) for k, a, v in self.written(item) if a.is_reference]
+        return (kind, *((k, v if each is None else self.theirs(each, a.refers, v)) for k, a, v in found))
 
     def moved(self, item: Item, there: Item, each: Instance) -> dict[str, str]:
         """Where a body of a part went, if it stands in another one than it did."""
         if item.kind.tag != "body" or item.node is each.root:
             return {}
         before, after = parent_body(item.node), parent_body(there.node)
-        was = "world" if before is None else each.prefix + str(before.get("name"))
+        was = "world" if before is None else self.theirs(each, "body", str(before.get("name")))
         name = "world" if after is None else str(after.get("name"))
         if was == name:
             return {}
@@ -230,7 +464,7 @@ class Comparison:
                     self.edit({"select": select, "remove": "true"}, REMOVED - one.index(a))
                 else:
                     self.covered.add(b.node)
-                    self.change(select, a, self.changes(a, b, each), {})
+                    self.pairs.append(Pair(select, a, each, self.changes(a, b, each), {}))
 
     def written(self, item: Item) -> Iterator[tuple[str, Attribute, str]]:
         for name, attribute in item.kind.attributes.items():

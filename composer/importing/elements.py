@@ -11,6 +11,7 @@ from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
 from composer.grammar.format import to_text
+from composer.importing.meaning import is_rounded
 from composer.tree.classes import childclass_of
 from composer.tree.unit import Unit
 
@@ -96,8 +97,8 @@ def _same(before: str, after: str, attribute: Attribute, prefix: str) -> bool:
             return False
         default = [float(each) for each in (default_text(attribute) or "").split()]
         length = max(len(a), len(b))
-        padded = ([*each, *default[len(each) : length]] for each in (a, b))
-        return next(padded) == next(padded)
+        ours, theirs = ([*each, *default[len(each) : length]] for each in (a, b))
+        return len(ours) == len(theirs) and all(map(is_rounded, ours, theirs))
     if attribute.is_reference:
         return [prefix + each for each in before.split()] == after.split()
     return attribute.type in ("file", "name")

@@ -10,7 +10,16 @@ from xml.sax.saxutils import quoteattr
 
 from composer.document.quote import quoted
 from composer.grammar import GRAMMAR
-from composer.importing.comparing import REMOVED, RENAMED, Comparison, Entry, selector_of, written_value
+from composer.importing.comparing import (
+    REMOVED,
+    RENAMED,
+    Changed,
+    Comparison,
+    Entry,
+    Names,
+    selector_of,
+    written_value,
+)
 from composer.importing.elements import (
     assets_of,
     default_text,
@@ -20,9 +29,11 @@ from composer.importing.elements import (
     settings_of,
 )
 from composer.importing.flow import flow, nested, numbers, word
+from composer.importing.likeness import Likeness
 from composer.importing.match import Instance, find, name_in_recipe, parent_body, separator_of
 from composer.link.placing import read_pose
 from composer.pose import IDENTITY_QUAT, Pose
+from composer.recipe.recipe import SETTABLE
 from composer.tree.classes import childclass_of
 from composer.tree.unit import Unit
 
@@ -42,18 +53,27 @@ class Proposal:
     renamed: dict[str, dict[str, str]] = field(default_factory=dict)
     alike: dict[str, tuple[object, ...]] = field(default_factory=dict)
     """What each asset of a part is, by its name in the recipe."""
-    christened: tuple[str, ...] = ()
-    """Assets of the merged model without a name, by tag and number; a recipe gives them one."""
+    nameless_keys: tuple[int, ...] = ()
+    """Which keys of the merged model have no name."""
+    changed: tuple[Changed, ...] = ()
+    """What the merged model says otherwise than the parts, and the recipe with it."""
 
 
 def propose(
-    merged: Unit, parts: list[Unit], references: list[str], relative: Callable[[Path], str]
+    merged: Unit,
+    parts: list[Unit],
+    references: list[str],
+    relative: Callable[[Path], str],
+    likeness: Callable[[Instance, Names], Likeness] = lambda _, __: Likeness(),
 ) -> Proposal:
-    """What makes `merged` of `parts`, called by `references`; `relative` writes the path of a file. No I/O."""
+    """What makes `merged` of `parts`, called by `references`; `relative` writes the path of a file.
+
+    `likeness` says of a part what MuJoCo makes the same of; without it all that is written in other words differs.
+    """
     found = find(merged, parts)
     separator = separator_of(found)
     name_in_recipe(found, [part.label for part in parts], separator)
-    return _Proposer(merged, parts, references, found, separator, relative).proposal()
+    return _Proposer(merged, parts, references, found, separator, relative, likeness).proposal()
 
 
 class _Proposer(Comparison):
@@ -62,8 +82,9 @@ class _Proposer(Comparison):
         for each in self.found:
             part = named(self.parts[each.part])
             for (namespace, name), _ in part.items():
-                if (namespace, each.prefix + name) in self.there:
-                    self.names[namespace, each.prefix + name] = each.out + name
+                there_named = self.theirs(each, namespace, name)
+                if (namespace, there_named) in self.there:
+                    self.names[namespace, there_named] = each.out + name
         for each in sorted(self.found, key=lambda each: not each.is_base):
             unit = self.parts[each.part]
             for (tag, name), node in assets_of(unit).items():
@@ -78,16 +99,16 @@ class _Proposer(Comparison):
                 values = self.values(node, self.merged)
                 shown = {k: written_value(GRAMMAR.element(tag).attributes[k], v) for k, v in values.items()}
                 nested = "it has elements of its own" if len(node) else None
-                if not name:  # a recipe has names for all assets
-                    number = list(self.merged.root.iterfind(f"asset/{tag}")).index(node)
-                    self.christened.append(f"{tag} #{number}")
-                    name = shown.get("type", tag).strip('"')
+                if not name:
+                    shown = {"name": quoted(""), **shown}
+                    name = self.label(f"asset/{tag}", shown.get("type", tag).strip('"'))
                 self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, tag))
         for each in self.found:
             self.compare_assets(each)
             self.compare(each)
             self.attach(each, self.compare_world(each))
             self.compare_sections(each)
+        self.changed()
         keys = [
             {str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)
         ]
@@ -96,6 +117,7 @@ class _Proposer(Comparison):
         ):
             self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, REMOVED)
         self.settings()
+        self.compiler()
         self.left_over()
         model = self.merged.model
         head = ["recipe: 1", *([f"name: {word(model)}"] if model else [])]
@@ -118,7 +140,21 @@ class _Proposer(Comparison):
             namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
             for namespace, pairs in renamed.items()
         }
-        return Proposal(head, self.entries, self.found, renamed, self.alike, tuple(self.christened))
+        nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
+        return Proposal(head, self.entries, self.found, renamed, self.alike, nameless, tuple(self.told))
+
+    def label(self, section: str, word: str) -> str:
+        """A key for what has no name in a section: one that nothing there is called."""
+        kind = section.partition("/")[2] or section
+        taken = {name for (namespace, name) in self.there if namespace == kind}
+        taken |= {name for (tag, name) in assets_of(self.merged) if tag == kind}
+        number = 1
+        while (
+            key := word if number == 1 and section.startswith("asset/") else f"{word}_{number}"
+        ) in taken | self.labels:
+            number += 1
+        self.labels.add(key)
+        return key
 
     def attach(self, each: Instance, dropped: list[str]) -> None:
         """How the part hangs; `dropped` are selectors of what is left out of it."""
@@ -164,6 +200,26 @@ class _Proposer(Comparison):
                     return f"{each.out}{site.get('name')}"
         return None
 
+    def compiler(self) -> None:
+        """The settings of the compiler that a recipe has for the whole model, where the base says something else."""
+        base = next((self.parts[each.part] for each in self.found if each.is_base), None)
+        said = [
+            {}
+            if unit is None
+            else {
+                str(k): str(v) for node in unit.root.iterchildren("compiler") for k, v in node.attrib.items()
+            }
+            for unit in (self.merged, base)
+        ]
+        attributes = GRAMMAR.section("compiler").attributes
+        values = {
+            name: written_value(attributes[name], said[0][name])
+            for name in sorted(SETTABLE & attributes.keys() & said[0].keys())
+            if said[0][name] != said[1].get(name, default_text(attributes[name]))
+        }
+        if values:
+            self.entries.append(Entry("compiler", flow(values)))
+
     def settings(self) -> None:
         """Settings of the whole model that are not what the base says, or that a part says otherwise."""
         wanted = settings_of(self.merged)
@@ -173,8 +229,8 @@ class _Proposer(Comparison):
         for path in dict.fromkeys([*wanted, *base, *(path for other in others for path in other)]):
             section, *inner, name = path
             attribute = GRAMMAR.element("/".join([section, *inner])).attributes.get(name)
-            if attribute is None:
-                continue
+            if attribute is None or path == ("size", "nkey"):
+                continue  # MuJoCo writes how many keys there are, and fills up with empty ones
             value = wanted.get(path, default_text(attribute))
             said = {each.get(path, value) for each in others}
             if value is not None and (
@@ -189,9 +245,14 @@ class _Proposer(Comparison):
 
     def left_over(self) -> None:
         """What the merged model has and no part."""
+        brought = {
+            (namespace, each.out + name)
+            for each in self.found
+            for namespace, name in named(self.parts[each.part])
+        }
         for item in items(self.merged):
             node = item.node
-            if node in self.covered:
+            if node in self.covered or (item.kind.tag == "frame" and self.is_empty(node)):
                 continue
             if item.section == "worldbody":
                 parent = node.getparent()
@@ -209,15 +270,27 @@ class _Proposer(Comparison):
                 values = flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
                 self.entries.append(Entry("contact", values, group=item.kind.tag))
             elif item.name:
-                text = f"{word(item.name)}: {{xml: {quoted(self.fragment(node))}}}"
+                key = item.name
+                if (item.namespace, key) in brought:  # until the part's own is removed, the name is taken
+                    key = self.label(item.section, f"{key}_new")
+                    select = selector_of(item.namespace, item.kind.tag, key)
+                    self.edit({"select": select, "rename": word(item.name)}, RENAMED)
+                text = f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}"
                 self.entries.append(Entry(item.section, text))
             else:
-                count = 1 + sum(entry.section == item.section for entry in self.entries)
-                text = f"{item.kind.tag}_{count}: {{xml: {quoted(self.fragment(node))}}}"
+                key = self.label(item.section, item.kind.tag)
+                text = f"{word(key)}: {{name: {quoted('')}, xml: {quoted(self.fragment(node))}}}"
                 self.entries.append(Entry(item.section, text))
 
-    def fragment(self, node: Node) -> str:
-        """An element of the merged model as text, with the values that its classes give it."""
+    def is_empty(self, frame: Node) -> bool:
+        """Whether a frame without a name holds only what the parts bring."""
+        return not frame.get("name") and all(
+            child in self.covered or (child.tag == "frame" and self.is_empty(child))
+            for child in frame.iterchildren("*")
+        )
+
+    def fragment(self, node: Node, called: str | None = None) -> str:
+        """An element of the merged model as text, with the values that its classes give it; `called` is its name."""
         kind = GRAMMAR.within(str(_section(node).tag)).get(str(node.tag))
         around = childclass_of(node)
         tag = str(node.tag)
@@ -228,6 +301,7 @@ class _Proposer(Comparison):
             value = node.get(name) or self.merged.classes.effective(node, around, name)
             if value is not None:
                 shown = self.name(kind.attributes[name], str(value)) if kind is not None else str(value)
+                shown = called if called is not None and name == "name" else shown
                 text += f" {name}={quoteattr(' '.join(shown.split()))}"
         # What a part has stands there already, and is moved.
         inside = "".join(

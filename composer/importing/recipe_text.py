@@ -6,8 +6,10 @@ from composer.importing.comparing import Entry
 from composer.importing.propose import Proposal
 
 _LISTS = frozenset({"add", "edit"})
-_WHOLE = frozenset({"option", "size", "visual", "statistic"})
-_ORDER = "attach option size visual statistic asset add contact tendon equality actuator sensor edit keyframe".split()
+_WHOLE = frozenset({"option", "size", "visual", "statistic", "compiler"})
+_ORDER = (
+    "attach option size visual statistic compiler asset add contact tendon equality actuator sensor edit keyframe"
+).split()
 
 
 def recipe_text(proposal: Proposal) -> tuple[str, dict[int, Entry]]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import os
-import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,101 +11,157 @@ from composer.bundle.bundle import Bundle
 from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
-from composer.importing.comparing import Entry
+from composer.diff.change import Change
+from composer.engine import Session
+from composer.importing.comparing import Entry, Names
+from composer.importing.contrasting import Outcome, Trial
 from composer.importing.flow import word
+from composer.importing.likeness import Likeness
+from composer.importing.match import Instance
 from composer.importing.propose import Proposal, propose
 from composer.importing.recipe_text import recipe_text
 from composer.pipeline import build
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
-from composer.verify.difference import MISSING, Difference
 
 _ROUNDS = 20
-_SIZES = "nbody njnt ngeom nsite ncam nlight ntendon neq nu nsensor nkey npair nexclude".split()
-_CLOSE = 1e-6
-_KEY = re.compile(r"key_(?P<row>\w+) of `(?P<name>.*)`")
 
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
     """`text` is the recipe; `bundle` is None where it does not build, for the reasons in `faults`.
 
-    `differences` is None where the two models could not be compared.
+    `outcome` is None where the two models could not be compared, for the reason in `refused` if MuJoCo rejects the
+    merged model.
     """
 
     text: str
     proposal: Proposal
     bundle: Bundle | None
     faults: tuple[Diagnostic, ...]
-    differences: list[Difference] | None
+    outcome: Outcome | None
+    refused: str | None = None
 
 
-def recover(merged: Path, parts: list[Path], out: Path, context: Context) -> Recovered | None:
+def recover(
+    merged: Path, parts: list[Path], out: Path, context: Context, tell: Callable[[str], None] = lambda _: None
+) -> Recovered | None:
     """The recipe that is to stand at `out`; None where a model cannot be read, as `context.sink` tells.
 
-    What the recipe cannot say is left out, as a comment, one after the other, until it builds.
+    What the recipe cannot say is left out, as a comment, one after the other, until it builds. `tell` hears what is
+    done next.
     """
     before = context.sink.error_count
     read = [parse_file(path, context.sink, file=context.shown(path)) for path in (merged, *parts)]
     units: list[Unit] = [unit for unit in read if unit is not None]
     if context.sink.error_count > before or len(units) < len(read):
         return None
-    references = [_reference(path, out.parent) for path in parts]
-    proposal = propose(
-        units[0],
-        units[1:],
-        references,
-        lambda file: _reference(file, out.parent),
-    )
-    for number, part in enumerate(parts):
-        if not any(each.part == number for each in proposal.found):
-            context.sink.warning(
-                "unknown-name",
-                f"`{context.shown(part)}` is nowhere in `{context.shown(merged)}`: no body and what stands in it "
-                "have its names",
-                help="only parts whose names are kept, with a prefix or without, are found",
-            )
-    for _ in range(_ROUNDS):
-        text, places = recipe_text(proposal)
-        bundle, faults = _built(text, out, context)
-        guilty = [(places[line], fault) for fault in faults if (line := _line(fault, out, context)) in places]
-        if bundle is not None or not guilty:
-            break
-        for entry, fault in guilty:
-            entry.note = " ".join(fault.message.split())
-    differences = None if bundle is None else _compared(merged, bundle, proposal)
-    missing = [each.name for each in differences or [] if each.kind == "key" and each.field == MISSING]
-    if missing:  # with a key of that name it can be said what is in it
-        blank = [Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
-        bundle, _ = _built(
-            recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0], out, context
+    with Session() as session:
+        return _Recovery(merged, parts, out, context, session, tell, units).recovered()
+
+
+class _Recovery:
+    def __init__(
+        self,
+        merged: Path,
+        parts: list[Path],
+        out: Path,
+        context: Context,
+        session: Session,
+        tell: Callable[[str], None],
+        units: list[Unit],
+    ) -> None:
+        self.merged, self.parts, self.out, self.units = merged, parts, out, units
+        self.context, self.session, self.tell = context, session, tell
+        self.trial = Trial(merged, parts, session)
+
+    def recovered(self) -> Recovered:
+        self.tell(f"compiling {self.context.shown(self.merged)} and its parts")
+        proposal = self.proposal(self.trial.likeness)
+        found = self.settled(proposal)
+        if self.trial.compared and (found.outcome is None or not found.outcome.same):
+            # What was taken for the same may still be the reason.
+            other = self.settled(self.proposal(lambda _, __: Likeness()))
+            if other.outcome is not None and (
+                found.outcome is None or other.outcome.amount < found.outcome.amount
+            ):
+                found = other
+        for number, part in enumerate(self.parts):
+            if not any(each.part == number for each in proposal.found):
+                self.context.sink.warning(
+                    "unknown-name",
+                    f"`{self.context.shown(part)}` is nowhere in `{self.context.shown(self.merged)}`: no body and what "
+                    "stands in it have its names",
+                    help="only parts whose names are kept, with a prefix or without, are found",
+                )
+        return found
+
+    def proposal(self, likeness: Callable[[Instance, Names], Likeness]) -> Proposal:
+        references = [_reference(path, self.out.parent) for path in self.parts]
+        return propose(
+            self.units[0],
+            self.units[1:],
+            references,
+            lambda file: _reference(file, self.out.parent),
+            likeness,
         )
-        differences = None if bundle is None else _compared(merged, bundle, proposal)
-    keys = keyframes(differences or [], proposal, missing)
-    if keys:
-        proposal.entries += keys
-        text, _ = recipe_text(proposal)
-        bundle, faults = _built(text, out, context)
-        differences = None if bundle is None else _compared(merged, bundle, proposal)
-    return Recovered(text, proposal, bundle, tuple(faults), differences)
 
+    def settled(self, proposal: Proposal) -> Recovered:
+        """The proposal without what does not build, with the keys that it lacks."""
+        out, context = self.out, self.context
+        for number in range(_ROUNDS):
+            self.tell(
+                "trying the recipe" if not number else f"trying the recipe without what failed ({number})"
+            )
+            text, places = recipe_text(proposal)
+            bundle, faults = self.built(text)
+            guilty = [
+                (places[line], fault) for fault in faults if (line := _line(fault, out, context)) in places
+            ]
+            if bundle is not None or not guilty:
+                break
+            for entry, fault in guilty:
+                entry.note = " ".join(fault.message.split())
+        outcome = None if bundle is None else self.trial.outcome(proposal)
+        missing = [] if outcome is None else [each.name for each in outcome.lost_keys if _has_name(each)]
+        if missing:  # with a key of that name it can be said what is in it
+            blank = [Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
+            bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])
+            outcome = None if bundle is None else self.trial.outcome(proposal)
+        changes = outcome.changes if outcome is not None else ()
+        keys = keyframes(changes, proposal, missing)
+        for each in changes:
+            if each.kind == "key" and each.what == "removed" and not _has_name(each):
+                note = "a key without a name; the keys of a recipe have one"
+                proposal.entries.append(Entry("keyframe", f"key_{each.index[0]}: {{}}", note))
+                text, _ = recipe_text(proposal)
+        if keys:
+            self.tell("trying the recipe with its keyframes")
+            proposal.entries += keys
+            text, _ = recipe_text(proposal)
+            bundle, faults = self.built(text)
+            outcome = None if bundle is None else self.trial.outcome(proposal)
+        return Recovered(text, proposal, bundle, tuple(faults), outcome, self.trial.refused)
 
-def _built(text: str, out: Path, context: Context) -> tuple[Bundle | None, list[Diagnostic]]:
-    """Build the text as if it stood at `out`; nothing of it stays."""
-    from composer.bundle.staging import sibling
+    def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
+        """Build the text as if it stood where it is to; nothing of it stays."""
+        from composer.bundle.staging import sibling
 
-    trial = sibling(out, "trial")
-    own = Context(environment=context.environment, folder=context.folder)
-    try:
-        trial.write_text(text, encoding="utf-8")
-        result = build(trial, own)
-    finally:
-        trial.unlink(missing_ok=True)
-    faults = [
-        Diagnostic(each.code, each.message, _at(each, trial, out, own), each.severity, each.notes, each.help)
-        for each in own.sink.errors
-    ]
-    return (None if result is None else result.bundle), faults
+        out, context = self.out, self.context
+        trial = sibling(out, "trial")
+        own = Context(environment=context.environment, folder=context.folder)
+        try:
+            trial.write_text(text, encoding="utf-8")
+            result = build(trial, own, session=self.session)
+        finally:
+            trial.unlink(missing_ok=True)
+        faults = [
+            Diagnostic(
+                each.code, each.message, _at(each, trial, out, own), each.severity, each.notes, each.help
+            )
+            for each in own.sink.errors
+        ]
+        return (None if result is None else result.bundle), faults
 
 
 def _at(fault: Diagnostic, trial: Path, out: Path, context: Context) -> Span | None:
@@ -126,63 +180,25 @@ def _reference(path: Path, folder: Path) -> str:
     return relative if relative.startswith(".") else f"./{relative}"
 
 
-def _compared(merged: Path, bundle: Bundle, proposal: Proposal) -> list[Difference] | None:
-    """What the recipe's model has not as the merged one has; names are those of the recipe."""
-    from composer.engine import Session, call, compile
-    from composer.verify.compiles import verify
-    from composer.verify.question import Question, ask, told
-
-    with Session() as session:
-        own = compile(merged.absolute().parent, merged.name, keep="merged", session=session)
-        built = verify(bundle, session=session, keep="built")
-        if not own.ok or built.error is not None:
-            return None
-        question = Question(renamed=proposal.renamed, tolerance=1e-7)
-        answer = call(session, ask, ["merged", "built"], question.to_json())
-    if not answer.ok:
-        return None
-    counts = [
-        Difference("model", merged.stem, size, own.sizes[size], built.compiled.sizes[size])
-        for size in _SIZES
-        if own.sizes[size] != built.compiled.sizes[size]
-    ]
-    return counts + [each for each in told(answer.value) if not _the_same(each, proposal)]
+def _has_name(key: Change) -> bool:
+    return not key.name.startswith("#")
 
 
-def _the_same(difference: Difference, proposal: Proposal) -> bool:
-    """Whether it is one in name or sign only: an asset that is equal, a quaternion and its negative."""
-    if difference.field == MISSING:
-        return f"{difference.kind} {difference.name}" in proposal.christened
-    wanted, there = difference.expected, difference.actual
-    if isinstance(wanted, str) and isinstance(there, str):
-        alike = proposal.alike.get(wanted)
-        return there in [each.out + wanted for each in proposal.found] or (
-            alike is not None and alike == proposal.alike.get(there)
-        )
-    if difference.array.endswith("quat") and isinstance(wanted, tuple) and isinstance(there, tuple):
-        pairs = zip(wanted, there, strict=True)
-        return all(
-            isinstance(a, float) and isinstance(b, float) and math.isclose(a, -b, abs_tol=_CLOSE)
-            for a, b in pairs
-        )
-    return False
-
-
-def keyframes(
-    differences: list[Difference], proposal: Proposal, missing: Collection[str] = ()
-) -> list[Entry]:
+def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()) -> list[Entry]:
     """The keys of the merged model that the parts' keys do not make, written with what differs.
 
     Of those in `missing` no part has anything.
     """
     rows: dict[str, dict[str, dict[str, str]]] = {name: {} for name in missing}
-    for each in differences:
-        found = _KEY.fullmatch(each.field)
-        if each.kind == "key" and found and isinstance(each.expected, tuple):
-            values = [value for value in each.expected if isinstance(value, float)]
+    for each in changes:
+        if each.kind == "key" and each.entry and _has_name(each) and not each.entry.startswith("#"):
+            given = each.before if isinstance(each.before, tuple) else (each.before,)
+            values = [value for value in given if isinstance(value, float)]
             unit = "rad" if len(values) == 1 and "angle: degree" in proposal.head else ""
             numbers = f"[{', '.join(f'{value:.9g}{unit}' for value in values)}]"
-            rows.setdefault(each.name, {}).setdefault(found["row"], {})[found["name"]] = numbers
+            rows.setdefault(each.name, {}).setdefault(each.field.removeprefix("key_"), {})[each.entry] = (
+                numbers
+            )
     entries = []
     for name, row in rows.items():
         said = ", ".join(

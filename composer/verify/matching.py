@@ -50,6 +50,7 @@ _SAME_PLACE = 1e-6
 class Matching:
     """For every element of the part alone, the id of its counterpart, or ``ABSENT``.
 
+    With ``by_order=False`` elements without a name are paired by likeness even where both models have as many.
     Keys are not matched here: they may be merged, kept apart or left out.
     """
 
@@ -61,7 +62,9 @@ class Matching:
         prefix: str,
         mount: Mount,
         renamed: Mapping[str, Mapping[str, str]],
+        by_order: bool = True,
     ) -> None:
+        self.by_order = by_order
         self.alone, self.composed = alone, composed
         self.prefix, self.renamed = prefix, renamed
         self.ids: dict[str, list[int]] = {kind: [ABSENT] * alone.count(kind) for kind in KINDS}
@@ -232,7 +235,7 @@ class Matching:
     def _assign(self, kind: str, mine: list[int], theirs: list[int], *, ordered: bool = True) -> None:
         """Pair ``mine`` with ``theirs``: by order where they are as many, else by likeness."""
         found = self.ids[kind]
-        if ordered and len(mine) == len(theirs):
+        if ordered and self.by_order and len(mine) == len(theirs):
             for i, j in zip(mine, theirs, strict=True):
                 self._take(kind, i, j)
             return

@@ -36,6 +36,33 @@ def test_what_differs_is_shown(folder: Path) -> None:
     text = (folder / "merged.yaml").read_text()
     assert "{select: {geom: tool/palm}, set: {size: [0.03, 0.03, 0.02]}}" in text
     assert result.exit_code == 0
+    assert result.stdout.splitlines() == [
+        "wrote merged.yaml: 1 part",
+        "changed in merged.xml, and written into the recipe:",
+        "  geom `tool/palm`: size 0.03 0.03 0.01 m → 0.03 0.03 0.02 m",
+        "it builds, and the model is that of merged.xml, element by element",
+    ]
+
+
+def test_what_has_no_name_gets_none(folder: Path) -> None:
+    text = MERGED.format(height="0.01").replace("</mujoco>", "<sensor><clock/></sensor></mujoco>")
+    (folder / "merged.xml").write_text(text)
+    result = run("import", "merged.xml", "models/tool.xml", "--output", "new.yaml")
+    assert result.exit_code == 0, result.stdout
+    assert 'clock_1: {name: "", xml: "<clock/>"}' in (folder / "new.yaml").read_text()
+
+
+def test_what_still_differs_fails(folder: Path) -> None:
+    text = MERGED.format(height="0.01").replace(
+        "<worldbody>", '<custom><text name="t" data="x"/></custom><worldbody>'
+    )
+    (folder / "merged.xml").write_text(text)
+    result = run("import", "merged.xml", "models/tool.xml")
+    assert result.exit_code == 1
+    assert result.stdout.splitlines()[-2:] == [
+        "it builds, and is not yet the model of merged.xml:",
+        "  text `t` is missing",
+    ]
 
 
 def test_nothing_is_overwritten(folder: Path) -> None:

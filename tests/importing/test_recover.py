@@ -88,7 +88,7 @@ def recovered(folder: Path, damping: str = "2") -> Recovered:
 
 def test_a_model_of_four_parts(tmp_path: Path) -> None:
     found = recovered(tmp_path)
-    assert found.faults == () and found.differences == []
+    assert found.faults == () and found.outcome is not None and found.outcome.same
     assert found.text.splitlines() == [
         "recipe: 1",
         "name: pair",
@@ -118,7 +118,7 @@ def test_a_model_of_four_parts(tmp_path: Path) -> None:
 def test_a_changed_value_is_an_edit(tmp_path: Path) -> None:
     found = recovered(tmp_path, damping="5")
     assert "{select: {joint: right/shoulder}, set: {damping: [5]}}" in found.text
-    assert found.differences == []
+    assert found.outcome is not None and found.outcome.same
 
 
 def test_what_cannot_be_said_is_a_comment(tmp_path: Path) -> None:
@@ -139,7 +139,7 @@ def test_what_cannot_be_said_is_a_comment(tmp_path: Path) -> None:
         '  # not expressed: there is no material `m`\n  # - {to: world, xml: \'<geom name="shown"'
         in found.text
     )
-    assert ("geom", "shown") in [(each.kind, each.name) for each in found.differences or []]
+    assert ("geom", "shown") in [(each.kind, each.name) for each in found.outcome.changes]
 
 
 def test_a_part_that_is_not_there_is_told(tmp_path: Path) -> None:
@@ -149,7 +149,7 @@ def test_a_part_that_is_not_there_is_told(tmp_path: Path) -> None:
     found = recover(
         tmp_path / "arm.xml", [tmp_path / "arm.xml", tmp_path / "tool.xml"], tmp_path / "o.yaml", context
     )
-    assert found is not None and found.differences == []
+    assert found is not None and found.outcome is not None and found.outcome.same
     assert "base: ./arm.xml" in found.text and "attach" not in found.text
     assert [each.message.split(":")[0] for each in context.sink.diagnostics] == [
         "`tool.xml` is nowhere in `arm.xml`"
@@ -214,7 +214,7 @@ def test_panda_with_hand(menagerie: Path, tmp_path: Path) -> None:
     )
     assert found is not None and found.bundle is not None and not found.faults
     assert "body: link7, pos: [0, 0, 0.107]" in found.text
-    assert found.differences == []
+    assert found.outcome is not None and found.outcome.same
 
 
 @pytest.mark.slow
@@ -231,7 +231,11 @@ def test_two_arms(menagerie: Path, tmp_path: Path) -> None:
     assert any(
         "select: {body: left/left_finger_link}, move: {to: left/gripper_base" in line for line in lines
     )
-    assert found.differences == [] and not any(entry.note for entry in found.proposal.entries)
+    assert (
+        found.outcome is not None
+        and found.outcome.same
+        and not any(entry.note for entry in found.proposal.entries)
+    )
 
 
 @pytest.mark.slow
@@ -249,7 +253,7 @@ def test_scenes_and_robots_that_were_merged_by_hand(
 ) -> None:
     files = [menagerie / f"{name}.xml" for name in (merged, *parts)]
     found = recover(files[0], files[1:], tmp_path / "recipe.yaml", Context(folder=tmp_path))
-    assert found is not None and found.differences == []
+    assert found is not None and found.outcome is not None and found.outcome.same
 
 
 WITHOUT_NAMES = """
@@ -294,4 +298,4 @@ def test_what_has_no_name_is_found_by_its_place(old: str, new: str, said: str, t
     found = recover(
         tmp_path / "all.xml", [tmp_path / "part.xml"], tmp_path / "recipe.yaml", Context(folder=tmp_path)
     )
-    assert found is not None and found.differences == [] and said in found.text
+    assert found is not None and found.outcome is not None and found.outcome.same and said in found.text
