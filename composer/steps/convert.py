@@ -301,7 +301,7 @@ def _limits(
 
 def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> dict[str, str]:
     """What keeps an actuator without limits of its control from getting some: ranges that its old kind did not read."""
-    found = {}
+    found: dict[str, str] = {}
     inherits = editing.effective(node, "inheritrange")
     if to in ("position", "pid") and inherits and any(numbers.read(inherits)):
         node.attrib.pop("inheritrange", "")
