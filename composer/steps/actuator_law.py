@@ -16,7 +16,7 @@ from composer.steps.whole import without_keys
 _ARRAYS = (
     "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",
     "actuator_gainprm", "actuator_biasprm", "actuator_dynprm",
-    "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange",
+    "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange", "actuator_actearly",
     "actuator_ctrladr", "actuator_ctrlspec",
 )  # fmt: skip
 INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
@@ -38,6 +38,9 @@ class Law:
     act_limited: bool = False
     actrange: tuple[float, float] = (0.0, 0.0)
     inputs: tuple[str, ...] = ()
+    act_early: bool = False
+    limited: tuple[str, ...] = ()
+    """The inputs of a pid whose controls are limited; "" for those that are not."""
 
     @property
     def is_affine(self) -> bool:
@@ -125,10 +128,12 @@ def _law(arrays: Mapping[str, list[float]], row: int, count: int, general: Mappi
     first = int(arrays.get("actuator_ctrladr", range(count))[row])  # each of its controls has a row
     ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
     spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
+    inputs = tuple(name for bit, name in enumerate(INPUTS) if spec >> bit & 1)
     return Law(
         word("gaintype"), word("biastype"), word("dyntype"),
         numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
         bool(arrays["actuator_ctrllimited"][first]), (ctrlrange[0], ctrlrange[1]),
         bool(arrays["actuator_actlimited"][row]), (actrange[0], actrange[1]),
-        tuple(name for bit, name in enumerate(INPUTS) if spec >> bit & 1),
+        inputs, bool(arrays["actuator_actearly"][row]),
+        tuple(name if arrays["actuator_ctrllimited"][first + at] else "" for at, name in enumerate(inputs)),
     )  # fmt: skip

@@ -40,6 +40,7 @@ from composer.steps.intervals import check_intervals
 from composer.steps.keyframe import write_keyframes
 from composer.steps.load import Library, Loader
 from composer.steps.loose_ends import check_names, check_names_of_keys
+from composer.steps.massless import check_mass
 from composer.steps.members import Hung, hung, placed
 from composer.steps.section import append, set_default, set_singleton
 from composer.steps.subtree import Wanted, wanted
@@ -185,6 +186,9 @@ class Composer:
             write_keyframes(plan, linking, making)
         if self.context.sink.has_errors:
             check_files(linking.base, linking.files, self.context.sink, self.context.shown)
+        elif are_named:
+            for step, part in zip(plan.parts, parts, strict=True):
+                check_mass(step, part, linking, making)
         if self.context.sink.error_count > before:
             return None
         finish(linking)

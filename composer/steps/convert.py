@@ -24,6 +24,8 @@ from composer.recipe.value import read_value
 from composer.steps.actuator_law import INPUTS, Law, laws_of
 from composer.steps.edit_values import Unusable, Values
 from composer.steps.editing import Editing
+from composer.tree.effective import levels
+from composer.tree.key_number import texts
 
 _PARAMETERS = ("gainprm", "biasprm", "dynprm")
 # What a control of an actuator is, in words. An integrator makes of a rate what the gain is for.
@@ -35,7 +37,7 @@ _PLAIN = {
 _GAINS = {"position": "kp", "pid": "kp", "velocity": "kv"}
 _INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritrange", "posrange")}
 # What no attribute of another kind says: it is lost where that has none of the same name.
-_UNSAID = ("actrange", "actearly", "actdim", "velrange", "ffrange")
+_UNSAID = ("actrange", "actearly", "actdim")
 
 
 def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
@@ -116,7 +118,9 @@ def _converted(
         lost.append(f"the control is {is_now} now, not {was}")
     limits: dict[str, str] | None = {}
     if old != to or "ctrlrange" in given:
-        limits = _limits(editing, node, to, law, before.split("+")[0] == after.split("+")[0], given)
+        limits = _limits(
+            editing, node, to, law, before.split("+")[0] == after.split("+")[0], {**made, **given}
+        )
     if limits is None:
         lost.append("`ctrlrange`, which limits another thing")
         limits = {"ctrllimited": "false"}
@@ -126,8 +130,13 @@ def _converted(
     if transmission:
         message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
         _fault(editing, node, Fault("wrong-type", message, at))
-    said = {f"{law.inputs[0]}range" if law.inputs else "", "" if law.act_limited else "actrange"}
-    lost += [f"`{name}`" for name in wrong if name in _UNSAID and name not in said]
+    lost += [f"`{name}`" for name in wrong if name in _UNSAID and (law.act_limited or name != "actrange")]
+    if to not in ("general", "pid"):
+        lost += [f"`{name}range`" for name in law.limited[1:] if name]
+    if law.gain == "so3" and to != "general":
+        lost.append("that it acts about all three axes: it acts along its `gear` now")
+    if old != to and not _keeps_activation(to, {**made, **given}):
+        _refuse_actrange(editing, node, to, at)
     editing.forget(node)
     for name in {*wrong, *_replaced({**limits, **made, **given})}:
         node.attrib.pop(name, "")
@@ -154,11 +163,30 @@ def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
             f"`{key.name}`" if key.name else "without a name": None
             for key in found
             for holder, row in key.values.get(vector, {}).items()
-            if element_of(holder) is node and any(numbers.read(" ".join(row)))
+            if element_of(holder) is node and any(numbers.read(" ".join(texts(row))))
         }
         if names:
             keys = f"the key{'s' * (len(names) > 1)} {', '.join(names)}"
             yield f"its `{vector}` in {keys}: it is zero now"
+
+
+def _keeps_activation(to: str, written: Mapping[str, str]) -> bool:
+    """Whether the new kind has an activation, which an `actrange` can limit."""
+    with_activation = {"position": ("timeconst",), "pid": ("ki", "slewmax")}.get(to, ())
+    return to == "general" or any(any(numbers.read(written.get(name, "0"))) for name in with_activation)
+
+
+def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
+    """MuJoCo refuses an `actrange` without an activation, and nothing on the actuator undoes that of its class."""
+    kind = GRAMMAR.element("actuator/general")
+    found = levels(node, kind, kind.attributes["actrange"], editing.classes)
+    level = next((each for each in found if each.kind == "class" and each.text), None)
+    if level is not None and any(numbers.read(str(level.text))):
+        message = (
+            f"a `{to}` cannot have the `actrange` that the class `{level.name}` gives {editing.called(node)}"
+        )
+        help = "write the `actrange` on the actuators, or `unset` it in the class"
+        _fault(editing, node, Fault("wrong-type", message, at, help=help))
 
 
 def _replaced(written: Mapping[str, str]) -> Iterator[str]:
@@ -249,36 +277,60 @@ def _general(editing: Editing, law: Law) -> dict[str, str]:
         made[name] = numbers.text(values)
     if not whole:
         made = {name: text for name, text in made.items() if _PLAIN[name] != text}
+    if law.act_early:
+        made["actearly"] = "true"
     if law.act_limited:
         made |= {"actlimited": "true", "actrange": numbers.text(law.actrange)}
     return made
 
 
 def _limits(
-    editing: Editing, node: Node, to: str, law: Law, keeps: bool, given: Mapping[str, str]
+    editing: Editing, node: Node, to: str, law: Law, keeps: bool, written: Mapping[str, str]
 ) -> dict[str, str] | None:
-    """What limits the control from now on; None where the old limits are for another thing and have to go."""
+    """What limits the control from now on; None where the old limits are for another thing and have to go.
+
+    `written` are the attributes of the new kind, those that the entry gives included.
+    """
     inherits = editing.effective(node, "inheritrange") not in (None, "") and to in ("position", "pid")
     of_range = {"inheritrange": "0"} if inherits and _in_classes(editing) else {}
-    if "ctrlrange" in given:
-        limited = editing.effective(node, "ctrllimited")
+    limited = editing.effective(node, "ctrllimited")
+    if "ctrlrange" in written:
         return of_range | ({} if limited in (None, "auto", "true") else {"ctrllimited": "true"})
-    if law.inputs and law.inputs[0] != "pos" and to in ("general", "pid"):
-        return {}  # `velrange` and `ffrange` say it there too
+    inputs = written.get("input", "").split() if to == "pid" else law.inputs if to == "general" else ()
+    by_input = bool(inputs) and inputs[0] != "pos"  # MuJoCo reads `ctrlrange` for positions only
+    if by_input and law.inputs[:1] == tuple(inputs[:1]):
+        return {}  # `velrange` and `ffrange` say it already
     if not law.ctrl_limited:
-        return of_range
+        return _unlimited(editing, node, to, limited)
     if not keeps:
         return None
+    node.attrib.pop("inheritrange", "")
+    if by_input:
+        for name in ("ctrlrange", "ctrllimited"):
+            node.attrib.pop(name, "")
+        # With no range of its own MuJoCo refuses a `ctrllimited` of a class, and `velrange` limits in any case.
+        by_class = {"ctrllimited": "false"} if editing.effective(node, "ctrllimited") == "true" else {}
+        return of_range | by_class | {f"{inputs[0]}range": numbers.text(law.ctrlrange)}
     limits = of_range
-    written = editing.effective(node, "ctrlrange")
-    if not written or numbers.read(written) != list(law.ctrlrange):
+    range_now = editing.effective(node, "ctrlrange")
+    if not range_now or numbers.read(range_now) != list(law.ctrlrange):
         limits["ctrlrange"] = numbers.text(law.ctrlrange)  # it came from the range of its joint
-    if (
-        editing.effective(node, "ctrllimited") != "true"
-        and editing.linking.flat().settings.autolimits == "false"
-    ):
+    if limited != "true" and editing.linking.flat().settings.autolimits == "false":
         limits["ctrllimited"] = "true"
     return limits
+
+
+def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> dict[str, str]:
+    """What keeps an actuator without limits of its control from getting some: ranges that its old kind did not read."""
+    found: dict[str, str] = {}
+    inherits = editing.effective(node, "inheritrange")
+    if to in ("position", "pid") and inherits and any(numbers.read(inherits)):
+        node.attrib.pop("inheritrange", "")
+        found |= {"inheritrange": "0"} if _in_classes(editing) else {}
+    if limited != "false" and editing.effective(node, "ctrlrange"):
+        node.attrib.pop("ctrlrange", "")
+        found |= {"ctrllimited": "false"} if _in_classes(editing) else {}
+    return found
 
 
 def _control_of(to: str, law: Law, written: Mapping[str, str]) -> str:

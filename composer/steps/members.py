@@ -23,6 +23,8 @@ from composer.verify.excuses import arrays_of, arrays_of_draw
 
 _MASSES = frozenset({"boundmass", "boundinertia", "settotalmass"})
 _RESHAPING = frozenset({"fusestatic", "discardvisual"})
+# What `drop` leaves out of a part without making it another: settings, of which a model has one, and its keys.
+_WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size", "keyframe"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,10 @@ def hung(
 def _own(each: Hung, wanted: Wanted) -> Hung:
     """With what the edits of a part, and what is left out of it, change in its members."""
     member = with_edits(each.member, wanted.edit)
-    if wanted.drop:
+    dropped = {each.section for each in wanted.drop}
+    if "keyframe" in dropped:
+        member = replace(member, keys=None)
+    if not dropped <= _WITHOUT_ELEMENTS:
         member = replace(member, reduced="the recipe leaves out elements")
     return Hung(member, each.content)
 
