@@ -56,7 +56,9 @@ def failure(
     kind: type[MjcfError] | None = None,
 ) -> MjcfError:
     """The exception of one fault, to be raised."""
-    return (kind or _OF_CODES.get(code, MjcfError))([Diagnostic(code, message, span, notes=tuple(notes), help=help)])
+    return (kind or _OF_CODES.get(code, MjcfError))(
+        [Diagnostic(code, message, span, notes=tuple(notes), help=help)]
+    )
 
 
 def raise_errors(sink: Sink, otherwise: Callable[[], Span] | None = None) -> None:

@@ -67,7 +67,7 @@ RELEASES: dict[str, Release] = {
 
 
 class Posed(np.ndarray[Any, np.dtype[Any]]):
-    """Rows of an array of poses, in MuJoCo's own memory; so are slices of it. Writing an item or `+=` releases its row."""
+    """Rows of an array of poses, in MuJoCo's own memory; so are slices of it. What is written releases its rows."""
 
     __slots__ = ("array", "model")
     array: str
@@ -79,6 +79,13 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
         posed.model, posed.array = model, array
         return posed
 
+    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
+        """What is computed from poses is plain numpy."""
+        return array.view(np.ndarray) if array.ndim else array[()]
+
+    def __repr__(self) -> str:
+        return repr(self.view(np.ndarray))
+
     def __setitem__(self, key: Any, value: Any) -> None:
         # Nothing is released for a value that does not fit.
         tried = np.empty(self.shape, self.dtype)
@@ -87,13 +94,14 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
         super().__setitem__(key, value)
 
     def _release(self, key: Any = ...) -> None:
-        top = self if getattr(self, "array", None) is not None else self.base
-        array = getattr(top, "array", None)
-        if array is None:
-            return  # computed from poses
-        source = getattr(top.model, array)
+        # numpy makes that the base of a view, however many views lie between.
+        top = self if hasattr(self, "array") else self.base
+        if not isinstance(top, Posed) or not hasattr(top, "array"):
+            return  # a copy
+        source = getattr(top.model, top.array)
         places = np.arange(source.size).reshape(source.shape)
-        RELEASES[array](top.model, array, np.unique(seen_alike(places, source, self)[key] // source.shape[-1]))
+        written = seen_alike(places, source, self)[key]
+        RELEASES[top.array](top.model, top.array, np.unique(written // source.shape[-1]))
 
 
 def _in_place(name: str) -> Any:

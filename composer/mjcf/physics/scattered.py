@@ -99,7 +99,9 @@ def _in_place(name: str) -> Any:
     return write
 
 
-IN_PLACE = [f"__i{operator}__" for operator in "add sub mul truediv floordiv mod pow and or xor lshift rshift".split()]
+IN_PLACE = [
+    f"__i{operator}__" for operator in "add sub mul truediv floordiv mod pow and or xor lshift rshift".split()
+]
 
 for _name in IN_PLACE:
     setattr(Scattered, _name, _in_place(_name))
