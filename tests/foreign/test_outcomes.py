@@ -54,3 +54,12 @@ def test_only_what_is_not_listed_is_a_surprise() -> None:
 def test_no_test_is_listed_twice() -> None:
     tests = [test for group in intended() for test in group.tests]
     assert len(tests) == len(set(tests))
+
+
+def test_the_page_says_how_many_fail() -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "dm_control.md").read_text(encoding="utf-8")
+    number = sum(len(group.tests) for group in intended())
+    assert (
+        f"of 124 tests {124 - number} pass, and {number} fail because something is meant to be different"
+        in page
+    )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
-from composer.mjcf.physics.scattered import IN_PLACE, seen_alike
+from composer.mjcf.physics.scattered import IN_PLACE, places
 from composer.verify.roster import Model
 
 Release = Callable[[Model, str, NDArray[np.intp]], None]
@@ -32,9 +32,9 @@ def _own(of: str) -> Release:
 
 def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
     """The inertia of bodies leaves their frame, and what stood where it was stays there."""
-    for row in rows:
-        if model.body_simple[row] and model.body_dofnum[row]:
-            raise _is_simple(model, array, int(row))
+    simple = (model.body_simple[rows] != 0) & (model.body_dofnum[rows] > 0)
+    if simple.any():
+        raise _is_simple(model, array, int(rows[simple][0]))
     for kind in ("geom", "site"):
         same = getattr(model, f"{kind}_sameframe")
         stays = np.isin(getattr(model, f"{kind}_bodyid"), rows) & np.isin(same, _WITH_INERTIA)
@@ -63,7 +63,7 @@ RELEASES: dict[str, Release] = {
     "body_ipos": _of_inertia,
     "body_iquat": _of_inertia,
 }
-"""By array of poses: what is done before some of its rows are written."""
+"""By array of poses: what is done before some of its rows are written; a row may be named repeatedly."""
 
 
 class Posed(np.ndarray[Any, np.dtype[Any]]):
@@ -99,9 +99,7 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
         if not isinstance(top, Posed) or not hasattr(top, "array"):
             return  # a copy
         source = getattr(top.model, top.array)
-        places = np.arange(source.size).reshape(source.shape)
-        written = seen_alike(places, source, self)[key]
-        RELEASES[top.array](top.model, top.array, np.unique(written // source.shape[-1]))
+        RELEASES[top.array](top.model, top.array, places(source, self)[key] // source.shape[-1])
 
 
 def _in_place(name: str) -> Any:
