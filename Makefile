@@ -14,7 +14,7 @@ STAMP := $(VENV)/.ready$(if $(MUJOCO),-mujoco-$(MUJOCO))
 # The same environment without tests and linters, which a demo does not need; what wants those completes it.
 LIGHT := $(VENV)/.light$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
-.PHONY: demo test test-all test-usd lint format bench fidelity schemas constraints clean
+.PHONY: demo test test-all test-usd foreign lint format bench fidelity schemas constraints clean
 .DELETE_ON_ERROR:
 
 demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
@@ -36,6 +36,12 @@ test-usd:
 	  for python in $(PYTHON) python3.12 python3.11 python3; do $$python -c 'import ensurepip, sys; sys.exit(sys.version_info >= (3, 13))' 2>/dev/null && break; done; \
 	  VENV=.venv-usd MUJOCO=3.16.0 EXTRAS=test,usd PYTHON=$$python bash .ci/setup && touch .venv-usd/.ready; }
 	@.venv-usd/bin/python -m pytest tests/bundle/test_usd.py
+
+# Other projects' tests and models, with mjcompose. The packages come from PyPI, into build/foreign; what cannot be had is
+# skipped, with the reason.
+#   FOREIGN_ARGS=--write             the numbers into docs/fidelity.md
+foreign: $(STAMP)
+	@$(BIN)/python tests/foreign/run.py $(FOREIGN_ARGS)
 
 lint: $(STAMP)
 	$(BIN)/ruff check

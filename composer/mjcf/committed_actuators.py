@@ -46,11 +46,14 @@ def is_plain(found: DefaultClass, node: Node) -> bool:
     return True
 
 
-def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultClass) -> None:
+def commit(
+    model: Model, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False
+) -> None:
     """Write onto an actuator what makes MuJoCo read the same of it with its classes and without.
 
     `given` is what they give by attributes of its own. Where these do not say it, it becomes a `general`, which can say
-    anything but what a plugin does. Issues an `MjcfWarning` then, and where it goes on needing its class.
+    anything but what a plugin does. Issues an `MjcfWarning` then, and where it goes on needing its class. Where only
+    a part of it was asked for, `partly`, it needs its class anyway, and becomes nothing else.
     """
     from composer.mjcf.physics.actuators import settings
 
@@ -63,9 +66,13 @@ def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultCla
     if wanted is None:  # MuJoCo says why when the model is compiled
         return
     as_good: Node | None = None
-    for candidate in _candidates(spelled, given, wanted, settings(sections, _bare(spelled)) or {}):
+    bare = settings(sections, _bare(spelled)) or {}
+    for candidate in _candidates(spelled, given, wanted, bare, in_general=not partly):
         if settings(sections, candidate) != wanted:
             continue
+        if partly:
+            _become(model, node, candidate)
+            return
         as_good = candidate if as_good is None else as_good
         alone = copy.copy(candidate)
         drop(alone, "class")
@@ -93,7 +100,12 @@ def _elements(found: DefaultClass | None) -> Iterator[Node]:
 
 
 def _candidates(
-    node: Node, given: Mapping[str, str], wanted: Mapping[str, str], bare: Mapping[str, str]
+    node: Node,
+    given: Mapping[str, str],
+    wanted: Mapping[str, str],
+    bare: Mapping[str, str],
+    *,
+    in_general: bool,
 ) -> Iterator[Node]:
     """The element with all that its classes give, with what is no matter of its tag, and as a `general`."""
     from composer.mjcf.physics.actuators import settings
@@ -102,7 +114,7 @@ def _candidates(
         candidate = copy.copy(node)
         candidate.attrib.update({name: given[name] for name in sorted(names)})
         yield candidate
-    if node.tag == "plugin":
+    if node.tag == "plugin" or not in_general:
         return
     general = copy.copy(node)
     general.tag = _GENERAL

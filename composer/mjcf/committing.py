@@ -6,17 +6,21 @@ from collections.abc import Collection, Iterator, Mapping
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.suggest import did_you_mean
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.mjcf import committed_textures
+from composer.mjcf.arguments import as_name, expects
+from composer.mjcf.call_site import call_site
 from composer.mjcf.committed_actuators import ACTUATORS, OF_ALL, is_plain
 from composer.mjcf.committed_actuators import commit as commit_actuator
 from composer.mjcf.edit import drop
 from composer.mjcf.element import Element, checked
+from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
 from composer.mjcf.mounting import childclass_at
 from composer.tree.classes import ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
-from composer.tree.kinds import ROOT, kind_of
+from composer.tree.kinds import ROOT, attribute_of, kind_of, spoken
 
 _SECTIONS_OF_NO_ELEMENTS = ("default", "extension")
 _NEVER_GIVEN = frozenset({"class", "texture"})  # textures are a matter of several elements
@@ -31,8 +35,11 @@ _TEXTS = frozenset({"reference", "references", "file", "string"})
 _NEVER_COMPLETED = frozenset({"springlength"})
 
 
-def commit_defaults(root_or_element: Element) -> None:
+def commit_defaults(root_or_element: Element, attributes: Collection[str] | None = None) -> None:
     """Write onto an element and all below it, attached models included, what their default classes give.
+
+    With `attributes` these alone, by their Python names; elements that do not have one go without it. Raises
+    `MjcfError` for a name that no element has.
 
     The classes stay, and so does the compiled model. A list that is written shorter than its class has it
     is completed, as MuJoCo does; an orientation is left as it is where there is one. An actuator whose class speaks of
@@ -46,39 +53,62 @@ def commit_defaults(root_or_element: Element) -> None:
     >>> model.find('geom', 'g')
     <geom name="g" size="1" friction="0.5 0.1" rgba="1 0 0 1"/>
     """
-    element = checked(root_or_element)
+    _commit_all(checked(root_or_element), None if attributes is None else _known(attributes))
+
+
+def _known(attributes: Collection[str]) -> frozenset[str]:
+    """Attributes by their names in MJCF."""
+    if isinstance(attributes, str):
+        raise expects("attributes", "a list of names", attributes)
+    kinds = GRAMMAR.section("default").children.values()
+    found = set()
+    for name in attributes:
+        known = next(filter(None, (attribute_of(kind, as_name("attributes", name)) for kind in kinds)), None)
+        if known is None:
+            every = sorted({spoken(each) for kind in kinds for each in kind.attributes})
+            raise failure(
+                "unknown-attribute",
+                f"default classes give no element an attribute `{name}`",
+                call_site(),
+                help=did_you_mean(name, every),
+            )
+        found.add(known.name)
+    return frozenset(found)
+
+
+def _commit_all(element: Element, only: frozenset[str] | None) -> None:
     model, node = element._model, element._node
     above = model.frame_above(node)
     if above is None:
-        _commit_below(model, node)
+        _commit_below(model, node, only)
     else:
-        _commit_joints(model, node)
+        _commit_joints(model, node, only)
     for attachment in model.attachments.values():
         inside = attachment.frame is above or node in (attachment.host, *attachment.host.iterancestors())
         if inside:
             from composer.mjcf.root import _root_of
 
             if above is None:
-                _commit_joints(model, attachment.frame)
+                _commit_joints(model, attachment.frame, only)
             if above is None or above is node:
-                commit_defaults(_root_of(attachment.child))
+                _commit_all(_root_of(attachment.child), only)
 
 
-def _commit_below(model: Model, top: Node) -> None:
+def _commit_below(model: Model, top: Node, only: frozenset[str] | None) -> None:
     classes = Classes(model.unit.root)
     for node in _elements(top):
         found = str(node.get("class") or "") or (childclass_of(node) if _in_tree(node) else None)
-        _commit(model, node, _class(model, classes, found))
+        _commit(model, node, _class(model, classes, found), only)
 
 
-def _commit_joints(model: Model, top: Node) -> None:
+def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None:
     """The joints of an attachment frame have the class in force where it hangs."""
     classes = Classes(model.unit.root)
     for node in top.iter("joint"):
         frame = model.frame_above(node)
         assert frame is not None
         found = str(node.get("class") or "") or childclass_at(model.attachment_of(frame).host)
-        _commit(model, node, _class(model, classes, found))
+        _commit(model, node, _class(model, classes, found), only)
 
 
 def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
@@ -104,8 +134,8 @@ def _elements(top: Node) -> Iterator[Node]:
                 yield node
 
 
-def _commit(model: Model, node: Node, found: DefaultClass) -> None:
-    if node.tag == "material":
+def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] | None) -> None:
+    if node.tag == "material" and (only is None or "texture" in only):
         committed_textures.commit(model, node, found)
     attributes = kind_of(node).attributes
     given = _given(found, node, attributes)
@@ -124,9 +154,11 @@ def _commit(model: Model, node: Node, found: DefaultClass) -> None:
         changes.pop("fovy", None)
         if node.get("fovy"):
             changes["fovy"] = None
+    if only is not None:
+        changes = {name: value for name, value in changes.items() if name in only}
     if default_tag(node) in ACTUATORS and not is_plain(found, node):
         given = {name: value for name, value in changes.items() if value is not None}
-        commit_actuator(model, node, given, found)
+        commit_actuator(model, node, given, found, partly=only is not None)
     elif changes:
         model.forget(node)
         for name, written in changes.items():

@@ -87,10 +87,10 @@ def _percent(number: int, size: int) -> str:
     return f"{100 * number // size} %"
 
 
-def between_markers(page: str, text: str) -> str:
-    """The page with what is between its markers replaced."""
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise ValueError(f"the page has no `{BEGIN}` … `{END}`")
-    return f"{before}{BEGIN}\n{text}\n{END}{after}"
+def between_markers(page: str, text: str, begin: str = BEGIN, end: str = END) -> str:
+    """The page with what is between two markers replaced."""
+    before, found, rest = page.partition(begin)
+    _, found_end, after = rest.partition(end)
+    if not found or not found_end:
+        raise ValueError(f"the page has no `{begin}` … `{end}`")
+    return f"{before}{begin}\n{text}\n{end}{after}"

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import copy
 import os
 import warnings
 from collections.abc import Callable
@@ -245,6 +246,53 @@ def test_one_element_and_what_is_below_it(model: RootElement) -> None:
     assert model.find("geom", "plain").rgba is None
     mjcf.commit_defaults(model.find("geom", "plain"))
     assert model.find("geom", "plain").rgba is not None
+
+
+def test_some_attributes_alone(model: RootElement) -> None:
+    expected = copy.deepcopy(model)
+    mjcf.commit_defaults(expected)
+    before = model.compile_model().model
+    mjcf.commit_defaults(model, attributes=["friction", "damping", "kp"])
+    for tag in ("geom", "joint", "actuator"):
+        for element in model.find_all(tag):
+            whole = expected.find(tag, element.name).get_attributes()  # type: ignore[union-attr]
+            for name in ("friction", "damping", "kp"):
+                assert str(element.get(name)) == str(whole.get(name)), (element, name)
+    soft = model.find("geom", "soft")
+    assert soft is not None and soft.euler is None and soft.rgba is None
+    after = model.compile_model().model
+    assert before.geom_friction.tobytes() == after.geom_friction.tobytes()
+    assert before.geom_quat.tobytes() == after.geom_quat.tobytes()
+
+
+def test_some_attributes_of_an_actuator_whose_class_speaks_of_others() -> None:
+    """It stays what it is, without a warning: it was not asked to do without its class."""
+    model = mjcf.from_xml_string(
+        '<mujoco><default><general forcerange="-1 1"/><motor gear="3"/><velocity kv="4"/></default>'
+        '<worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>'
+        '<actuator><motor name="m" joint="j"/></actuator></mujoco>'
+    )
+    before = model.compile_model().model
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mjcf.commit_defaults(model, attributes=("forcerange",))
+    motor = model.find("actuator", "m")
+    assert motor is not None and motor.get_attributes().keys() == {"name", "joint", "forcerange"}
+    after = model.compile_model().model
+    for name in ("actuator_gear", "actuator_forcerange", "actuator_gainprm", "actuator_biasprm"):
+        assert getattr(before, name).tobytes() == getattr(after, name).tobytes()
+
+
+def test_an_attribute_that_no_class_gives_is_reported(model: RootElement) -> None:
+    before = model.to_xml_string()
+    with pytest.raises(
+        mjcf.MjcfError, match="default classes give no element an attribute `frction`"
+    ) as caught:
+        mjcf.commit_defaults(model, attributes=["rgba", "frction"])
+    assert caught.value.diagnostics[0].help == "did you mean `friction`?"
+    with pytest.raises(mjcf.MjcfError, match="`attributes` expects a list of names"):
+        mjcf.commit_defaults(model, attributes="rgba")
+    assert model.to_xml_string() == before
 
 
 def test_classes_stay(model: RootElement) -> None:

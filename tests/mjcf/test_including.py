@@ -113,7 +113,9 @@ def test_a_setting_that_both_write_is_not_lost_where_one_has_no_elements() -> No
     for elements_of_one, elements_of_two in ((geom, ""), ("", geom), ("", "")):
         model = _model('<compiler boundmass="1"/>' + elements_of_one, "one")
         other = _model('<compiler boundmass="2"/>' + elements_of_two, "two")
-        with pytest.raises(MjcfError, match="`compiler` has `boundmass`, which is not the same in `one` and `two`"):
+        with pytest.raises(
+            MjcfError, match="`compiler` has `boundmass`, which is not the same in `one` and `two`"
+        ):
             model.include_copy(other)
         assert model.compiler.boundmass == 1
         with pytest.warns(mjcf.MjcfWarning, match="that of `two` now counts"):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
-from composer.mjcf.physics.scattered import IN_PLACE, seen_alike
+from composer.mjcf.physics.scattered import IN_PLACE, places
 from composer.verify.roster import Model
 
 Release = Callable[[Model, str, NDArray[np.intp]], None]
@@ -32,9 +32,9 @@ def _own(of: str) -> Release:
 
 def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
     """The inertia of bodies leaves their frame, and what stood where it was stays there."""
-    for row in rows:
-        if model.body_simple[row] and model.body_dofnum[row]:
-            raise _is_simple(model, array, int(row))
+    simple = (model.body_simple[rows] != 0) & (model.body_dofnum[rows] > 0)
+    if simple.any():
+        raise _is_simple(model, array, int(rows[simple][0]))
     for kind in ("geom", "site"):
         same = getattr(model, f"{kind}_sameframe")
         stays = np.isin(getattr(model, f"{kind}_bodyid"), rows) & np.isin(same, _WITH_INERTIA)
@@ -63,11 +63,11 @@ RELEASES: dict[str, Release] = {
     "body_ipos": _of_inertia,
     "body_iquat": _of_inertia,
 }
-"""By array of poses: what is done before some of its rows are written."""
+"""By array of poses: what is done before some of its rows are written; a row may be named repeatedly."""
 
 
 class Posed(np.ndarray[Any, np.dtype[Any]]):
-    """Rows of an array of poses, in MuJoCo's own memory; so are slices of it. Writing an item or `+=` releases its row."""
+    """Rows of an array of poses, in MuJoCo's own memory; so are slices of it. What is written releases its rows."""
 
     __slots__ = ("array", "model")
     array: str
@@ -79,6 +79,13 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
         posed.model, posed.array = model, array
         return posed
 
+    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
+        """What is computed from poses is plain numpy."""
+        return array.view(np.ndarray) if array.ndim else array[()]
+
+    def __repr__(self) -> str:
+        return repr(self.view(np.ndarray))
+
     def __setitem__(self, key: Any, value: Any) -> None:
         # Nothing is released for a value that does not fit.
         tried = np.empty(self.shape, self.dtype)
@@ -87,15 +94,12 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
         super().__setitem__(key, value)
 
     def _release(self, key: Any = ...) -> None:
-        top = self if getattr(self, "array", None) is not None else self.base
-        array = getattr(top, "array", None)
-        if array is None:
-            return  # computed from poses
-        source = getattr(top.model, array)
-        places = np.arange(source.size).reshape(source.shape)
-        RELEASES[array](
-            top.model, array, np.unique(seen_alike(places, source, self)[key] // source.shape[-1])
-        )
+        # numpy makes that the base of a view, however many views lie between.
+        top = self if hasattr(self, "array") else self.base
+        if not isinstance(top, Posed) or not hasattr(top, "array"):
+            return  # a copy
+        source = getattr(top.model, top.array)
+        RELEASES[top.array](top.model, top.array, places(source, self)[key] // source.shape[-1])
 
 
 def _in_place(name: str) -> Any:

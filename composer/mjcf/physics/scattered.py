@@ -37,25 +37,27 @@ class Scattered(np.ndarray[Any, np.dtype[Any]]):
         if self is rows and source.ndim == 1:
             source[rows.home.index[key]] = np.asarray(self)[key]
         else:
-            places = np.arange(source.size).reshape(source.shape)[rows.home.index]
-            written = seen_alike(places, rows, self)[key]
-            rows.home.before(np.unique(written // source.shape[-1]))
-            np.put(source, written, np.asarray(self)[key])
+            width = source[0].size
+            at = places(rows, self)[key]
+            written = rows.home.index[at // width]
+            rows.home.before(written)
+            np.put(source, written * width + at % width, np.asarray(self)[key])
 
 
-def seen_alike(places: NDArray[np.intp], rows: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
-    """The part of `places` that a view of `rows`, an array of the same shape, shows of it; both lie in one piece."""
-    offset = (view.ctypes.data - rows.ctypes.data) // rows.itemsize
-    strides = [stride // rows.itemsize * places.itemsize for stride in view.strides]
-    flat = places.reshape(-1)[offset : offset + 1] if view.size else places.reshape(-1)[:0]
-    return np.lib.stride_tricks.as_strided(flat, view.shape, strides)
+def places(of: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
+    """Where in `of`, which lies in one piece, the items of a view of it stand: numbers in the view's shape."""
+    found = np.array((view.ctypes.data - of.ctypes.data) // of.itemsize, dtype=np.intp)
+    for length, stride in zip(view.shape, view.strides, strict=True):
+        found = found[..., None] + np.arange(length) * (stride // of.itemsize)
+    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Home(Generic[_Number]):
     """Where scattered rows belong: the rows `index`, an array of integers, of `source`.
 
-    `before` is called with the rows that are about to be written, where they have several numbers each.
+    `before` is called with the rows that are about to be written, some of them repeatedly, where they have several
+    numbers each.
     """
 
     source: NDArray[_Number]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from composer import mjcf
 from composer.mjcf import MjcfError, Physics, RootElement
 
+UP = np.array([0, 0, 0.5])
 TURNED = [0.5, 0.5, 0.5, 0.5]
 
 
@@ -52,7 +55,7 @@ def test_a_pose_that_is_written_is_read(
     bound.quat = TURNED
     physics.forward()
     body = physics.bind([each.parent for each in found]).xpos  # type: ignore[union-attr]
-    assert np.allclose(bound.xpos, body + [0, 0, 0.5])
+    assert np.allclose(bound.xpos, body + UP)
     assert np.allclose(bound.xmat, np.reshape([[0, 0, 1, 1, 0, 0, 0, 1, 0]] * len(names), bound.xmat.shape))
     assert (bound.sameframe == 0).all()
 
@@ -62,7 +65,7 @@ def test_a_pose_that_is_written_is_read(
     [
         lambda geom: geom.pos.__setitem__(2, 0.5),
         lambda geom: geom.pos.__iadd__([0, 0, 0.5]),
-        lambda geom: setattr(geom, "pos", geom.pos + [0, 0, 0.5]),
+        lambda geom: setattr(geom, "pos", geom.pos + UP),
         lambda geom: geom.pos[1:].__setitem__(1, 0.5),
         lambda geom: geom.pos.reshape(1, 3)[:, 2:].__setitem__(..., 0.5),
         lambda geom: geom.__setitem__(("pos", "z"), 0.5),
@@ -92,6 +95,9 @@ def test_reading_and_computing_release_nothing(pair: RootElement, physics: Physi
     moved[0] = 5
     moved += 1
     bound.pos.copy()[0] = 7
+    bound.pos.copy()[1:][0] = 7
+    pickle.loads(pickle.dumps(bound.pos))[0] = 7
+    assert type(moved) is np.ndarray and repr(bound.pos[0]) == "array([0., 0., 0.])"
     assert physics.model.geom_sameframe.tolist() == [1, 1, 2]
     assert physics.model.geom_pos[0].tolist() == [0, 0, 0]
     assert np.shares_memory(bound.pos, physics.model.geom_pos)
@@ -121,7 +127,8 @@ def test_an_inertia_leaves_alone(field: str, one: bool, pair: RootElement, physi
     physics.forward()
     assert np.allclose(physics.data.geom_xpos, before[0], atol=1e-12)
     assert np.allclose(physics.data.geom_xmat, before[1], atol=1e-12)
-    assert np.allclose(bound.xipos if field == "ipos" else bound.ximat, physics.bind(bodies).xpos + [0.1, 0.2, 0.3] if field == "ipos" else np.eye(3).ravel())  # fmt: skip
+    place = physics.bind(bodies).xpos + np.array([0.1, 0.2, 0.3])
+    assert np.allclose(*((bound.xipos, place) if field == "ipos" else (bound.ximat, np.eye(3).ravel())))
 
 
 def free_body(ipos: str, simple: str) -> str:
