@@ -68,6 +68,14 @@ class Causes:
             return known(self, life, cause)
         return self._step(cause, life.owner, None)
 
+    def value(self, life: Life, attribute: str) -> Reason:
+        """Why an element that a pass made has the value of an attribute."""
+        cause = life.made_by
+        assert cause is not None
+        known = _VALUES.get(cause.name)
+        told = None if known is None else known(self, life, cause, attribute)
+        return told or self.made(life)
+
     def gone(self, life: Life) -> Reason:
         """Why there is an element no more."""
         cause = life.gone
@@ -255,6 +263,45 @@ class Causes:
                 return life.span(unit.origins)
         return None
 
+    def _agreement_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        change = Change(attribute, None, life.attributes.get(attribute), cause, life.owner)
+        return self._agreement(change, life)
+
+    def _compiler_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        for source in life.sources:
+            if source.attributes.get(attribute) == life.attributes.get(attribute):
+                return Reason("", source.span(cause.unit.origins, attribute))
+        return self._compiler(Change(attribute, None, None, cause, life.owner), life)
+
+    def _defaults_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        if attribute == "class" and cause.part is not None:
+            return Reason("named after the part", cause.part.span)
+        return None
+
+    def _bodies_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        """What hangs a part: the pose and the joints that the recipe writes, the pose of the place."""
+        part = cause.part
+        if part is None:
+            return None
+        span = cause.unit.origins.settings.get(life.node, {}).get(attribute)
+        if span is None and cause.linking is not None:
+            span = cause.linking.base.origins.settings.get(life.node, {}).get(attribute)
+        is_pose = attribute == "pos" or attribute in ORIENTATIONS
+        if span is not None and attribute == "name":
+            return Reason(f"named there, with the prefix of the part `{part.called}`", span)
+        if span is not None:
+            computed = part.place.computed if is_pose else ""
+            return Reason(_COMPUTED.get(computed, ""), span)
+        if attribute in ("class", "childclass") and life.attributes[attribute] == part.top_class:
+            return Reason(f"the top class of the part `{part.called}`", part.span)
+        if attribute == "name":
+            return Reason(f"named after the part `{part.called}`", part.span)
+        if is_pose and part.floats:
+            return Reason("computed: where that place is in the world", _hung_at(part))
+        if is_pose:
+            return Reason(f"the pose of the {part.place.kind} `{part.place.name}`", _hung_at(part))
+        return Reason(f"for the part `{part.called}`", part.span)
+
     def _bodies_made(self, life: Life, cause: Cause) -> Reason:
         part = cause.part
         if part is None:
@@ -385,6 +432,16 @@ _MADE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
     "compiler": Causes._compiler_made,
     "keyframes": Causes._keyframes_made,
     "sections": Causes._section_made,
+}
+_VALUES: dict[str, Callable[[Causes, Life, Cause, str], Reason | None]] = {
+    "agreement": Causes._agreement_value,
+    "bodies": Causes._bodies_value,
+    "compiler": Causes._compiler_value,
+    "defaults": Causes._defaults_value,
+}
+_COMPUTED = {
+    "mate": "computed, so that what `mate` names lies on the place",
+    "replicate": "computed: the place of this copy",
 }
 _GONE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
     "reductions": Causes._reduced,

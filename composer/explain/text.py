@@ -125,7 +125,7 @@ def _level(each: LevelExplained) -> tuple[str, str, str, str]:
         verdict = "in effect" if each.part_of_it is None else f"in effect: {each.part_of_it}"
     elif each.text is not None and each.kind != "mujoco":
         verdict = "overridden"
-    return name, said, verdict, _at(each.span)
+    return name, said, verdict, f"{each.words}{_at(each.span, ', ' if each.words else '')}"
 
 
 def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:

@@ -27,21 +27,25 @@ KeyPolicy = Literal["merge", "prefix", "none"]
 class Place:
     """Where a part hangs: an element of the model by its final name, and an offset in that element's frame.
 
-    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`.
+    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`. `written` says where the recipe has each of
+    them. With `computed` that is not its value but the key, `mate` or `replicate`, for whose sake it was computed.
     """
 
     kind: Literal["world", "body", "site", "frame"] = "world"
     name: str | None = None
     offset: Mapping[str, str] = field(default_factory=dict)
     span: Span | None = None
+    written: Mapping[str, Span] = field(default_factory=dict)
+    computed: Literal["", "mate", "replicate"] = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint between a place and a part: the tag, its attributes, and where a recipe asks for it."""
+    """A joint between a place and a part: the tag, its attributes, and where the recipe has those that it writes."""
 
     tag: Literal["joint", "freejoint"]
     attributes: Mapping[str, str]
+    written: Mapping[str, Span] = field(default_factory=dict)
 
 
 @dataclass(eq=False)
