@@ -26,11 +26,14 @@ from composer.plan.plan import (
     SetDefault,
     SetSingleton,
 )
+from composer.recipe.shown import shown
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import class_in_force
 from composer.tree.settings import Settings
 
 if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
     from composer.tree.unit import Unit
 
 _DEFAULT = Settings()
@@ -57,7 +60,7 @@ class Causes:
             told = known(self, change, life)
             if told is not None:
                 return told
-        return self._step(cause, change.owner, change.attribute)
+        return self._step(cause, change.owner, change.attribute, life.node)
 
     def made(self, life: Life) -> Reason:
         """Why there is an element that was read from no file."""
@@ -98,7 +101,7 @@ class Causes:
             return None
         return self._step(cause, None, None)
 
-    def _step(self, cause: Cause, owner: object, attribute: str | None) -> Reason:
+    def _step(self, cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
         done = cause.done
         if isinstance(done, Plan):
             return _by_plan(done, attribute)
@@ -113,7 +116,9 @@ class Causes:
             written_by_it = span is not None and span.file == done.span.file
             return Reason(in_words(done), span if written_by_it else done.span)
         if isinstance(done, DrawValues):
-            return Reason(f"{words_of_draw(done.field)}, sample {done.sample}", done.span)
+            drawn = None if node is None else _drawn(cause, node, done.field.name)
+            value = "" if drawn is None else f": {shown(drawn)} is drawn"
+            return Reason(f"{words_of_draw(done.field)}, sample {done.sample}{value}", done.span)
         return Reason(_summary(done), span if isinstance(span, Span) else None)
 
     # -- what the linker's passes do ---------------------------------------------------------------------------
@@ -384,6 +389,16 @@ def _owned(owner: object, attribute: str | None) -> Span | None:
     if callable(owner):
         span = owner(attribute)
         return span if isinstance(span, Span) else None
+    return None
+
+
+def _drawn(cause: Cause, node: Node, field: str) -> object | None:
+    """What a field drew for an element, or for the body whose mass the element gives."""
+    if cause.linking is None:
+        return None
+    for each in (node, *node.iterancestors("body")):
+        if field in (found := cause.linking.drawn.get(each, {})):
+            return found[field]
     return None
 
 

@@ -81,7 +81,8 @@ def _classes(it: ElementExplained) -> Iterator[str]:
 
 def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterator[str]:
     yield f"{it.attribute} of {it.label}"
-    shown = it.value if it.value is not None else "not set"
+    nothing = "computed by MuJoCo" if any(each.wins for each in it.levels) else "not set"
+    shown = it.value if it.value is not None else nothing
     yield from textwrap.wrap(shown, _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
     if it.about:
         yield f"  # {it.about}"
@@ -103,7 +104,9 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterat
     for each in it.levels:
         if each.changes:
             yield ""
-            where = "on the element" if each.kind == "element" else f"in the class {each.name}"
+            where = f"in the class {each.name}" if each.kind == "class" else "on the element"
+            if len(it.levels) > 1 and it.levels[0].name[0] != "<":  # what several elements give
+                where = f"of {each.name}"
             yield f"what changed it {where}"
             yield from _changes(each.changes, name=False)
     for note in it.notes:

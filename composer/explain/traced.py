@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.explain import query
 from composer.explain.cause import REWRITES, Causes, place
+from composer.explain.derived import givers, is_derived, total
 from composer.explain.explanation import (
     AttributeExplained,
     Changed,
@@ -30,6 +31,7 @@ from composer.explain.missing import no_attribute, not_found
 from composer.explain.row_words import only_place, reason_of, row_explained
 from composer.explain.rows import VECTORS, NumberOrigin, key_origins, rows
 from composer.explain.trace import TAG, Change, Life, Move, Trace
+from composer.recipe.subscript import attribute_and_index
 from composer.tree.attached import attached_notes
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import chain as class_chain
@@ -77,11 +79,14 @@ class Traced:
             not_found(asked, self.model.root, context.sink, [*self._left_out(asked), *elsewhere])
             return None
         if asked.attribute is not None:
-            fitting = [node for node in found if asked.attribute in kind_of(node).attributes]
+            attribute, _ = attribute_and_index(asked.attribute)
+            fitting = [
+                node for node in found if attribute in kind_of(node).attributes or is_derived(node, attribute)
+            ]
             if not fitting:
                 no_attribute(found[0], asked.attribute, context.sink)
                 return None
-            found = fitting
+            found, asked = fitting, replace(asked, attribute=attribute)
         several = asked.name is None and asked.number is None and asked.line is None and len(found) > 1
         if len(found) > 1 or several:
             return tuple(self._listed(node, asked.attribute) for node in found)
@@ -114,6 +119,8 @@ class Traced:
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
         """Everything about one attribute."""
+        if is_derived(node, name):
+            return self._derived(node, name)
         kind = kind_of(node)
         attribute = kind.attributes[name]
         steps = levels(node, kind, attribute, self.classes)
@@ -146,11 +153,43 @@ class Traced:
             notes=tuple(self._notes(node, attribute)),
         )
 
+    def _derived(self, node: Node, name: str) -> AttributeExplained:
+        """An attribute that other ones give: each of them is a level of its own."""
+        found = givers(node, name, self.classes)
+        told = [self.attribute(giver, attribute) for giver, attribute in found]
+        levels = [
+            replace(
+                level,
+                name=f"{self._called(giver, each)} {attribute}"
+                + (f", class {level.name}" if level.kind == "class" else ""),
+            )
+            for (giver, attribute), each in zip(found, told, strict=True)
+            for level in each.levels
+            if level.wins and (giver is not node or level.kind != "mujoco")
+        ]
+        is_whole = node.tag in ("body", "worldbody")
+        said = total(found, name, [each.value for each in told]) if is_whole else None
+        return AttributeExplained(
+            label=self.labels[node],
+            attribute=name,
+            value=said,
+            levels=tuple(levels),
+            in_force=None,
+            about=None,
+            rows=(),
+            notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
+        )
+
+    def _called(self, giver: Node, told: AttributeExplained) -> str:
+        return f"<{giver.tag}>" if giver.tag == "inertial" else told.label
+
     def _listed(self, node: Node, attribute: str | None) -> Listed:
         text, life = None, self.watch.life(node)
         written = list(self.written(life))
         reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
-        if attribute is not None:
+        if attribute is not None and is_derived(node, attribute):
+            text = self._derived(node, attribute).value or "computed by MuJoCo"
+        elif attribute is not None:
             kind = kind_of(node)
             steps = levels(node, kind, kind.attributes[attribute], self.classes)
             text = value(steps)

@@ -145,11 +145,12 @@ class Linking:
     `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
     recipe's; `final_layout` is how the finished model lays them out. Edits of what is linked note in `reshaped`
     whose numbers in a key may be more or fewer now, and in `emptied` whose old numbers have no meaning any more;
-    `edited` is that there may be edits. `grows` is that the recipe adds what rules for a whole model would reach.
-    `weighed` are the bodies whose inertia has been written out, so that what is added to them adds no mass.
-    `references` and `mocap_references` have what only MuJoCo can tell of the reference configuration. `placed_keys`
-    are the models that MuJoCo attaches to parts whose keys say where something is in the world. `coming` has where
-    the recipe writes the places, by kind and name, that it adds when all parts hang.
+    `edited` is that there may be edits; `drawn` has what was drawn for an element, by field. `grows` is that the
+    recipe adds what rules for a whole model would reach. `weighed` are the bodies whose inertia has been written
+    out, so that what is added to them adds no mass. `references` and `mocap_references` have what only MuJoCo can
+    tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts whose keys say
+    where something is in the world. `coming` has where the recipe writes the places, by kind and name, that it adds
+    when all parts hang.
     """
 
     base: Unit
@@ -181,6 +182,7 @@ class Linking:
     planes: list[tuple[Part, Node]] = field(default_factory=list)
     reshaped: set[Node] = field(default_factory=set)
     emptied: set[Node] = field(default_factory=set)
+    drawn: dict[Node, dict[str, object]] = field(default_factory=dict)
     edited: bool = False
     grows: bool = False
     weighed: set[Node] = field(default_factory=set)
