@@ -10,7 +10,7 @@ import click
 
 from composer.cli.choices import choice_options, chosen_values
 from composer.cli.fetching import fetching, fetching_options
-from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, source_reader
+from composer.cli.reporting import FINDINGS, USAGE, report, reporting_options, source_reader, use_color
 
 
 @click.command()
@@ -70,5 +70,6 @@ def command(
     if form == "json":
         click.echo(json.dumps(as_data(explained), indent=2, ensure_ascii=False))
     else:
-        click.echo(render(explained, source_reader(context.folder)))
+        color = use_color(out=True)
+        click.echo(render(explained, source_reader(context.folder), color), color=color)
     sys.exit(FINDINGS if context.sink.has_errors else 0)

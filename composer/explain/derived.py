@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from composer.grammar import GRAMMAR
+from composer.grammar import GRAMMAR, ElementType
 from composer.link import numbers
 from composer.link.inertia import has_mass, own
 from composer.recipe.checks.arrays import attributes as compared
@@ -25,17 +25,21 @@ _INERTIA = "diaginertia"
 
 def is_derived(node: Node, name: str) -> bool:
     """Whether recipes have the attribute and MJCF does not write it on such an element."""
-    kind = kind_of(node)
-    if name in kind.attributes:
-        return False
-    if kind.path in ("body", "worldbody"):
-        return name in (MASS, _INERTIA)
-    return kind.family is not None and name in set(compared(kind.family))
+    return name in derived_names(kind_of(node))
+
+
+def derived_names(kind: ElementType) -> tuple[str, ...]:
+    """What `edit`, `randomize` and `check: equal` take of such an element beyond what the grammar has."""
+    if kind.path == "body":
+        return (MASS, _INERTIA)
+    if kind.family != "actuator":
+        return ()
+    return tuple(name for name in compared(kind.family) if name not in kind.attributes)
 
 
 def givers(node: Node, name: str, classes: Classes) -> list[tuple[Node, str]]:
     """The elements and their attributes that give it, those in effect only."""
-    if node.tag in ("body", "worldbody"):
+    if node.tag == "body":
         return list(_of_body(node, name, classes))
     general = GRAMMAR.element("actuator/motor").attributes
     return [(node, each) for each in kind_of(node).attributes if each not in general]

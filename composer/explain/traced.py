@@ -167,8 +167,7 @@ class Traced:
             for level in each.levels
             if level.wins and (giver is not node or level.kind != "mujoco")
         ]
-        is_whole = node.tag in ("body", "worldbody")
-        said = total(found, name, [each.value for each in told]) if is_whole else None
+        said = total(found, name, [each.value for each in told]) if node.tag == "body" else None
         return AttributeExplained(
             label=self.labels[node],
             attribute=name,
