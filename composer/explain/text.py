@@ -110,8 +110,8 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
         if each.changes:
             yield ""
             where = f"in the class {each.name}" if each.kind == "class" else "on the element"
-            if len(it.levels) > 1 and it.levels[0].name[0] != "<":  # what several elements give
-                where = f"of {each.name}"
+            if it.levels[0].name[0] != "<":  # the attribute of another element, which gives this one
+                where = f"in {each.name}"
             yield paint("bold", f"what changed it {where}")
             yield from _changes(each.changes, name=False)
     for note in it.notes:

@@ -158,11 +158,7 @@ class Traced:
         found = givers(node, name, self.classes)
         told = [self.attribute(giver, attribute) for giver, attribute in found]
         levels = [
-            replace(
-                level,
-                name=f"{self._called(giver, each)} {attribute}"
-                + (f", class {level.name}" if level.kind == "class" else ""),
-            )
+            replace(level, kind="element", name=_given_by(self._called(giver, each), attribute, level))
             for (giver, attribute), each in zip(found, told, strict=True)
             for level in each.levels
             if level.wins and (giver is not node or level.kind != "mujoco")
@@ -204,6 +200,8 @@ class Traced:
         """The numbers of a key by the joint, actuator or mocap body that they belong to, and by their origin."""
         for holder, numbers, origin in rows(self.model, key, vector, self.watch):
             reason = self._row_reason(key, origin)
+            if origin.kind == "entry":
+                reason = self._in_own_form(reason.span, numbers)
             written = origin.written or (None if reason.span is None else self._slice(reason.span))
             yield holder, row_explained(self.labels[holder], numbers, origin, reason, written)
 
@@ -413,6 +411,12 @@ class Traced:
 
     def _replaced(self) -> set[Node]:
         return {source.node for life in self.watch.lives.values() for source in life.sources}
+
+
+def _given_by(called: str, attribute: str, level: LevelExplained) -> str:
+    """A level of an attribute that gives another one."""
+    level_of = {"element": "", "class": f", class {level.name}", "mujoco": f", {level.name}"}[level.kind]
+    return f"{called} {attribute}{level_of}"
 
 
 def _list_of(lines: list[str], indent: int) -> str:
