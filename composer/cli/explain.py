@@ -20,6 +20,7 @@ from composer.cli.reporting import (
     report,
     reporting_options,
     source_reader,
+    use_color,
 )
 
 
@@ -85,5 +86,6 @@ def command(
     if form == "json":
         click.echo(json.dumps(as_data(explained), indent=2, ensure_ascii=False))
     else:
-        click.echo(render(explained, source_reader(context.folder)))
+        color = use_color(out=True)
+        click.echo(render(explained, source_reader(context.folder), color), color=color)
     sys.exit(FINDINGS if context.sink.has_errors else 0)

@@ -100,9 +100,13 @@ def _told(context: Context, form: str) -> str:
     return f"{told}{text.summary(found)}\n"
 
 
-def use_color() -> bool:
-    """Colours only on a terminal that has them, and never where NO_COLOR is set."""
-    return on_terminal() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+def use_color(*, out: bool = False) -> bool:
+    """Colours only on a terminal that has them, and never where NO_COLOR is set.
+
+    `out` asks for standard output, where answers go; messages go to standard error.
+    """
+    terminal = sys.stdout is not None and sys.stdout.isatty() if out else on_terminal()
+    return terminal and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
 
 def progress(message: str) -> None:

@@ -39,7 +39,7 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     """
     excerpts = [_excerpt(span, read_source) for span in _spans(diagnostic)]
     margin = max((len(str(each.number)) for each in excerpts if each), default=1)
-    paint = _Paint(color)
+    paint = Paint(color)
     edge = paint("gutter", " " * (margin + 1) + "|")
 
     def shown(excerpt: _Excerpt | None, style: str, mark: str) -> list[str]:
@@ -90,8 +90,8 @@ def summary(diagnostics: Iterable[Diagnostic]) -> str:
     return ", ".join(listed) or "no errors"
 
 
-class _Paint:
-    """Wraps text in a colour, or leaves it as it is."""
+class Paint:
+    """Wraps text in a colour, or leaves it as it is. The styles are those of `_COLOR`."""
 
     def __init__(self, enabled: bool) -> None:
         self._enabled = enabled

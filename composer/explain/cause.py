@@ -26,11 +26,14 @@ from composer.plan.plan import (
     SetDefault,
     SetSingleton,
 )
+from composer.recipe.shown import shown
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import class_in_force
 from composer.tree.settings import Settings
 
 if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
     from composer.tree.unit import Unit
 
 _DEFAULT = Settings()
@@ -57,7 +60,7 @@ class Causes:
             told = known(self, change, life)
             if told is not None:
                 return told
-        return self._step(cause, change.owner, change.attribute)
+        return self._step(cause, change.owner, change.attribute, life.node)
 
     def made(self, life: Life) -> Reason:
         """Why there is an element that was read from no file."""
@@ -67,6 +70,14 @@ class Causes:
         if known is not None:
             return known(self, life, cause)
         return self._step(cause, life.owner, None)
+
+    def value(self, life: Life, attribute: str) -> Reason:
+        """Why an element that a pass made has the value of an attribute."""
+        cause = life.made_by
+        assert cause is not None
+        known = _VALUES.get(cause.name)
+        told = None if known is None else known(self, life, cause, attribute)
+        return told or self.made(life)
 
     def gone(self, life: Life) -> Reason:
         """Why there is an element no more."""
@@ -90,7 +101,7 @@ class Causes:
             return None
         return self._step(cause, None, None)
 
-    def _step(self, cause: Cause, owner: object, attribute: str | None) -> Reason:
+    def _step(self, cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
         done = cause.done
         if isinstance(done, Plan):
             return _by_plan(done, attribute)
@@ -105,7 +116,9 @@ class Causes:
             written_by_it = span is not None and span.file == done.span.file
             return Reason(in_words(done), span if written_by_it else done.span)
         if isinstance(done, DrawValues):
-            return Reason(f"{words_of_draw(done.field)}, sample {done.sample}", done.span)
+            drawn = None if node is None else _drawn(cause, node, done.field.name)
+            value = "" if drawn is None else f": {shown(drawn)} is drawn"
+            return Reason(f"{words_of_draw(done.field)}, sample {done.sample}{value}", done.span)
         return Reason(_summary(done), span if isinstance(span, Span) else None)
 
     # -- what the linker's passes do ---------------------------------------------------------------------------
@@ -255,6 +268,45 @@ class Causes:
                 return life.span(unit.origins)
         return None
 
+    def _agreement_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        change = Change(attribute, None, life.attributes.get(attribute), cause, life.owner)
+        return self._agreement(change, life)
+
+    def _compiler_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        for source in life.sources:
+            if source.attributes.get(attribute) == life.attributes.get(attribute):
+                return Reason("", source.span(cause.unit.origins, attribute))
+        return self._compiler(Change(attribute, None, None, cause, life.owner), life)
+
+    def _defaults_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        if attribute == "class" and cause.part is not None:
+            return Reason("named after the part", cause.part.span)
+        return None
+
+    def _bodies_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        """What hangs a part: the pose and the joints that the recipe writes, the pose of the place."""
+        part = cause.part
+        if part is None:
+            return None
+        span = cause.unit.origins.settings.get(life.node, {}).get(attribute)
+        if span is None and cause.linking is not None:
+            span = cause.linking.base.origins.settings.get(life.node, {}).get(attribute)
+        is_pose = attribute == "pos" or attribute in ORIENTATIONS
+        if span is not None and attribute == "name":
+            return Reason(f"named there, with the prefix of the part `{part.called}`", span)
+        if span is not None:
+            computed = part.place.computed if is_pose else ""
+            return Reason(_COMPUTED.get(computed, ""), span)
+        if attribute in ("class", "childclass") and life.attributes[attribute] == part.top_class:
+            return Reason(f"the top class of the part `{part.called}`", part.span)
+        if attribute == "name":
+            return Reason(f"named after the part `{part.called}`", part.span)
+        if is_pose and part.floats:
+            return Reason("computed: where that place is in the world", _hung_at(part))
+        if is_pose:
+            return Reason(f"the pose of the {part.place.kind} `{part.place.name}`", _hung_at(part))
+        return Reason(f"for the part `{part.called}`", part.span)
+
     def _bodies_made(self, life: Life, cause: Cause) -> Reason:
         part = cause.part
         if part is None:
@@ -340,6 +392,16 @@ def _owned(owner: object, attribute: str | None) -> Span | None:
     return None
 
 
+def _drawn(cause: Cause, node: Node, field: str) -> object | None:
+    """What a field drew for an element, or for the body whose mass the element gives."""
+    if cause.linking is None:
+        return None
+    for each in (node, *node.iterancestors("body")):
+        if field in (found := cause.linking.drawn.get(each, {})):
+            return found[field]
+    return None
+
+
 def _by_plan(plan: Plan, attribute: str | None) -> Reason:
     if attribute == "model":
         named = find(plan.document, ("name",)) is not None
@@ -385,6 +447,16 @@ _MADE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
     "compiler": Causes._compiler_made,
     "keyframes": Causes._keyframes_made,
     "sections": Causes._section_made,
+}
+_VALUES: dict[str, Callable[[Causes, Life, Cause, str], Reason | None]] = {
+    "agreement": Causes._agreement_value,
+    "bodies": Causes._bodies_value,
+    "compiler": Causes._compiler_value,
+    "defaults": Causes._defaults_value,
+}
+_COMPUTED = {
+    "mate": "computed, so that what `mate` names lies on the place",
+    "replicate": "computed: the place of this copy",
 }
 _GONE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
     "reductions": Causes._reduced,

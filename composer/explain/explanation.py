@@ -97,7 +97,8 @@ class LevelExplained:
     """One place that an attribute may come from.
 
     Where it `wins` its text is in effect, or only `part_of_it`: a list that is shorter leaves its last numbers to the
-    next level that has them.
+    next level that has them. At `span` it is written as it is, but for the `changes`; where there are `words` these say
+    how it came about instead.
     """
 
     kind: Literal["element", "class", "mujoco"]
@@ -107,6 +108,7 @@ class LevelExplained:
     part_of_it: str | None
     span: Span | None
     changes: tuple[Changed, ...]
+    words: str = ""
 
 
 @dataclass(frozen=True, slots=True)

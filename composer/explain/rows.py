@@ -175,9 +175,9 @@ class _Reading:
         found = None if text is None else text.items(life.tag, life.line, life.attributes, source.vector, *at)
         if found is None:
             return None
-        place, words = found
-        span = Span(life.owner, place.line, place.column, place.line, place.end_column)
-        return NumberOrigin("file", span, words)
+        first, last, words = found
+        span = Span(life.owner, first.line, first.column, last.line, last.end_column)
+        return NumberOrigin("file", span, " ".join(words.split()))
 
 
 def _after(known: list[_Known], now: list[str], changes: list[Change], vector: str) -> list[_Known]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import groupby
 
 from composer.diagnostics.span import Span
+from composer.diagnostics.text import Paint
 from composer.explain.explanation import (
     AttributeExplained,
     Changed,
@@ -24,40 +25,44 @@ _PATH = 48
 _MOST_LINES = 5
 
 
-def render(explained: Explained, read_source: ReadSource | None = None) -> str:
-    """The explanation, without a final line break; source lines are shown where `read_source` has them."""
+def render(explained: Explained, read_source: ReadSource | None = None, color: bool = False) -> str:
+    """The explanation, without a final line break; source lines are shown where `read_source` has them.
+
+    `color` adds the ANSI colours that diagnostics have.
+    """
+    paint = Paint(color)
     if isinstance(explained, ElementExplained):
-        lines = _element(explained, read_source)
+        lines = _element(explained, read_source, paint)
     elif isinstance(explained, AttributeExplained):
-        lines = _attribute(explained, read_source)
+        lines = _attribute(explained, read_source, paint)
     else:
         lines = _list(explained)
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _element(it: ElementExplained, read_source: ReadSource | None) -> Iterator[str]:
-    yield it.label
+def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:
+    yield paint("bold", it.label)
     yield from textwrap.wrap(it.text, _WIDE, initial_indent="  ", subsequent_indent="      ",
                              break_long_words=False, break_on_hyphens=False)  # fmt: skip
     if it.holder:
         yield f"  in {it.holder}"
     yield ""
-    yield "where it comes from"
+    yield paint("bold", "where it comes from")
     for number, each in enumerate(it.written):
         yield f"  {each.words}{_in_full(each.span, ' ' if each.words == 'read from' else ', ')}"
-        yield from _source(each.span, it.end_line if number == 0 else None, read_source)
+        yield from _source(each.span, it.end_line if number == 0 else None, read_source, paint)
     yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
     if it.sets:
         yield ""
-        yield "what it sets"
+        yield paint("bold", "what it sets")
         yield from _table([(each.label, _cut(each.value or ""), _at(each.reason.span)) for each in it.sets])
     if it.changes:
         yield ""
-        yield "what changed it"
+        yield paint("bold", "what changed it")
         yield from _changes(it.changes)
     if it.classes:
         yield ""
-        yield "default classes, the nearest first"
+        yield paint("bold", "default classes, the nearest first")
         if it.in_force is not None:
             yield f"  in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
         yield from _classes(it)
@@ -79,22 +84,23 @@ def _classes(it: ElementExplained) -> Iterator[str]:
                 yield f"      {each.attribute:<{width}}  {_cut(each.value):<{values}}  {_at(each.span)}"
 
 
-def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterator[str]:
-    yield f"{it.attribute} of {it.label}"
-    shown = it.value if it.value is not None else "not set"
+def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:
+    yield paint("bold", f"{it.attribute} of {it.label}")
+    nothing = "computed by MuJoCo" if any(each.wins for each in it.levels) else "not set"
+    shown = it.value if it.value is not None else nothing
     yield from textwrap.wrap(shown, _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
     if it.about:
         yield f"  # {it.about}"
     yield ""
-    yield "where it comes from"
+    yield paint("bold", "where it comes from")
     yield from _table([_level(each) for each in it.levels])
     winner = next((each for each in it.levels if each.wins and each.span is not None), None)
     if winner is not None and winner.span is not None:
         yield f"  {winner.span.file}:{winner.span.line}"
-        yield from _source(winner.span, None, read_source)
+        yield from _source(winner.span, None, read_source, paint)
     if it.rows:
         yield ""
-        yield "number by number"
+        yield paint("bold", "number by number")
         yield from _table([(row.label, row.value, _row_origin(row)) for row in it.rows])
     first = next((each for each in it.levels if each.kind == "class"), None)
     if it.in_force is not None and first is not None:
@@ -103,12 +109,14 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None) -> Iterat
     for each in it.levels:
         if each.changes:
             yield ""
-            where = "on the element" if each.kind == "element" else f"in the class {each.name}"
-            yield f"what changed it {where}"
+            where = f"in the class {each.name}" if each.kind == "class" else "on the element"
+            if it.levels[0].name[0] != "<":  # the attribute of another element, which gives this one
+                where = f"in {each.name}"
+            yield paint("bold", f"what changed it {where}")
             yield from _changes(each.changes, name=False)
     for note in it.notes:
         yield ""
-        yield f"note: {note}"
+        yield f"{paint('note', 'note')}: {note}"
 
 
 def _row_origin(row: RowExplained) -> str:
@@ -125,7 +133,7 @@ def _level(each: LevelExplained) -> tuple[str, str, str, str]:
         verdict = "in effect" if each.part_of_it is None else f"in effect: {each.part_of_it}"
     elif each.text is not None and each.kind != "mujoco":
         verdict = "overridden"
-    return name, said, verdict, _at(each.span)
+    return name, said, verdict, f"{each.words}{_at(each.span, ', ' if each.words else '')}"
 
 
 def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:
@@ -168,7 +176,9 @@ def _table(rows: list[tuple[str, ...]], indent: str = "  ") -> Iterator[str]:
         yield indent + "  ".join([*(cell for cell in cells if cell), row[-1]])
 
 
-def _source(span: Span | None, last: int | None, read_source: ReadSource | None) -> Iterator[str]:
+def _source(
+    span: Span | None, last: int | None, read_source: ReadSource | None, paint: Paint
+) -> Iterator[str]:
     text = read_source(span.file) if span is not None and read_source is not None else None
     if text is None or span is None:
         return
@@ -177,7 +187,8 @@ def _source(span: Span | None, last: int | None, read_source: ReadSource | None)
     margin = len(str(end))
     for number in range(span.line, end + 1):
         line = lines[number - 1].rstrip()
-        yield f"    {number:>{margin}} | {line if len(line) <= _WIDE else line[: _WIDE - 1] + '…'}"
+        gutter = paint("gutter", f"{number:>{margin}} |")
+        yield f"    {gutter} {line if len(line) <= _WIDE else line[: _WIDE - 1] + '…'}"
 
 
 def _in_full(span: Span | None, before: str) -> str:

@@ -62,8 +62,9 @@ class Move:
 class Life:
     """All that is known of one element: how it was when first seen, what changed, and what became of it.
 
-    `made_by` is None for what was read from a file; `home` is the root of the tree that it was last seen in. `parts`
-    has the parts that it belongs to, the innermost first; `sources` are the elements whose place it takes.
+    `born` is after what it was first seen; `made_by` is the same, and None for what was read from a file. `home` is the
+    root of the tree that it was last seen in. `parts` has the parts that it belongs to, the innermost first; `sources`
+    are the elements whose place it takes.
     """
 
     node: Node
@@ -75,6 +76,7 @@ class Life:
     parent: Node | None
     home: Node
     made_by: Cause | None
+    born: Cause
     changes: list[Change | Move] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     sources: list[Life] = field(default_factory=list)
@@ -170,7 +172,7 @@ class Trace:
         parent = node.getparent()
         root = cause.unit.root
         life = Life(
-            node, root, owner, line_of(node), str(node.tag), dict(items), parent, root, made,
+            node, root, owner, line_of(node), str(node.tag), dict(items), parent, root, made, cause,
             items=items, last_tag=str(node.tag), last_parent=parent,
         )  # fmt: skip
         self.lives[node] = life

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.explain import query
 from composer.explain.cause import REWRITES, Causes, place
+from composer.explain.derived import givers, is_derived, total
 from composer.explain.explanation import (
     AttributeExplained,
     Changed,
@@ -29,6 +31,7 @@ from composer.explain.missing import no_attribute, not_found
 from composer.explain.row_words import only_place, reason_of, row_explained
 from composer.explain.rows import VECTORS, NumberOrigin, key_origins, rows
 from composer.explain.trace import TAG, Change, Life, Move, Trace
+from composer.recipe.subscript import attribute_and_index
 from composer.tree.attached import attached_notes
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import chain as class_chain
@@ -40,6 +43,10 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
     from composer.grammar.attribute import Attribute
+
+
+_URDF = "what MuJoCo makes of the URDF"
+_COMES_ALONG = "comes with what the recipe adds there"
 
 
 @dataclass(eq=False)
@@ -72,11 +79,14 @@ class Traced:
             not_found(asked, self.model.root, context.sink, [*self._left_out(asked), *elsewhere])
             return None
         if asked.attribute is not None:
-            fitting = [node for node in found if asked.attribute in kind_of(node).attributes]
+            attribute, _ = attribute_and_index(asked.attribute)
+            fitting = [
+                node for node in found if attribute in kind_of(node).attributes or is_derived(node, attribute)
+            ]
             if not fitting:
                 no_attribute(found[0], asked.attribute, context.sink)
                 return None
-            found = fitting
+            found, asked = fitting, replace(asked, attribute=attribute)
         several = asked.name is None and asked.number is None and asked.line is None and len(found) > 1
         if len(found) > 1 or several:
             return tuple(self._listed(node, asked.attribute) for node in found)
@@ -109,6 +119,8 @@ class Traced:
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
         """Everything about one attribute."""
+        if is_derived(node, name):
+            return self._derived(node, name)
         kind = kind_of(node)
         attribute = kind.attributes[name]
         steps = levels(node, kind, attribute, self.classes)
@@ -116,14 +128,16 @@ class Traced:
         for step in steps:
             words = {"element": f"<{node.tag}>", "mujoco": "MuJoCo's default"}.get(step.kind, str(step.name))
             whole = step.text is not None and len(step.taken) == len(step.text.split())
+            origin = self._level_origin(step.kind, step.name, step.writer, name)
             told.append(
                 LevelExplained(
                     step.kind, words, step.text, bool(step.taken),
                     None if whole or not step.taken or step.text is None
                     else " ".join(step.text.split()[step.taken.start : step.taken.stop]),
-                    self._level_span(step.kind, step.name, step.writer, name),
+                    origin.span,
                     () if step.writer is None or (step.text is None and step.kind != "element")
                     else tuple(self._changes(self.watch.life(step.writer), name)),
+                    origin.words,
                 )
             )  # fmt: skip
         return AttributeExplained(
@@ -139,11 +153,38 @@ class Traced:
             notes=tuple(self._notes(node, attribute)),
         )
 
+    def _derived(self, node: Node, name: str) -> AttributeExplained:
+        """An attribute that other ones give: each of them is a level of its own."""
+        found = givers(node, name, self.classes)
+        told = [self.attribute(giver, attribute) for giver, attribute in found]
+        levels = [
+            replace(level, kind="element", name=_given_by(self._called(giver, each), attribute, level))
+            for (giver, attribute), each in zip(found, told, strict=True)
+            for level in each.levels
+            if level.wins and (giver is not node or level.kind != "mujoco")
+        ]
+        said = total(found, name, [each.value for each in told]) if node.tag == "body" else None
+        return AttributeExplained(
+            label=self.labels[node],
+            attribute=name,
+            value=said,
+            levels=tuple(levels),
+            in_force=None,
+            about=None,
+            rows=(),
+            notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
+        )
+
+    def _called(self, giver: Node, told: AttributeExplained) -> str:
+        return f"<{giver.tag}>" if giver.tag == "inertial" else told.label
+
     def _listed(self, node: Node, attribute: str | None) -> Listed:
         text, life = None, self.watch.life(node)
         written = list(self.written(life))
         reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
-        if attribute is not None:
+        if attribute is not None and is_derived(node, attribute):
+            text = self._derived(node, attribute).value or "computed by MuJoCo"
+        elif attribute is not None:
             kind = kind_of(node)
             steps = levels(node, kind, kind.attributes[attribute], self.classes)
             text = value(steps)
@@ -151,13 +192,16 @@ class Traced:
             words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(
                 winner.kind, f"class {winner.name}"
             )
-            reason = Reason(words, self._level_span(winner.kind, winner.name, winner.writer, attribute))
+            told = self._level_origin(winner.kind, winner.name, winner.writer, attribute)
+            reason = Reason("computed" if told.words else words, told.span)
         return Listed(self.labels[node], text, reason)
 
     def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, RowExplained]]:
         """The numbers of a key by the joint, actuator or mocap body that they belong to, and by their origin."""
         for holder, numbers, origin in rows(self.model, key, vector, self.watch):
             reason = self._row_reason(key, origin)
+            if origin.kind == "entry":
+                reason = self._in_own_form(reason.span, numbers)
             written = origin.written or (None if reason.span is None else self._slice(reason.span))
             yield holder, row_explained(self.labels[holder], numbers, origin, reason, written)
 
@@ -248,9 +292,10 @@ class Traced:
             except (OSError, UnicodeDecodeError):
                 self.lines[span.file] = []
         lines = self.lines[span.file]
-        return (
-            lines[span.line - 1][span.column - 1 : span.end_column - 1] if span.line <= len(lines) else None
-        )
+        if span.line > len(lines):
+            return None
+        text = lines[span.line - 1][span.column - 1 : span.end_column - 1]
+        return text if not text.startswith("- ") else _list_of(lines[span.line - 1 :], span.column - 1)
 
     def _changed(self, change: Change, life: Life) -> Changed:
         name = "tag" if change.attribute == TAG else change.attribute
@@ -263,7 +308,8 @@ class Traced:
         if force.attribute is None or force.writer is None:
             return Reason("as the top class: no other is named")
         if force.attribute == "class":
-            return Reason("by its own `class`", self.written_at(force.writer, "class"))
+            told = self.origin_at(force.writer, "class")
+            return Reason(f"by its own `class`{': ' if told.words else ''}{told.words}", told.span)
         made = self.watch.life(force.writer).made_by
         if made is not None and made.is_pass and made.part is not None and force.writer.tag == "frame":
             return Reason(f"as the class of the part `{made.part.called}`", made.part.span)
@@ -276,27 +322,63 @@ class Traced:
             return ClassStep(name, Reason("the top class, which sets nothing"))
         return ClassStep(name, next(self.written(self.watch.life(node))))
 
-    def _level_span(self, kind: str, name: str | None, writer: Node | None, attribute: str) -> Span | None:
+    def _level_origin(self, kind: str, name: str | None, writer: Node | None, attribute: str) -> Reason:
         if writer is not None:
-            return self.written_at(writer, attribute)
+            return self.origin_at(writer, attribute)
         node = self.declared.get(str(name)) if kind == "class" else None
-        return None if node is None else next(self.written(self.watch.life(node))).span
+        return Reason("", None if node is None else next(self.written(self.watch.life(node))).span)
 
     def written_at(self, node: Node | None, attribute: str) -> Span | None:
-        """Where the value of an attribute stands: in the file it was read from, or where it was set."""
-        if node is None:
-            return None
+        """The place of `origin_at`."""
+        return None if node is None else self.origin_at(node, attribute).span
+
+    def origin_at(self, node: Node, attribute: str) -> Reason:
+        """Where the value of an attribute comes from.
+
+        Without words it stands at that place, but for what `_changes` tell; words say how it came about otherwise.
+        """
         life = self.watch.life(node)
         if node.tag == "key" and attribute in (*VECTORS, "time") and node.get(attribute):
-            return self._only_place(node, attribute)
-        if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
-            return self.causes.made(life).span
-        if len(life.sources) == 1:
-            return self._span(life.sources[0], attribute)
+            span = self._only_place(node, attribute)
+            return self._in_own_form(span, str(node.get(attribute)) if attribute == "time" else None)
+        made = life.made_by is not None and life.made_by.is_pass
+        if made and len(life.sources) == 1:
+            return self.origin_of(life.sources[0], attribute)
+        return self.origin_of(life, attribute)
+
+    def origin_of(self, life: Life, attribute: str) -> Reason:
         for change in reversed(life.of(attribute)):
             if change.cause.name not in REWRITES:
-                return self.causes.change(change, life).span or self._span(life)
-        return self._span(life, attribute)
+                told = self.causes.change(change, life)
+                return Reason("" if told.span else told.words, told.span)
+        if life.made_by is not None and life.made_by.is_pass:
+            told = self.causes.value(life, attribute)
+            return told if told.words else self._in_own_form(told.span, life.attributes.get(attribute))
+        return self._as_read(life, attribute)
+
+    def _as_read(self, life: Life, attribute: str) -> Reason:
+        """Where an attribute stands of what was read from a file, or written in the recipe."""
+        if attribute not in life.attributes:
+            written = next((each for each in reversed(life.of(attribute)) if each.before is None), None)
+            return Reason("", self._span(life)) if written is None else self.causes.change(written, life)
+        if life.line is None and isinstance(life.owner, str):
+            return Reason(f"the name of the recipe `{life.owner}`", None)
+        span, text = self._span(life, attribute), life.attributes[attribute]
+        if getattr(life.born.done, "format", None) == "urdf":
+            return Reason("" if self._has(span, text) else _URDF, span)
+        if callable(life.owner) and span == life.owner(None) and not self._has(span, text):
+            return Reason(_COMES_ALONG, span)
+        return Reason("", span)
+
+    def _in_own_form(self, span: Span | None, text: str | None) -> Reason:
+        """What a recipe writes for a value; in words where that is not the value itself."""
+        if span is None or self._has(span, text):
+            return Reason("", span)
+        return Reason(f"`{self._slice(span)}` in the recipe's own unit or form", span)
+
+    def _has(self, span: Span | None, text: str | None) -> bool:
+        recipe = None if span is None else self._slice(span)
+        return recipe is None or text is None or _same_words(recipe, text)
 
     def _only_place(self, key: Node, attribute: str) -> Span | None:
         origins = key_origins(self.model, key, attribute, self.watch)
@@ -329,6 +411,19 @@ class Traced:
 
     def _replaced(self) -> set[Node]:
         return {source.node for life in self.watch.lives.values() for source in life.sources}
+
+
+def _given_by(called: str, attribute: str, level: LevelExplained) -> str:
+    """A level of an attribute that gives another one."""
+    level_of = {"element": "", "class": f", class {level.name}", "mujoco": f", {level.name}"}[level.kind]
+    return f"{called} {attribute}{level_of}"
+
+
+def _list_of(lines: list[str], indent: int) -> str:
+    """A YAML list with an item on each line, on one line."""
+    dash = " " * indent + "- "
+    items = [line[len(dash) :].strip() for line in takewhile(lambda line: line.startswith(dash), lines)]
+    return f"[{', '.join(items)}]"
 
 
 def _start_tag(node: Node) -> str:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
 from composer.link.alignment import is_leaf
@@ -144,10 +146,11 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
     if pose and offset:
         parent = _child(linking, part, parent, "frame", pose)
         pose = {}
+    written = part.place.written if offset and not pose else {}
     pose = pose or offset
     if part.joints or part.mocap:
         body = _child(
-            linking, part, parent, "body", {**({"name": part.prefix} if part.prefix else {}), **pose}
+            linking, part, parent, "body", {**({"name": part.prefix} if part.prefix else {}), **pose}, written
         )
         if part.mocap:
             body.set("mocap", "true")
@@ -155,11 +158,11 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
             body.set("childclass", part.top_class)
         for joint in part.joints:
             undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
-            added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes})
+            added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes}, joint.written)
             _declare_joint(linking, part, added)
         if part.prefix:
             linking.names.declared.setdefault("body", {})[part.prefix] = body
-        parent, pose = body, {}
+        parent, pose, written = body, {}, {}
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
     for worldbody in list(part.unit.root.iterchildren("worldbody")):
         owner = part.unit.origins.owners.get(worldbody)
@@ -184,6 +187,8 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)
+    if written:
+        linking.base.origins.settings[frame] = dict(written)
 
 
 def _scaled(linking: Linking, part: Part, frame: Node) -> None:
@@ -249,11 +254,21 @@ def _in_world(linking: Linking, parent: Node, pose: dict[str, str], offset: dict
     return {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
 
 
-def _child(linking: Linking, part: Part, parent: Node, tag: str, attributes: dict[str, str]) -> Node:
+def _child(
+    linking: Linking,
+    part: Part,
+    parent: Node,
+    tag: str,
+    attributes: dict[str, str],
+    written: Mapping[str, Span] = MappingProxyType({}),
+) -> Node:
+    """A new element for the sake of a part; `written` says where the recipe has its attributes."""
     child = parent.makeelement(tag, attributes)
     parent.append(child)
     if part.span is not None:
         linking.base.origins.own(child, part.span)
+    if written:
+        linking.base.origins.settings[child] = dict(written)
     return child
 
 

@@ -30,21 +30,25 @@ KeyPolicy = Literal["merge", "prefix", "none"]
 class Place:
     """Where a part hangs: an element of the model by its final name, and an offset in that element's frame.
 
-    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`.
+    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`. `written` says where the recipe has each of
+    them. With `computed` that is not its value but the key, `mate` or `replicate`, for whose sake it was computed.
     """
 
     kind: Literal["world", "body", "site", "frame"] = "world"
     name: str | None = None
     offset: Mapping[str, str] = field(default_factory=dict)
     span: Span | None = None
+    written: Mapping[str, Span] = field(default_factory=dict)
+    computed: Literal["", "mate", "replicate"] = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint between a place and a part: the tag, its attributes, and where a recipe asks for it."""
+    """A joint between a place and a part: the tag, its attributes, and where the recipe has those that it writes."""
 
     tag: Literal["joint", "freejoint"]
     attributes: Mapping[str, str]
+    written: Mapping[str, Span] = field(default_factory=dict)
 
 
 @dataclass(eq=False)
@@ -145,7 +149,7 @@ class Linking:
     recipe's, `replaced_keys` those of the parts, by name, in whose place they stand;
     `final_layout` is how the finished model lays them out. Edits of what is linked note in
     `reshaped` whose numbers in a key may be more or fewer now, and in `emptied` whose old numbers have no meaning any
-    more; `edited` is that there may be edits. `grows` is that the recipe adds what rules for a whole model would
+    more; `edited` is that there may be edits; `drawn` has what was drawn for an element, by field. `grows` is that the recipe adds what rules for a whole model would
     reach. `weighed` are the bodies whose inertia has been
     written out, so that what is added to them adds no mass. `references` and `mocap_references` have what only MuJoCo
     can tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts whose keys say
@@ -183,6 +187,7 @@ class Linking:
     planes: list[tuple[Part, Node]] = field(default_factory=list)
     reshaped: set[Node] = field(default_factory=set)
     emptied: set[Node] = field(default_factory=set)
+    drawn: dict[Node, dict[str, object]] = field(default_factory=dict)
     edited: bool = False
     grows: bool = False
     weighed: set[Node] = field(default_factory=set)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Literal
 
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import locate
 from composer.link import numbers
@@ -15,7 +17,7 @@ from composer.link.placing import pose_in_world, read_pose
 from composer.link.roots import floats_by_itself
 from composer.plan.plan import AttachPart
 from composer.pose import IDENTITY_QUAT, Pose, quat_from_axisangle, quat_from_euler
-from composer.recipe.element import Single
+from composer.recipe.element import Element, Single
 from composer.steps.elements import Making, in_radians, joint_attributes, plain
 from composer.steps.loose_ends import check_class
 from composer.steps.replicate import copy_pose
@@ -30,7 +32,7 @@ def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
     place = _place(step, making)
     if any(step.copy):
         offset = read_pose(place.offset, False, "xyz") @ copy_pose(step, making)
-        place = replace(place, offset=_written(offset))
+        place = _computed(place, offset, "replicate", step, making)
     if step.attachment.mate is not None:
         place = _mated(place, step, unit, making)
     keyframes = step.attachment.keyframes
@@ -58,11 +60,18 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
             Joint(
                 "joint",
                 {"name": step.prefix + str(each.attributes["name"]), **joint_attributes(each, making)},
+                _places(each, making),
             )
             for each in joint
         )
     else:
-        part.joints = (Joint("joint", {**named, **joint_attributes(joint, making)}),)
+        attributes = {**named, **joint_attributes(joint, making)}
+        part.joints = (Joint("joint", attributes, _places(joint, making)),)
+
+
+def _places(joint: Element, making: Making) -> dict[str, Span]:
+    """Where the recipe writes the attributes of a joint."""
+    return {name: making.span(joint, name) for name in joint.attributes}
 
 
 def check_joints(step: AttachPart, linking: Linking, making: Making) -> None:
@@ -80,29 +89,40 @@ def check_joints(step: AttachPart, linking: Linking, making: Making) -> None:
 def _place(step: AttachPart, making: Making) -> Place:
     attachment = step.attachment
     offset: dict[str, str] = {}
+    written: dict[str, Span] = {}
+
+    def note(attribute: str, key: str) -> None:
+        written[attribute] = locate(making.document, (*step.at, key))
+
     if attachment.pos is not None:
         offset["pos"] = _numbers(attachment.pos)
+        note("pos", "pos")
     if attachment.quat is not None:
         offset["quat"] = _numbers(attachment.quat)
+        note("quat", "quat")
     elif attachment.euler is not None:
         reading = making.readings.at((*step.at, "euler"))
         angles = [in_radians(angle, reading) for angle in attachment.euler]
         offset["quat"] = numbers.text(quat_from_euler(angles, reading.eulerseq))
+        note("quat", "euler")
     elif attachment.axisangle is not None:
         *axis, angle = attachment.axisangle
         radians = in_radians(angle, making.readings.at((*step.at, "axisangle")))
         offset["quat"] = _text(quat_from_axisangle([plain(each) for each in axis], radians))
+        note("quat", "axisangle")
     elif attachment.xyaxes is not None:
         offset["xyaxes"] = _numbers(attachment.xyaxes)
+        note("xyaxes", "xyaxes")
     elif attachment.zaxis is not None:
         offset["zaxis"] = _numbers(attachment.zaxis)
+        note("zaxis", "zaxis")
     for kind in ("site", "body", "frame"):
         name = getattr(attachment, kind)
         if name == "world" and kind == "body":
             break
         if name is not None:
-            return Place(kind, name, offset, locate(making.document, (*step.at, kind)))
-    return Place("world", None, offset)
+            return Place(kind, name, offset, locate(making.document, (*step.at, kind)), written)
+    return Place("world", None, offset, written=written)
 
 
 def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
@@ -132,7 +152,16 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
     mate = pose_in_world(outer, *reading) @ read_pose(own, *reading)
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
-    return replace(place, offset=_written(moved))
+    return _computed(place, moved, "mate", step, making)
+
+
+def _computed(
+    place: Place, pose: Pose, key: Literal["mate", "replicate"], step: AttachPart, making: Making
+) -> Place:
+    """The place with an offset that a key of the part gives."""
+    offset = _written(pose)
+    span = locate(making.document, (*step.at, key), key=True)
+    return replace(place, offset=offset, written=dict.fromkeys(offset, span), computed=key)
 
 
 def _written(pose: Pose) -> dict[str, str]:

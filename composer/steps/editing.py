@@ -113,6 +113,9 @@ class Editing:
             return self.making.origins.span_by(before, node, attribute)
 
         self.making.origins.own(node, place)
+        settings = self.making.origins.settings.get(node, {})
+        for name in places:
+            settings.pop(name, None)
 
 
 def is_angular(attribute: Attribute, joint: str) -> bool:

@@ -24,6 +24,7 @@ from composer.link import numbers
 from composer.plan.reading import Reading, Readings
 from composer.pose import quat_from_euler
 from composer.recipe.element import Element, Single, Value
+from composer.recipe.reader import CONFIG
 from composer.tree.classes import MAIN
 from composer.tree.line import line_of
 from composer.tree.origin import Origins
@@ -60,11 +61,12 @@ class Making:
 
     def span(self, element: Element, attribute: str | None = None) -> Span:
         """Where an element is written: its key, or the value of an attribute if it has that one there."""
-        if attribute is not None:
-            path = (*element.at, attribute)
+        for name in _written_as(element, attribute):
+            path = (*element.at, name)
             if find(self.document, path) is not None:
                 return locate(self.document, path)
-        return locate(self.document, element.at, key=True)
+        is_value = element.tag == CONFIG and attribute == "value"  # `config: {KEY: VALUE}`
+        return locate(self.document, element.at, key=not is_value)
 
     def reading_of(self, element: Element, attribute: str) -> Reading:
         """How an attribute of an element is read; in a fragment, as the fragment is."""
@@ -78,16 +80,21 @@ class Making:
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
         """The same of a node; what stands in a fragment is looked up in its text."""
-        element = self.made[node]
-        start = self.fragments.get(node)
+        return self._span_of(node, self.made[node], self.fragments.get(node), attribute)
+
+    def _span_of(self, node: Node, element: Element, start: int | None, attribute: str | None) -> Span:
         if start is None:
             return self.span(element, attribute)
         written = {str(name): str(value) for name, value in node.items()}
         text = self.origins.text(self.file)
+        names = [attribute, "euler"] if attribute == "quat" else [attribute] if attribute else []
         for line in (start, start - 1) if text is not None else ():  # below the key, or beside it
             assert text is not None
-            found = text.attribute(str(node.tag), line, written, attribute) if attribute else None
-            found = found or text.element(str(node.tag), line, written)
+            tag = str(node.tag)
+            found = next((at for name in names if (at := text.attribute(tag, line, written, name))), None)
+            if found is None and attribute == "name" and text.element(tag, line, written) is not None:
+                return locate(self.document, element.at, key=True)
+            found = found or text.element(tag, line, written)
             if found is not None:
                 return Span(self.file, found.line, found.column, found.line, found.end_column)
         return locate(self.document, (*element.at, "xml"))
@@ -107,12 +114,21 @@ class Making:
         """Note where a new node and all below it come from."""
         for inner in node.iter("*"):
             if inner in self.made:
-                self.origins.own(inner, partial(self.span_of, inner))
+                # An edit puts another element in `made`: this is where the node comes from all the same.
+                element, start = self.made[inner], self.fragments.get(inner)
+                self.origins.own(inner, partial(self._span_of, inner, element, start))
 
     def register(self, node: Node, section: str) -> None:
         """The same, and that the names of the node and all below it are to be checked."""
         self.place(node)
         self.registered.append((node, section))
+
+
+def _written_as(element: Element, attribute: str | None) -> tuple[str, ...]:
+    """Under which keys the recipe may have an attribute: `_set_euler` writes an `euler` as a `quat`."""
+    if attribute is None:
+        return ()
+    return (attribute, "euler") if attribute == "quat" and "euler" in element.attributes else (attribute,)
 
 
 def make(element: Element, kind: ElementType, making: Making) -> Node:

@@ -24,8 +24,8 @@ class Origins:
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies.
     `owners` holds the elements themselves, so that their identity is stable. `texts` has, by the name that messages
     use, where the text of a file is; it is read when a fault in that file is told. `settings` has the attributes that
-    a program has set, each with its line. `renamed` has what edits renamed: the old and the new name, each time.
-    `keys` has how the keys were laid out that are not as their file has them.
+    a program or the linker has set, each with its place. `renamed` has what edits renamed: the old and the new name,
+    each time. `keys` has how the keys were laid out that are not as their file has them.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)

@@ -76,18 +76,16 @@ class SourceText:
 
     def items(
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, first: int, last: int
-    ) -> tuple[Stretch, str] | None:
-        """The items `first` to `last`, counted from 0, of the value of an attribute, and their text; on one line."""
+    ) -> tuple[Stretch, Stretch, str] | None:
+        """Where two items of an attribute are, counted from 0, and the text from one to the other."""
         found = self._find(tag, line, attributes)
         if found is None or name not in found.values:
             return None
-        start, end = found.values[name]
-        items = [match.span() for match in _ITEM.finditer(self._text, start, end)]
+        items = [match.span() for match in _ITEM.finditer(self._text, *found.values[name])]
         if last >= len(items):
             return None
-        start, end = items[first][0], items[last][1]
-        text = self._text[start:end]
-        return None if "\n" in text else (self._stretch(start, end), text)
+        text = self._text[items[first][0] : items[last][1]]
+        return self._stretch(*items[first]), self._stretch(*items[last]), text
 
     def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> _StartTag | None:
         if not 1 <= line <= len(self._starts):

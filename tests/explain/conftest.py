@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -13,6 +14,9 @@ from composer.explain.explain import trace
 from composer.explain.traced import Traced
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+TESTS = str(REPOSITORY / "tests")
+if TESTS not in sys.path:  # `explain.proof` and `fidelity.corpus`, however pytest is started
+    sys.path.insert(0, TESTS)
 GOLDEN = REPOSITORY / "tests" / "golden"
 MEASURED = Path(__file__).resolve().parent / "measured" / "recipe.yaml"
 NEWER = hasattr(mujoco.MjSpec, "fuse_static")
