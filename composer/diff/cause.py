@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from composer.diagnostics.span import Span
 from composer.diff.change import SETTINGS, Cause, Change, Contrast
 from composer.diff.elements import Elements
+from composer.diff.excerpt import is_yaml
 from composer.diff.fields import quantity
 from composer.diff.recipes import Recipes
 from composer.diff.said import said
@@ -115,9 +116,10 @@ class Causes:
         A line that is the same may have an expression in it: then the reason is what gives its names other values.
         """
         spans = cause.before, cause.after
-        changed = [self.written.changed(side, span) for side, span in enumerate(spans)]
-        if any(changed):
-            return Cause(cause.words, changed[0] or cause.before, changed[1] or cause.after)
+        before, after = (self.written.changed(side, span) for side, span in enumerate(spans))
+        if before is not None or after is not None:
+            before = before or self._opposite(1, after, cause.before)
+            return Cause(cause.words, before, after or self._opposite(0, before, cause.after))
         if depth > _DEEP:
             return None
         names = [each for side in (0, 1) for each in self.recipes[side].names_at(spans[side])]
@@ -127,6 +129,16 @@ class Causes:
                 if (found := self._settled(Cause(f"`{each}`", before, after), depth + 1)) is not None:
                     return found
         return None
+
+    def _opposite(self, side: int, changed: Span | None, known: Span | None) -> Span | None:
+        """The place to show on the other side of a line that is new or gone.
+
+        Where a recipe decides on one side and a file on the other, it is the recipe's line in the same place: an edit
+        that selects other elements now is one reason, not one for each of them.
+        """
+        if changed is None or known is None or is_yaml(known) or not is_yaml(changed):
+            return known
+        return self.written.twin(side, changed)
 
     # -- what both have ----------------------------------------------------------------------------------------
 

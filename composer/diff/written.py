@@ -44,6 +44,17 @@ class Written:
                 return _line(self.sides[side], span.file, number)
         return None
 
+    def twin(self, side: int, span: Span) -> Span | None:
+        """The line of the other side that stands in the place of a line that is not the same."""
+        there = self._counterpart(side, span.file)
+        if there is None:
+            return None
+        for ends in self._stretches(*((span.file, there) if side == 0 else (there, span.file))):
+            here, other = (ends[:2], ends[2:]) if side == 0 else (ends[2:], ends[:2])
+            if here[0] < span.line <= here[1] and here[1] - here[0] == other[1] - other[0]:
+                return _line(self.sides[1 - side], there, span.line + other[0] - here[0])
+        return None
+
     def is_within(self, side: int, item: Span, span: Span) -> bool:
         """Whether a place lies in an item of a recipe."""
         return item.file == span.file and span.line in extent(item, self.sides[side])
