@@ -29,6 +29,14 @@ _KINDS = (
 ).split()
 
 
+def _no_all(_context: click.Context, _option: click.Parameter, wanted: bool) -> None:
+    if wanted:
+        raise click.UsageError(
+            "No such option '--all'. '--computed' lists also numbers that MuJoCo computes from others; "
+            "'--pick CELL' compares one cell of a matrix."
+        )
+
+
 @click.command()
 @click.argument("a")
 @click.argument("b")
@@ -38,7 +46,8 @@ _KINDS = (
               help="Compare this kind of element, or `option`, `visual`, `statistic`, `count`, `address`.")  # fmt: skip
 @click.option("--tolerance", type=Amount(min=0), default=0.0, show_default=True,
               help="Numbers that differ by a smaller share than this count as the same.")  # fmt: skip
-@click.option("--all", "everything", is_flag=True, help="Tell also what MuJoCo computes from other numbers.")
+@click.option("--computed", is_flag=True, help="List also numbers that MuJoCo computes from others.")
+@click.option("--all", is_flag=True, hidden=True, expose_value=False, is_eager=True, callback=_no_all)
 @click.option("--renders", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
               help="Put pictures of both here: of the whole, and of every camera that both have.")  # fmt: skip
 @timeout_option
@@ -53,7 +62,7 @@ def command(
     pick: str | None,
     only: tuple[str, ...],
     tolerance: float,
-    everything: bool,
+    computed: bool,
     renders: Path | None,
     timeout: float,
     form: str,
@@ -77,7 +86,7 @@ def command(
         progress(f"comparing {a} with {b}")
         with Session(Limits(seconds=timeout), rendering=renders is not None) as session:
             found = diff(
-                a, b, context, session, tolerance=tolerance, only=only, everything=everything, given=given,
+                a, b, context, session, tolerance=tolerance, only=only, everything=computed, given=given,
                 pick=pick, renders=renders,
             )  # fmt: skip
     if found is None:

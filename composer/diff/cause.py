@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
 from itertools import zip_longest
 from typing import TYPE_CHECKING, TypeAlias
@@ -10,12 +9,19 @@ from typing import TYPE_CHECKING, TypeAlias
 from composer.diagnostics.span import Span
 from composer.diff.change import SETTINGS, Cause, Change, Contrast
 from composer.diff.elements import Elements
-from composer.diff.excerpt import block, different
+from composer.diff.excerpt import is_yaml
 from composer.diff.fields import quantity
+from composer.diff.recipes import Recipes
 from composer.diff.said import said
 from composer.diff.side import Side
-from composer.document.node import locate
+from composer.diff.written import Written, name, real
+from composer.document.node import Mapping as Located
+from composer.document.node import Node as LocatedNode
+from composer.document.node import Sequence, locate, to_python
 from composer.explain.query import name_of
+from composer.explain.trace import Life
+from composer.plan.plan import AddElement
+from composer.tree.effective import class_in_force
 from composer.tree.kinds import kind_of
 
 if TYPE_CHECKING:
@@ -30,10 +36,21 @@ Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"
 _NO_REASON = ("name", "class", "childclass")
 _ASSETS = {"mesh": "mesh", "material": "material", "hfield": "hfield", "texture": "texture"}
 _TARGETS = {"joint": "joint", "jointinparent": "joint", "tendon": "tendon"}
+_PATH = {"site": "site", "geom": "geom", "sidesite": "site", "joint": "joint"}
+_PLACING = (
+    "pos", "quat", "euler", "axisangle", "xyaxes", "zaxis", "site", "body", "frame", "mate", "replicate", "joint",
+)  # fmt: skip
+"""What a recipe says of a part that decides where it is."""
+_POSE = quantity("body_pos").attributes
+_DEEP = 8
 
 
 class Causes:
-    """Looks things up in both trees, which `found` is the contrast of."""
+    """Looks things up in both trees, which `found` is the contrast of.
+
+    Each question is answered by a search: places that may be the reason, the likeliest first. The first one whose
+    lines are not the same in A and B is the reason.
+    """
 
     def __init__(self, a: Side, b: Side, found: Contrast) -> None:
         counts = found.elements
@@ -50,25 +67,39 @@ class Causes:
             None if b.traced is None else Elements(b.traced, {kind: n for kind, (_, n) in counts.items()})
         )
         self.parts = _parts(a), _parts(b)
+        self.recipes = Recipes(a), Recipes(b)
+        self.written = Written(*self.recipes)
 
     def of(self, change: Change) -> Cause | None:
         """The cause of a change; None where no line is known."""
-        if change.kind.partition("/")[0] in SETTINGS:
-            return self._setting(change)
-        if change.what == "changed" and change.kind == "key" and change.entry:
-            return self._entry(change)
         before, after = self._nodes(change)
-        if change.what == "added":
-            return self._one_sided(after, 1)
-        if change.what == "removed":
-            return self._one_sided(before, 0)
-        if before is None or after is None:
-            return None
-        if (swapped := self._swapped(after)) is not None:
-            return swapped
-        if change.what == "renamed":
-            return self._renamed(before, after)
-        return self._changed(change, before, after)
+        for cause in self._candidates(change, before, after):
+            if (found := self._settled(cause)) is not None:
+                return found
+        if before is not None and after is not None:
+            content = self._content(change, before, after)
+            if content is not None:
+                return content
+        for cause in self._around(before, after):
+            if (found := self._settled(cause)) is not None:
+                return found
+        return self.written.only()
+
+    def _candidates(self, change: Change, before: Node | None, after: Node | None) -> Iterator[Cause]:
+        if change.kind.partition("/")[0] in SETTINGS:
+            yield from self._setting(change)
+        elif change.what == "changed" and change.kind == "key" and change.entry:
+            yield from self._entry(change)
+        elif change.what == "added" and after is not None:
+            yield from self._one_sided(after, 1)
+        elif change.what == "removed" and before is not None:
+            yield from self._one_sided(before, 0)
+        elif before is not None and after is not None:
+            yield from self._swapped(after)
+            if change.what == "renamed":
+                yield from self._renamed(before, after)
+            else:
+                yield from self._changed(change, before, after)
 
     def _nodes(self, change: Change) -> tuple[Node | None, Node | None]:
         first, second = change.index
@@ -77,23 +108,52 @@ class Causes:
             None if self.b is None else self.b.node(change.kind, change.name, second),
         )
 
+    # -- whether a line is a reason ----------------------------------------------------------------------------
+
+    def _settled(self, cause: Cause, depth: int = 0) -> Cause | None:
+        """The cause by the line that is not the same in A and B; None where all its lines are.
+
+        A line that is the same may have an expression in it: then the reason is what gives its names other values.
+        """
+        spans = cause.before, cause.after
+        before, after = (self.written.changed(side, span) for side, span in enumerate(spans))
+        if before is not None or after is not None:
+            before = before or self._opposite(1, after, cause.before)
+            return Cause(cause.words, before, after or self._opposite(0, before, cause.after))
+        if depth > _DEEP:
+            return None
+        names = [each for side in (0, 1) for each in self.recipes[side].names_at(spans[side])]
+        for each in dict.fromkeys(names):
+            places = [list(recipes.parameter(each)) for recipes in self.recipes]
+            for before, after in zip_longest(*places):
+                if (found := self._settled(Cause(f"`{each}`", before, after), depth + 1)) is not None:
+                    return found
+        return None
+
+    def _opposite(self, side: int, changed: Span | None, known: Span | None) -> Span | None:
+        """The place to show on the other side of a line that is new or gone.
+
+        Where a recipe decides on one side and a file on the other, it is the recipe's line in the same place: an edit
+        that selects other elements now is one reason, not one for each of them.
+        """
+        if changed is None or known is None or is_yaml(known) or not is_yaml(changed):
+            return known
+        return self.written.twin(side, changed)
+
     # -- what both have ----------------------------------------------------------------------------------------
 
-    def _changed(self, change: Change, before: Node, after: Node) -> Cause | None:
+    def _changed(self, change: Change, before: Node, after: Node) -> Iterator[Cause]:
         wanted = quantity(change.field).attributes
-        if "pos" in wanted and (attached := self._attached(before, after)) is not None:
-            return attached
         for mine, theirs, attributes in self._reasons(change, before, after, wanted):
-            cause = self._attribute(mine, theirs, attributes)
-            if cause is not None:
-                return cause
-        return self._content(change, before, after)
+            yield from self._attribute(mine, theirs, attributes)
 
-    def _swapped(self, after: Node) -> Cause | None:
+    def _swapped(self, after: Node) -> Iterator[Cause]:
         """The part of another model, where both sides have a part of that name."""
         part = self._part(1, after)
         there = None if part is None else self.parts[0].get(part.called)
-        return None if part is None or there is None else Cause(f"part `{part.called}`", there[0], part.span)
+        if part is not None and there is not None:
+            yield from self._said(self._known(0, there), self._known(1, part), ("model",))
+            yield Cause(f"part `{part.called}`", there.span, part.span)
 
     def _content(self, change: Change, before: Node, after: Node) -> Cause | None:
         """The file that is named as before and has other bytes, of the element or the asset that it refers to."""
@@ -120,40 +180,42 @@ class Causes:
                     yield from self._referred(mine, theirs, _ASSETS)
             return
         yield before, after, wanted
-        if "pos" in wanted:
-            yield from self._frames(before, after)
+        if "pos" in wanted or change.field.endswith(("_bodyid", "_parentid")):
+            yield from self._frames(before, after, wanted or _POSE)
+        yield before, after, tuple(_ASSETS)
         yield from self._referred(before, after, _ASSETS)
         if change.kind == "actuator":
+            yield before, after, tuple(_TARGETS)
             for mine, theirs, _ in self._referred(before, after, _TARGETS):
                 yield mine, theirs, ("range", "ref", "type", "axis")
         yield before, after, None
         if change.kind == "tendon":
             for mine, theirs in zip_longest(before.iterchildren("*"), after.iterchildren("*")):
                 yield mine, theirs, None
+            for mine, theirs in zip(before.iterchildren("*"), after.iterchildren("*"), strict=False):
+                for first, second, _ in self._referred(mine, theirs, _PATH):
+                    yield first, second, None
+                    yield from self._above(first, second)
 
-    def _attached(self, before: Node, after: Node) -> Cause | None:
-        """The lines that attach a part to its place, where these are not the same."""
-        assert self.a is not None and self.b is not None
-        for mine, theirs in zip(self.a.frames(before), self.b.frames(after), strict=False):
-            parts = self.a.carried(mine), self.b.carried(theirs)
-            if parts[0] is None or parts[1] is None:
-                continue
-            lines = [block(part.span, side) for part, side in zip(parts, self.sides, strict=True) if part]
-            if different(*lines) or different(*lines[::-1]):
-                return Cause(f"part `{parts[1].called}`", parts[0].span, parts[1].span)
-        return None
-
-    def _frames(self, before: Node, after: Node) -> Iterator[Pair]:
+    def _frames(self, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
         """What an element stands in, up to its body: the place of a part among them."""
         assert self.a is not None and self.b is not None
         for mine, theirs in zip_longest(self.a.frames(before)[::-1], self.b.frames(after)[::-1]):
+            yield mine, theirs, wanted
             places = [
                 None if node is None else side.place(node)
                 for side, node in ((self.a, mine), (self.b, theirs))
             ]
             if None not in places:
-                yield places[0], places[1], None
-            yield mine, theirs, None
+                yield places[0], places[1], wanted
+
+    def _above(self, before: Node | None, after: Node | None) -> Iterator[Pair]:
+        """All that an element stands in, up to the world."""
+        while before is not None and after is not None:
+            yield from self._frames(before, after, _POSE)
+            before, after = (next(each.iterancestors("body"), None) for each in (before, after))
+            if before is not None and after is not None:
+                yield before, after, _POSE
 
     def _referred(self, before: Node | None, after: Node | None, kinds: Mapping[str, str]) -> Iterator[Pair]:
         """The mesh, material, joint, … that both refer to; `kinds` by the attribute that does."""
@@ -168,59 +230,113 @@ class Causes:
 
     def _attribute(
         self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None
-    ) -> Cause | None:
-        """Where the first of the attributes that differs is written on either side."""
+    ) -> Iterator[Cause]:
+        """Where the attributes that differ are written on either side, and what made them what they are."""
         if before is None and after is None:
-            return None
+            return
+        first, second = self._placed(before, after)
+        if first is not None or second is not None:
+            keys = tuple(dict.fromkeys([*(each for each in wanted or () if each in _PLACING), *_PLACING]))
+            yield from self._said(self._known(0, first), self._known(1, second), keys)
         if before is None or after is None:
-            return Cause("element", self._span(0, before, None), self._span(1, after, None))
+            yield Cause("element", self._span(0, before, None), self._span(1, after, None))
+            return
         if before.tag != after.tag:
-            return Cause(f"`<{after.tag}>`", self._span(0, before, None), self._span(1, after, None))
+            yield Cause(f"`<{after.tag}>`", self._span(0, before, None), self._span(1, after, None))
+            return
         assert self.a is not None and self.b is not None
         names = wanted if wanted is not None else tuple(kind_of(after).attributes)
-        for name in names:
-            if wanted is None and name in _NO_REASON:
+        for attribute in names:
+            if wanted is None and attribute in _NO_REASON:
                 continue
-            text, writer = self.a.value(before, name)
-            other, theirs = self.b.value(after, name)
-            if not _same(text, other):
-                spans = self._span(0, writer, name), self._span(1, theirs, name)
-                if writer is None and theirs is after:  # where it could stand: the same line without it
-                    spans = self._span(0, before, None), spans[1]
-                if theirs is None and writer is before:
-                    spans = spans[0], self._span(1, after, None)
-                return Cause(f"`{name}`", *spans)
-        return None
+            text, writer = self.a.value(before, attribute)
+            other, theirs = self.b.value(after, attribute)
+            if _same(text, other):
+                continue
+            places = [
+                self._places(0, writer, attribute) or self._places(0, before, None),
+                self._places(1, theirs, attribute) or self._places(1, after, None),
+            ]
+            for mine, yours in reversed(list(zip_longest(*places))):
+                yield Cause(f"`{attribute}`", mine or places[0][-1], yours or places[1][-1])
+            yield Cause("class", self._class(0, before), self._class(1, after))
 
-    def _renamed(self, before: Node, after: Node) -> Cause:
+    def _class(self, side: int, node: Node) -> Span | None:
+        """Where it is written which class is in force for an element."""
+        force = class_in_force(node)
+        return None if force.attribute is None else self._span(side, force.writer, force.attribute)
+
+    def _placed(self, before: Node | None, after: Node | None) -> tuple[Part | None, Part | None]:
+        """The parts for whose sake the linker made two frames or bodies."""
+        assert self.a is not None and self.b is not None
+        return (
+            None if before is None else self.a.carried(before),
+            None if after is None else self.b.carried(after),
+        )
+
+    def _places(self, side: int, node: Node | None, attribute: str | None) -> list[Span]:
+        """Where an attribute was written first, and where it was changed since."""
+        traced = self.sides[side].traced
+        if traced is None or node is None:
+            return []
+        if attribute is None:
+            span = self._span(side, node, None)
+            return [] if span is None else [span]
+        return traced.history(node, attribute)
+
+    def _renamed(self, before: Node, after: Node) -> Iterator[Cause]:
         mine, theirs = self._part(0, before), self._part(1, after)
         if mine is not None and theirs is not None and mine.prefix != theirs.prefix:
-            return Cause(f"part `{theirs.called}`", mine.span, theirs.span)
-        return Cause("`name`", self._span(0, before, "name"), self._span(1, after, "name"))
+            yield Cause(f"part `{theirs.called}`", mine.span, theirs.span)
+        places = self._places(0, before, "name"), self._places(1, after, "name")
+        for first, second in reversed(list(zip_longest(*places))):
+            yield Cause("`name`", first, second)
 
     # -- what one of them has ----------------------------------------------------------------------------------
 
-    def _one_sided(self, node: Node | None, side: int) -> Cause | None:
-        """The part or base that came or went with the element, else the element's own line."""
-        if node is None:
-            return None
+    def _one_sided(self, node: Node, side: int) -> Iterator[Cause]:
+        """The part or base that came or went with the element, else the element's own line, else what removes it."""
         part = self._part(side, node)
         if part is None:
             node = self._outermost(node, side)
-        if part is not None:
+        else:
             there = self.parts[1 - side].get(part.called)
-            return _cause(f"part `{part.called}`", part.span, None if there is None else there[0], side)
+            if there is not None:
+                both = self._known(side, part), self._known(1 - side, there)
+                yield from self._said(*(both if side == 0 else both[::-1]), ("model",))
+            yield _cause(f"part `{part.called}`", part.span, None if there is None else there.span, side)
         traced, other = self.sides[side].traced, self.sides[1 - side].traced
         assert traced is not None
         bases = _base(self.sides[0]), _base(self.sides[1])
         owner = traced.watch.life(node).owner
-        if other is not None and all(bases) and owner == traced.model.file:
-            files = [
-                _file(each, None if each.traced is None else each.traced.model.file) for each in self.sides
-            ]
-            if files[0] != files[1]:
-                return Cause("base", bases[0], bases[1])
-        return _cause("element", self._span(side, node, None), None, side)
+        replaced = other is not None and not self._same_file(side, traced.model.file, other.model.file)
+        if replaced and all(bases) and owner == traced.model.file:
+            yield Cause("base", bases[0], bases[1])
+        span = self._span(side, node, None)
+        yield _cause("element", span, None, side)
+        yield from self._removed(node, 1 - side)
+        yield from self._conditions(span)
+
+    def _removed(self, node: Node, side: int) -> Iterator[Cause]:
+        """What took the element away on a side that read it too."""
+        here, traced = self.sides[1 - side].traced, self.sides[side].traced
+        if here is None or traced is None:
+            return
+        life = here.watch.life(node)
+        for gone in traced.watch.gone:
+            if (
+                gone.tag == life.tag
+                and gone.attributes == life.attributes
+                and isinstance(gone.owner, str) is isinstance(life.owner, str)
+            ):
+                yield _cause("removed", None, traced.causes.gone(gone).span, 1 - side)
+
+    def _conditions(self, span: Span | None) -> Iterator[Cause]:
+        """The `when` of the item that a place is in."""
+        for side in (0, 1):
+            for item, when in self.recipes[side].conditions():
+                if span is not None and self.written.is_within(side, item, span):
+                    yield _cause("`when`", when.span, None, side)
 
     def _outermost(self, node: Node, side: int) -> Node:
         """The outermost body that came or went with the element, or the element itself."""
@@ -232,62 +348,114 @@ class Causes:
 
     def _part(self, side: int, node: Node) -> Part | None:
         """The outermost part that an element belongs to and that the other side has not got so."""
+        for part in self._parts_of(side, node):
+            there = self.parts[1 - side].get(part.called)
+            if there is None or not self._same_file(side, part.unit.file, there.unit.file):
+                return part
+        return None
+
+    def _same_file(self, side: int, file: str, there: str) -> bool:
+        """Whether both sides mean the same file, or one that lies at the same place."""
+        here, other = self.sides[side], self.sides[1 - side]
+        return real(here, file) == real(other, there) or name(here, file) == name(other, there)
+
+    def _parts_of(self, side: int, node: Node | None) -> Iterator[Part]:
+        """The parts that an element belongs to, the outermost first."""
         traced = self.sides[side].traced
-        if traced is None:
-            return None
+        if traced is None or node is None:
+            return
         life = traced.watch.life(node)
         for each in (life, *life.sources):
-            for part in reversed(each.parts):
-                there = self.parts[1 - side].get(part.called)
-                if there is None or there[1] != _file(self.sides[side], part.unit.file):
-                    return part
-        return None
+            yield from reversed(each.parts)
+
+    # -- what is said of a part or a file as a whole -----------------------------------------------------------
+
+    def _known(self, side: int, part: Part | None) -> Located | None:
+        return None if part is None else self.recipes[side].attachment(part)
+
+    def _said(
+        self, mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None
+    ) -> Iterator[Cause]:
+        """What two recipes say of a part and do not say alike; `keys` are those in question, None for any."""
+        ours, others = ({} if each is None else each.entries for each in (mine, theirs))
+        for key in keys if keys is not None else {**ours, **others}:
+            first, second = (each[key][1] if key in each else None for each in (ours, others))
+            for before, after in _unlike(first, second):
+                first_span, second_span = (None if node is None else node.span for node in (before, after))
+                yield Cause(f"`{key}`", first_span, second_span)
+
+    def _around(self, before: Node | None, after: Node | None) -> Iterator[Cause]:
+        """What is said of the part, the file or the recipe that an element is from."""
+        for first, second in zip_longest(self._parts_of(0, before), self._parts_of(1, after)):
+            mine, theirs = self._known(0, first), self._known(1, second)
+            if first is None and theirs is not None and second is not None:
+                mine = self.recipes[0].same(self.recipes[1], second)
+            if second is None and mine is not None and first is not None:
+                theirs = self.recipes[1].same(self.recipes[0], first)
+            yield from self._said(mine, theirs, None)
+        yield from self._said(self.recipes[0].base(), self.recipes[1].base(), None)
+        lives = self._life(0, before), self._life(1, after)
+        yield Cause("`to`", _added_to(lives[0]), _added_to(lives[1]))
+        compilers = [self._compiler(side, life) for side, life in enumerate(lives)]
+        for each in dict.fromkeys([*compilers[0], *compilers[1]]):
+            yield Cause(f"`{each.split()[0]}`", compilers[0].get(each), compilers[1].get(each))
+
+    def _life(self, side: int, node: Node | None) -> Life | None:
+        traced = self.sides[side].traced
+        return None if traced is None or node is None else traced.watch.life(node)
+
+    def _compiler(self, side: int, life: Life | None) -> dict[str, Span]:
+        """Where the file of an element, or the recipe, says how it is to be read."""
+        traced = self.sides[side].traced
+        if traced is None or life is None:
+            return {}
+        found: dict[str, Span] = {}
+        for source in (life, *life.sources):
+            for each in traced.watch.lives.values():
+                if each.tag == "compiler" and each.root is source.root and isinstance(each.owner, str):
+                    found |= {key: each.span(traced.model.origins, key) for key in each.attributes}
+        here = self.sides[side]
+        found |= {f"{key} of {name(here, span.file)}": span for key, span in self.recipes[side].settings}
+        return found
 
     # -- settings and keyframes --------------------------------------------------------------------------------
 
-    def _setting(self, change: Change) -> Cause | None:
+    def _setting(self, change: Change) -> Iterator[Cause]:
         if self.a is None or self.b is None:
-            return None
-        path, name = change.kind.split("/"), change.field
-        if name.startswith("flag "):
-            path, name = [*path, "flag"], name.removeprefix("flag ")
-        mine, theirs = self.a.setting(*path), self.b.setting(*path)
-        spans = [
-            None if node is None or node.get(name) is None else self._span(side, node, name)
-            for side, node in ((0, mine), (1, theirs))
+            return
+        path, attribute = change.kind.split("/"), change.field
+        if attribute.startswith("flag "):
+            path, attribute = [*path, "flag"], attribute.removeprefix("flag ")
+        places = [
+            [] if node is None or node.get(attribute) is None else self._places(side, node, attribute)
+            for side, node in ((0, self.a.setting(*path)), (1, self.b.setting(*path)))
         ]
-        return _cause(f"`{name}`", spans[0], spans[1], 0)
+        for before, after in reversed(list(zip_longest(*places))):
+            yield Cause(f"`{attribute}`", before, after)
 
-    def _entry(self, change: Change) -> Cause | None:
-        """The keys that say the number of one joint, actuator or body; else what moves the body with its key."""
+    def _entry(self, change: Change) -> Iterator[Cause]:
+        """The numbers of the keys that say it of one joint, actuator or body; else what moves the body with its key."""
         if self.a is None or self.b is None:
-            return None
+            return
         vector = change.field.removeprefix("key_")
         mine, theirs = (
             said(elements, node, vector, change.entry)
             for elements, node in zip((self.a, self.b), self._nodes(change), strict=True)
         )
-        if mine.text != theirs.text:
-            return Cause("key", mine.span, theirs.span)
-        bodies = _body(mine.holder), _body(theirs.holder)
-        if bodies[0] is not None and bodies[1] is not None:
-            attached = self._attached(bodies[0], bodies[1])
-            if attached is not None:
-                return attached
-        for before, after, attributes in self._holding(mine.holder, theirs.holder):
-            if (cause := self._attribute(before, after, attributes)) is not None:
-                return cause
-        return None
+        for before, after in zip_longest(mine.spans, theirs.spans):
+            yield Cause("key", before, after)
+        for pair in self._holding(mine.holder, theirs.holder):
+            yield from self._attribute(*pair)
 
     def _holding(self, before: Node | None, after: Node | None) -> Iterator[Pair]:
-        """The body of a joint, and what that stands in; an actuator by itself."""
+        """The body of a joint, and all that stands in; an actuator by itself."""
         if before is None or after is None:
             return
         yield before, after, ("ref",)
         mine, theirs = _body(before), _body(after)
         if mine is not None and theirs is not None:
-            yield mine, theirs, quantity("body_pos").attributes
-            yield from self._frames(mine, theirs)
+            yield mine, theirs, _POSE
+            yield from self._above(mine, theirs)
 
     def _span(self, side: int, node: Node | None, attribute: str | None) -> Span | None:
         traced = self.sides[side].traced
@@ -300,6 +468,28 @@ class Causes:
         return traced.written_at(node, attribute)
 
 
+_Both: TypeAlias = "tuple[LocatedNode | None, LocatedNode | None]"
+
+
+def _unlike(mine: LocatedNode | None, theirs: LocatedNode | None) -> Iterator[_Both]:
+    """The innermost pairs of values that are not the same."""
+    if isinstance(mine, Located) and isinstance(theirs, Located):
+        for key in {**mine.entries, **theirs.entries}:
+            yield from _unlike(
+                *(each.entries[key][1] if key in each.entries else None for each in (mine, theirs))
+            )
+    elif isinstance(mine, Sequence) and isinstance(theirs, Sequence):
+        for first, second in zip_longest(mine.items, theirs.items):
+            yield from _unlike(first, second)
+    elif (
+        mine is None
+        or theirs is None
+        or type(mine) is not type(theirs)
+        or to_python(mine) != to_python(theirs)
+    ):
+        yield mine, theirs
+
+
 def _body(node: Node | None) -> Node | None:
     """The body itself, or the one that a joint belongs to."""
     if node is None or node.tag == "body":
@@ -307,10 +497,14 @@ def _body(node: Node | None) -> Node | None:
     return next(node.iterancestors("body"), None)
 
 
-def _cause(words: str, here: Span | None, there: Span | None, side: int) -> Cause | None:
-    """A cause that is told from one side; None where no line is known."""
-    if here is None and there is None:
-        return None
+def _added_to(life: Life | None) -> Span | None:
+    """Where the recipe names what it adds an element to."""
+    done = None if life is None or life.made_by is None else life.made_by.done
+    return done.to_span if isinstance(done, AddElement) else None
+
+
+def _cause(words: str, here: Span | None, there: Span | None, side: int) -> Cause:
+    """A cause that is told from one side."""
     return Cause(words, here, there) if side == 0 else Cause(words, there, here)
 
 
@@ -319,23 +513,11 @@ def _base(side: Side) -> Span | None:
     return None if side.plan is None else locate(side.plan.document, ("base",))
 
 
-def _file(side: Side, file: str | None) -> str:
-    """A file as it lies from A or B itself, so that two folders that are laid out alike have the same.
-
-    What was fetched lies in the reference that names it, whatever commit or archive that is.
-    """
-    operand = side.operand
-    path = operand.context.folder / (file or "")
-    return operand.fetched(path) or os.path.relpath(path, operand.path.parent)
-
-
-def _parts(side: Side) -> dict[str, tuple[Span | None, str]]:
-    """The parts of a side by what they are called: where they are attached, and the file that they are."""
+def _parts(side: Side) -> dict[str, Part]:
+    """The parts of a side by what they are called."""
     if side.traced is None:
         return {}
-    lives = side.traced.watch.lives.values()
-    found = {part.called: part for life in lives for part in life.parts}
-    return {called: (part.span, _file(side, part.unit.file)) for called, part in found.items()}
+    return {part.called: part for life in side.traced.watch.lives.values() for part in life.parts}
 
 
 def _same(a: str | None, b: str | None) -> bool:

@@ -65,15 +65,33 @@ def diff(
         if len(sides) < 2:
             return None
         first, second = sides
-        answer = engine.call(session, contrast, [first.kept, second.kept], {"tolerance": tolerance})
-        if not answer.ok:
-            said = answer.error or answer.crash
-            context.sink.error("mujoco-crash", f"`{a}` and `{b}` cannot be compared: {said}")
-            return None
-        found = _told(told(answer.value), first, second, tolerance, only, everything)
-        if renders is not None:
-            found = replace(found, views=render_views(renders, (first.kept, second.kept), context, session))
+        found = between(
+            first, second, context, session, tolerance=tolerance, only=only, everything=everything
+        )
+        if found is not None and renders is not None:
+            views = render_views(renders, (first.kept, second.kept), context, session)
+            found = replace(found, views=views)
         return None if context.sink.has_errors else found
+
+
+def between(
+    a: Side,
+    b: Side,
+    context: Context,
+    session: Session,
+    *,
+    tolerance: float = 0.0,
+    only: Collection[str] = (),
+    everything: bool = False,
+) -> Diff | None:
+    """The differences between two models that the session keeps; None where MuJoCo crashes, which is reported."""
+    answer = engine.call(session, contrast, [a.kept, b.kept], {"tolerance": tolerance})
+    if not answer.ok:
+        said = answer.error or answer.crash
+        message = f"`{a.operand.label}` and `{b.operand.label}` cannot be compared: {said}"
+        context.sink.error("mujoco-crash", message)
+        return None
+    return _told(told(answer.value), a, b, tolerance, only, everything)
 
 
 def _told(

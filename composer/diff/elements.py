@@ -37,6 +37,21 @@ class Elements:
             self.found[kind].append(node)
             if (name := query.name_of(node)) is not None and node.tag != "worldbody":
                 self.named.setdefault((kind, name), node)
+        self._bodies = {query.name_of(node): number for number, node in enumerate(self.found["body"])}
+        for kind in ("exclude", "pair"):
+            self.found[kind].sort(key=self._signature)
+
+    def _signature(self, node: Node) -> tuple[int, int]:
+        """What MuJoCo 4.0 sorts pairs and excludes by: the numbers of the two bodies."""
+        bodies = []
+        for end in "12":
+            name = node.get(f"body{end}")
+            geom = self.named.get(("geom", str(node.get(f"geom{end}"))))
+            if name is None and geom is not None:
+                holder = next(geom.iterancestors(*_HOLDERS), None)
+                name = None if holder is None else query.name_of(holder)
+            bodies.append(self._bodies.get(None if name == "world" else name, 0))
+        return min(bodies), max(bodies)
 
     def node(self, kind: str, name: str, index: int) -> Node | None:
         """The element that MuJoCo's is made of; None where it is one of many, or made by MuJoCo."""

@@ -11,24 +11,35 @@ _SHOWN = 6
 
 
 def block(span: Span | None, side: Side) -> list[str]:
-    """The line of a place, and those below it that are indented deeper; the whole start tag in XML."""
+    """The lines of a place without those that are empty."""
     if span is None:
         return []
     lines = side.lines(span.file)
+    return [lines[number - 1] for number in extent(span, side) if lines[number - 1].strip()]
+
+
+def extent(span: Span, side: Side) -> range:
+    """The numbers of the lines that a place means.
+
+    Of a key or a mapping these are its line and those below it that are indented deeper, of an element its whole
+    start tag, of a value its own line alone.
+    """
+    lines = side.lines(span.file)
     if not 0 < span.line <= len(lines):
-        return []
-    first = lines[span.line - 1]
-    block = [first]
-    depth = len(first) - len(first.lstrip())
-    for line in lines[span.line :]:
-        if is_yaml(span):
+        return range(0)
+    first, end = lines[span.line - 1], span.line
+    ahead = first[: span.column - 1]
+    if is_yaml(span) and not ahead.replace("-", " ").strip():
+        depth = len(first) - len(first.lstrip())
+        for number, line in enumerate(lines[span.line :], span.line + 1):
             if line.strip() and len(line) - len(line.lstrip()) <= depth:
                 break
-        elif ">" in block[-1]:
-            break
-        if line.strip():
-            block.append(line)
-    return block
+            if line.strip():
+                end = number
+    elif not is_yaml(span) and first[span.column - 1 : span.column] == "<":
+        while ">" not in lines[end - 1] and end < len(lines):
+            end += 1
+    return range(span.line, end + 1)
 
 
 def excerpt(lines: list[str]) -> tuple[str, ...]:

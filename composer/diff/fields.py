@@ -29,6 +29,7 @@ def _quantities(table: str) -> dict[str, Quantity]:
 
 
 _POSE = "pos quat euler axisangle xyaxes zaxis fromto"
+_TURN = "quat euler axisangle xyaxes zaxis fromto pos"
 
 # array | words | unit; unit of hinges | attributes
 _QUANTITIES = _quantities(f"""
@@ -37,7 +38,7 @@ body_inertia | principal inertia | kg·m² | diaginertia fullinertia
 body_ipos | centre of mass | m | pos
 body_iquat | principal axes of inertia | | quat
 body_pos | position | m | {_POSE}
-body_quat | orientation | | {_POSE}
+body_quat | orientation | | {_TURN}
 body_gravcomp | gravity compensation | | gravcomp
 body_mocapid | mocap | | mocap
 jnt_type | type | | type
@@ -62,19 +63,19 @@ qpos_spring | rest position of its spring | m; rad | springref ref
 geom_type | type | | type
 geom_size | size | m | size fromto
 geom_pos | position | m | {_POSE}
-geom_quat | orientation | | {_POSE}
+geom_quat | orientation | | {_TURN}
 geom_friction | friction | | friction
 geom_dataid | shape | | mesh hfield
 geom_matid | material | | material
 geom_fluid | fluid coefficients | | fluidcoef fluidshape
 geom_rgba | colour (rgba) | | rgba
 site_pos | position | m | {_POSE}
-site_quat | orientation | | {_POSE}
+site_quat | orientation | | {_TURN}
 site_size | size | m | size fromto
 site_rgba | colour (rgba) | | rgba
 site_matid | material | | material
 cam_pos | position | m | {_POSE}
-cam_quat | orientation | | {_POSE}
+cam_quat | orientation | | {_TURN}
 cam_fovy | vertical field of view | deg | fovy focal focalpixel sensorsize
 cam_intrinsic | lens | m | focal focalpixel principal principalpixel sensorsize fovy
 cam_mode | mode | | mode
@@ -174,7 +175,7 @@ _FOLLOWING = frozenset(
     jnt_actuatorid tendon_actuatorid tendon_length0 tendon_num
     actuator_length0 actuator_acc0 actuator_actnum actuator_ctrlnum actuator_outnum
     sensor_needstage sensor_datatype cam_intrinsic
-    mesh_normal mesh_normalnum mesh_facenormal mesh_graph mesh_polynum mesh_polynormal mesh_polyvert
+    mesh_normal mesh_normalnum mesh_facenormal mesh_graph mesh_graphadr mesh_polynum mesh_polynormal mesh_polyvert
     mesh_polyvertnum mesh_polymap mesh_polymapnum mesh_texcoordnum mesh_bvhnum mesh_octnum mesh_extrema
     mesh_facetexcoord mesh_texcoord
     oct_depth oct_aabb oct_coeff hfield_nrow hfield_ncol text_size numeric_size tuple_size

@@ -14,21 +14,21 @@ if TYPE_CHECKING:
 
 
 class Said(NamedTuple):
-    """What a key of a file says of one joint, actuator or body, which `holder` is."""
+    """Where the numbers of a key that belong to one joint, actuator or body, which `holder` is, are written."""
 
     holder: Node | None
-    text: str | None
-    span: Span | None
+    spans: tuple[Span, ...]
 
 
 def said(elements: Elements, key: Node | None, vector: str, entry: str) -> Said:
-    """What the key says; `text` is None for what no key of a file says, and for what is no vector of numbers."""
+    """Where they are written, the numbers themselves first; no place for what nobody wrote."""
     traced = elements.traced
     if key is None or vector not in VECTORS:
-        return Said(None, None, None)
+        return Said(None, ())
     found = [each for each in traced.key_rows(key, vector) if name_of(each[0]) == entry]
-    if found:
-        said_by = [row for _, row in found if row.origin not in ("reference", "zero", "unknown")]
-        text = " ".join(row.written or row.value for row in said_by)
-        return Said(found[0][0], text or None, said_by[0].reason.span if said_by else None)
-    return Said(None, key.get(vector), traced.written_at(key, vector))
+    if not found:
+        span = traced.written_at(key, vector)
+        return Said(None, () if span is None else (span,))
+    rows = [row for _, row in found]
+    reasons = [*(row.reason for row in rows), *(reason for row in rows for reason in row.on_the_way)]
+    return Said(found[0][0], tuple(dict.fromkeys(reason.span for reason in reasons if reason.span)))

@@ -40,7 +40,8 @@ class Side:
     """`kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path.
 
     Of an MJCF file that is the file alone. `traced` is None where nothing tells where elements came from, `plan` for
-    what is no recipe. `cell` is the one of its matrix that it is, `cells` how many that has.
+    what is not a recipe. `cell` is the one of its matrix that it is, `cells` how many that has. `given` are the values
+    of parameters and variants that come from the command or the cell.
     """
 
     operand: Operand
@@ -50,6 +51,7 @@ class Side:
     plan: Plan | None = None
     cell: str | None = None
     cells: int = 0
+    given: Given = field(default_factory=dict)
     texts: dict[str, str] = field(default_factory=dict)
     read: dict[str, list[str]] = field(default_factory=dict)
 
@@ -92,9 +94,11 @@ def _recipe(operand: Operand, kept: str, session: Session, given: Given, pick: s
     if pick is not None and cell is None:
         return None
     if cell is None:
+        values = given
         plan = make_plan(operand.path, context, given)
     else:
-        plan = plan_what_remains(operand.path, context, {**given, **cell.given}, cell.name, cell.sample)
+        values = {**given, **cell.given}
+        plan = plan_what_remains(operand.path, context, values, cell.name, cell.sample)
     if plan is None or context.sink.has_errors:
         return None
     composer = Composer(context, measure_with(context, session=session), session, watch=watch)
@@ -107,7 +111,8 @@ def _recipe(operand: Operand, kept: str, session: Session, given: Given, pick: s
         return None
     traced = Traced(composed.model, watch, plan.separator, context.folder)
     matrix = read_matrix(operand.path, context, given)
-    return Side(operand, kept, _digests(bundle), traced, plan, pick, len(matrix.cells) if matrix else 0)
+    cells = len(matrix.cells) if matrix else 0
+    return Side(operand, kept, _digests(bundle), traced, plan, pick, cells, values)
 
 
 def _cell(operand: Operand, given: Given, pick: str) -> Cell | None:

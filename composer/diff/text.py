@@ -52,7 +52,9 @@ def following(diff: Diff) -> str | None:
     if not diff.follows:
         return None
     many = "1 number" if diff.follows == 1 else f"{diff.follows} numbers"
-    return f"{many} that MuJoCo computes from these differ{'s' * (diff.follows == 1)} too: --all tells them"
+    return (
+        f"{many} that MuJoCo computes from these differ{'s' * (diff.follows == 1)} too: --computed lists them"
+    )
 
 
 def at_defaults(diff: Diff) -> str | None:

@@ -387,6 +387,20 @@ class Traced:
     def _row_reason(self, key: Node, origin: NumberOrigin) -> Reason:
         return reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
 
+    def history(self, node: Node, attribute: str) -> list[Span]:
+        """Every place that had a say in an attribute: where it was read or made, then what changed it."""
+        life = self.watch.life(node)
+        if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
+            span = self.causes.made(life).span
+            return [] if span is None else [span]
+        found = [
+            self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)
+        ]
+        for change in life.of(attribute):
+            if change.cause.name not in REWRITES:
+                found.append(self.causes.change(change, life).span)
+        return [span for span in dict.fromkeys(found) if span is not None]
+
     def _notes(self, node: Node, attribute: Attribute) -> Iterator[str]:
         name = attribute.name
         if name in ORIENTATIONS:

@@ -146,15 +146,15 @@ class Linking:
     the tags for which it sets the base's top class, which must not reach the parts. `aligned` is whether the model says
     `alignfree`. `asked` are the parts, by path, of whose keys the recipe makes its own; None where it makes no key.
     `own_keys` and `part_keys` are what `part_keys.py` finds, the base under None and `base`; `written_keys` are the
-    recipe's, `replaced_keys` those of the parts, by name, in whose place they stand;
-    `final_layout` is how the finished model lays them out. Edits of what is linked note in
-    `reshaped` whose numbers in a key may be more or fewer now, and in `emptied` whose old numbers have no meaning any
-    more; `edited` is that there may be edits; `drawn` has what was drawn for an element, by field. `grows` is that the recipe adds what rules for a whole model would
-    reach. `weighed` are the bodies whose inertia has been
-    written out, so that what is added to them adds no mass. `references` and `mocap_references` have what only MuJoCo
-    can tell of the reference configuration. `placed_keys` are the models that MuJoCo attaches to parts whose keys say
-    where something is in the world. `coming` has where the recipe writes the places, by kind and name, that it adds
-    when all parts hang. `room` is what the sources ask for of memory, where MuJoCo may have to give more.
+    recipe's, `replaced_keys` those of the parts, by name, in whose place they stand; `final_layout` is how the
+    finished model lays them out. Edits of what is linked note in `reshaped` whose numbers in a key may be more or
+    fewer now, and in `emptied` whose old numbers have no meaning any more; `edited` is that there may be edits;
+    `drawn` has what was drawn for an element, by field. `grows` is that the recipe adds what rules for a whole
+    model would reach. `weighed` are the bodies whose inertia has been written out, so that what is added to them
+    adds no mass. `references` and `mocap_references` have what only MuJoCo can tell of the reference
+    configuration. `placed_keys` are the models that MuJoCo attaches to parts whose keys say where something is in
+    the world. `coming` has where the recipe writes the places, by kind and name, that it adds when all parts
+    hang. `room` is what the sources ask for of memory, where MuJoCo may have to give more.
     """
 
     base: Unit

@@ -51,10 +51,9 @@ def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
     known = kind.attributes.get(attribute) if kind is not None else None
     if kind is None or known is None or element.get(attribute) is not None:
         return None
-    nearest = next(
-        level for level in levels(element, kind, known, model.classes) if level.taken or level.text
-    )
-    return nearest if nearest.kind == "class" else None
+    given = (level for level in levels(element, kind, known, model.classes) if level.taken or level.text)
+    nearest = next(given, None)
+    return nearest if nearest is not None and nearest.kind == "class" else None
 
 
 def _masses(element: Node, model: Unit) -> Iterator[Span]:

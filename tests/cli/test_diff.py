@@ -29,6 +29,14 @@ def test_exit_codes(folder: Path) -> None:
     assert snapshot(folder) == before
 
 
+def test_computed_numbers_are_listed_when_asked_for(folder: Path) -> None:
+    (folder / "new.yaml").write_text(RECIPE.replace("site: flange", "site: flange, pos: [0, 0, 0.1]"))
+    assert "--computed lists them" in run("diff", "cell.yaml", "new.yaml").stdout
+    assert "--computed" not in run("diff", "cell.yaml", "new.yaml", "--computed").stdout
+    result = run("diff", "cell.yaml", "new.yaml", "--all")
+    assert result.exit_code == 2 and "'--computed'" in result.stderr and result.stdout == ""
+
+
 @pytest.mark.parametrize("option", ["--tolerance", "--timeout"])
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1e999", "-1"])
 def test_what_is_no_amount_is_a_usage_error(folder: Path, option: str, value: str) -> None:

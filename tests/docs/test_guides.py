@@ -16,6 +16,9 @@ import pytest
 from composer.bundle.write import write
 from composer.context import Context
 from composer.diagnostics.text import render
+from composer.diff.diff import diff
+from composer.diff.text import render as render_diff
+from composer.engine import Session
 from composer.pipeline import build
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -114,6 +117,23 @@ def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
     assert (tmp_path / "build" / "model.zip").is_file()
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).nq == 1
     assert mujoco.MjModel.from_binary_path(str(tmp_path / "model.mjb")).nq == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the commands are of a POSIX shell")
+@pytest.mark.skipif(shutil.which("git") is None or shutil.which("perl") is None, reason="needs git and perl")
+def test_the_diff_of_the_demo_is_what_its_edits_give(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "recipes", tmp_path / "recipes")
+    author = ["-c", "user.name=a", "-c", "user.email=a@example.org"]
+    for words in (["init", "-q"], ["add", "."], [*author, "commit", "-q", "-m", "first"]):
+        subprocess.run(["git", *words], cwd=tmp_path, check=True)
+    edits = next(text for text in blocks("docs/diff.md", "sh") if "perl" in text)
+    subprocess.run(["bash", "-e", "-c", edits], cwd=tmp_path, check=True)
+    shown = next(text for text in blocks("docs/diff.md", "text") if text.startswith("$ mjcompose diff"))
+    command, expected = shown.split("\n", 1)
+    with Session() as session:
+        found = diff(*command.split()[3:], Context(folder=tmp_path), session)
+    assert found is not None
+    assert render_diff(found) == expected.rstrip("\n")
 
 
 def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:

@@ -1,0 +1,132 @@
+"""How a model is looked at where no camera of its own is asked for: all of it in the picture, and lit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+_MARGIN = 1.08
+_ROUNDS = 4
+_SHOWN_GROUPS = 3
+_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+_AMBIENT, _DIFFUSE, _SPECULAR = 0.3, 0.6, 0.3
+_SKYLESS = 235
+"""The grey, of 255, behind a model without a sky. MuJoCo 4.0 leaves that black, and dark models cannot be seen."""
+
+
+def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any:
+    """The free camera that has the whole of some models in its picture, each with its data.
+
+    It looks in the direction that the first one asks for: `azimuth`, `elevation` and `fovy` of its `visual/global`.
+    `aspect` is the width of the picture divided by its height.
+    """
+    model = scenes[0][0]
+    free = mujoco.MjvCamera()
+    mujoco.mjv_defaultFreeCamera(model, free)
+    points = np.concatenate([corners(mujoco, *each) for each in scenes])
+    if not len(points):
+        return free
+    azimuth, elevation = math.radians(free.azimuth), math.radians(free.elevation)
+    forward = np.array(
+        [
+            math.cos(elevation) * math.cos(azimuth),
+            math.cos(elevation) * math.sin(azimuth),
+            math.sin(elevation),
+        ]
+    )
+    right = np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
+    axes = np.stack([right, np.cross(right, forward), forward])
+    high = math.tan(math.radians(_fovy(model)) / 2) / _MARGIN
+    slopes = np.array([high * aspect, high])
+    at, distance = (points.min(axis=0) + points.max(axis=0)) / 2, 0.0
+    for _ in range(_ROUNDS):
+        seen = (points - at) @ axes.T
+        distance = float((np.abs(seen[:, :2]) / slopes - seen[:, 2:]).max())
+        # What is nearer looks larger: the middle of the picture is not the middle of the box.
+        depth = np.maximum(seen[:, 2:] + distance, 1e-9)
+        shown = seen[:, :2] / depth
+        at = at + ((shown.min(axis=0) + shown.max(axis=0)) / 2 * distance) @ axes[:2]
+    seen = (points - at) @ axes.T
+    free.lookat[:] = at
+    free.distance = max(float((np.abs(seen[:, :2]) / slopes - seen[:, 2:]).max()), 1e-6)
+    return free
+
+
+def corners(mujoco: Any, model: Any, data: Any) -> Any:
+    """The corners of the boxes around all that is drawn; planes have no end, and count only where nothing else is."""
+    drawn = [each for each in range(model.ngeom) if _is_drawn(mujoco, model, each)]
+    solid = [each for each in drawn if model.geom_type[each] != mujoco.mjtGeom.mjGEOM_PLANE]
+    found = [np.zeros((0, 3))]
+    for geom in solid or drawn:
+        centre, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
+        if geom not in solid:
+            centre, half = np.zeros(3), np.array([*_bounded(model.geom_size[geom][:2]), 0.0])
+        rotation = data.geom_xmat[geom].reshape(3, 3)
+        found.append((centre + _CORNERS * half) @ rotation.T + data.geom_xpos[geom])
+    if model.nflexvert:
+        found.append(data.flexvert_xpos.reshape(-1, 3))
+    points = np.concatenate(found)
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def _bounded(half: Any) -> Any:
+    """Half the size of a plane; 0 means that it has no end."""
+    return np.where(half > 0, half, 1.0)
+
+
+def _is_drawn(mujoco: Any, model: Any, geom: int) -> bool:
+    """Whether MuJoCo draws the geom when nobody chooses groups."""
+    material = int(model.geom_matid[geom])
+    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+    return int(model.geom_group[geom]) < _SHOWN_GROUPS and float(rgba[3]) > 0
+
+
+def _fovy(model: Any) -> float:
+    """The field of view of the free camera; of an orthographic one `fovy` is a length."""
+    return 45.0 if model.vis.global_.orthographic else float(model.vis.global_.fovy)
+
+
+@contextmanager
+def prepared(mujoco: Any, model: Any, distance: float = 0.0) -> Iterator[None]:
+    """Make sure that a model can be seen from that far away; it is as before afterwards."""
+    headlight, limits, clip = model.vis.headlight, model.vis.global_, model.vis.map
+    kept = (
+        headlight.active, headlight.ambient.copy(), headlight.diffuse.copy(), headlight.specular.copy(),
+        limits.orthographic, clip.zfar,
+    )  # fmt: skip
+    if not is_lit(model):
+        headlight.active = headlight.active or 1
+        headlight.ambient[:] = np.maximum(headlight.ambient, _AMBIENT)
+        headlight.diffuse[:] = np.maximum(headlight.diffuse, _DIFFUSE)
+        headlight.specular[:] = np.maximum(headlight.specular, _SPECULAR)
+    limits.orthographic = 0
+    clip.zfar = max(clip.zfar, 3 * distance / max(model.stat.extent, 1e-9))
+    try:
+        yield
+    finally:
+        headlight.active, limits.orthographic, clip.zfar = kept[0], kept[4], kept[5]
+        headlight.ambient[:], headlight.diffuse[:], headlight.specular[:] = kept[1:4]
+
+
+def is_lit(model: Any) -> bool:
+    """Whether a lamp of the model is on."""
+    return any(
+        model.light_active[each] and (model.light_diffuse[each].any() or model.light_ambient[each].any())
+        for each in range(model.nlight)
+    )
+
+
+def has_sky(mujoco: Any, model: Any) -> bool:
+    """Whether there is a picture behind everything else."""
+    return bool((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX).any())
+
+
+def brightened(picture: Any, behind: Any) -> Any:
+    """The picture with something to see the model against, where nothing is drawn."""
+    picture = picture.copy()
+    picture[behind] = _SKYLESS
+    return picture

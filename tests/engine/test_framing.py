@@ -1,0 +1,105 @@
+"""The camera that has the whole model in its picture, and the light without which it would be dark. No OpenGL."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from composer.engine.framing import camera, corners, has_sky, is_lit, prepared
+
+ASPECT = 4 / 3
+MODELS = {
+    "ball": '<geom size="0.1"/>',
+    "far away": '<geom size="0.1" pos="10 -20 5"/>',
+    "thin and long": '<geom type="box" size="3 0.01 0.01" euler="0 30 40"/>',
+    "tall": '<geom type="capsule" size="0.05 4"/>',
+    "near and far": '<geom size="0.5" pos="2 0 0"/><geom size="0.02" pos="-4 1 0"/>',
+    "on a floor": '<geom type="plane" size="0 0 1"/><body pos="1 2 0.5"><geom size="0.3"/></body>',
+    "a floor alone": '<geom type="plane" size="2 3 1"/>',
+    "with what is not drawn": '<geom size="0.1"/><geom size="9" group="3"/><geom size="9" rgba="1 0 0 0"/>',
+}
+
+
+def _made(bodies: str, visual: str = "") -> tuple[mujoco.MjModel, mujoco.MjData]:
+    text = f"<mujoco><visual>{visual}</visual><worldbody>{bodies}</worldbody></mujoco>"
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def _seen(model: mujoco.MjModel, free: mujoco.MjvCamera, points: np.ndarray) -> np.ndarray:
+    """The points in the picture: 1 is its right or upper border. By MuJoCo's own camera."""
+    scene = mujoco.MjvScene(model, 10)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mujoco.mjv_updateScene(
+        model, data, mujoco.MjvOption(), mujoco.MjvPerturb(), free, mujoco.mjtCatBit.mjCAT_ALL, scene
+    )
+    left, eye = scene.camera  # two eyes, between which a picture for one is taken
+    right = np.cross(eye.forward, eye.up)
+    away = points - (np.array(left.pos) + np.array(eye.pos)) / 2
+    depth = away @ np.array(eye.forward)
+    assert (depth > 0).all()
+    high = math.tan(math.radians(model.vis.global_.fovy) / 2)
+    return np.stack([away @ right / depth / high / ASPECT, away @ np.array(eye.up) / depth / high], axis=1)
+
+
+@pytest.mark.parametrize(
+    "view", ["", '<global azimuth="20" elevation="-70" fovy="30"/>'], ids=["default", "asked for"]
+)
+@pytest.mark.parametrize("name", MODELS)
+def test_all_of_the_model_is_in_the_picture_and_fills_it(name: str, view: str) -> None:
+    model, data = _made(MODELS[name], view)
+    free = camera(mujoco, [(model, data)], ASPECT)
+    seen = _seen(model, free, corners(mujoco, model, data))
+    assert np.abs(seen).max() <= 1
+    assert np.abs(seen).max() > 0.85
+    assert np.abs((seen.min(axis=0) + seen.max(axis=0)) / 2).max() < 0.1
+
+
+def test_both_of_two_models_are_in_the_picture() -> None:
+    first, second = _made(MODELS["ball"]), _made(MODELS["far away"])
+    free = camera(mujoco, [first, second], ASPECT)
+    points = np.concatenate([corners(mujoco, *each) for each in (first, second)])
+    assert np.abs(_seen(first[0], free, points)).max() <= 1
+
+
+def test_a_model_without_anything_to_see_is_looked_at_as_mujoco_does() -> None:
+    model, data = _made(
+        '<body pos="0 0 1"><joint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'
+    )
+    default = mujoco.MjvCamera()
+    mujoco.mjv_defaultFreeCamera(model, default)
+    assert camera(mujoco, [(model, data)], ASPECT).distance == default.distance
+
+
+@pytest.mark.parametrize(
+    ("lamp", "headlight", "lit", "diffuse"),
+    [
+        ("", "", False, 0.6),
+        ("", '<headlight active="0"/>', False, 0.6),
+        ("", '<headlight diffuse="0.9 0.9 0.9"/>', False, 0.9),
+        ('<light active="false"/>', '<headlight active="0"/>', False, 0.6),
+        ("<light/>", "", True, 0.4),
+    ],
+)
+def test_without_a_lamp_the_headlight_is_on(lamp: str, headlight: str, lit: bool, diffuse: float) -> None:
+    model, _ = _made(f'{lamp}<geom size="0.1"/>', headlight)
+    asked = model.vis.headlight
+    before = asked.active, asked.ambient.tolist(), asked.diffuse.tolist(), model.vis.map.zfar
+    assert is_lit(model) is lit
+    with prepared(mujoco, model, distance=1e4):
+        assert asked.active == (before[0] or 1)
+        assert asked.diffuse.tolist() == pytest.approx([diffuse] * 3)
+        assert model.vis.map.zfar * model.stat.extent > 1e4
+    assert (asked.active, asked.ambient.tolist(), asked.diffuse.tolist(), model.vis.map.zfar) == before
+
+
+def test_a_sky_is_a_texture() -> None:
+    assert not has_sky(mujoco, _made(MODELS["ball"])[0])
+    text = '<mujoco><asset><texture type="skybox" builtin="flat" rgb1="1 1 1" width="8" height="8"/></asset></mujoco>'
+    assert has_sky(mujoco, mujoco.MjModel.from_xml_string(text))
