@@ -273,12 +273,11 @@ PAIRS = {
     "ur5e and 2f85": ("universal_robots_ur5e/ur5e", "robotiq_2f85/2f85", "attachment_site"),
     "xarm7 and hand": ("ufactory_xarm7/xarm7_nohand", "ufactory_xarm7/hand", "attachment_site"),
 }
-REAL = {
+
+
+REAL: dict[str, tuple[tuple[str, str], ...]] = {
     "nothing": (),
     "mesh class": ((r'(<mesh (?:class="[^"]*" )?)(?=[^>]*name="[^"]*base)', r'\1refpos="0 0 0.001" '),),
-    "joint range": (
-        (r'(<joint [^>]*name="[^"]*2[^"]*"[^>]*?)( range="[^"]*")?/>', r'\1 range="-0.5 0.7"/>'),
-    ),
     "equality": ((r"<worldbody>", '<equality><joint joint1="{0}" joint2="{1}"/></equality><worldbody>'),),
     "geom": ((r'(<body name="[^"]*2[^"]*"[^>]*>)', r'\1<geom size="0.02" pos="0 0 0.1"/>'),),
 }
