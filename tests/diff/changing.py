@@ -96,11 +96,21 @@ def _of_mjcf(file: Path) -> Iterator[Value]:
             start = starts[span.line - 1] + span.column - 1
             if text[start : start + len(written)] != written:
                 continue
-            others = tuple(_others(str(name), str(written), alike[str(name)], node))
+            beside = [dict(each.items()) for each in _siblings(node)]
+            others = tuple(
+                other
+                for other in _others(str(name), str(written), alike[str(name)], node)
+                if {**dict(node.items()), name: other} not in beside  # of two that are equal either is right
+            )
             path = (
                 f"{'/'.join(str(each.tag) for each in (*reversed(list(node.iterancestors())), node))}@{name}"
             )
             yield Value(file, path, span.line, start, start + len(written), others)
+
+
+def _siblings(node: etree._Element) -> list[etree._Element]:
+    parent = node.getparent()
+    return [] if parent is None else [each for each in parent.iterchildren(node.tag) if each is not node]
 
 
 def _others(name: str, text: str, alike: list[str], node: etree._Element | None = None) -> Iterator[str]:
