@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -23,3 +24,14 @@ def test_no_module_is_ignored() -> None:
     )
     assert files and found.returncode in (0, 1), found.stderr
     assert found.stdout.split() == []
+
+
+def test_whatever_checks_recipes_for_a_team_checks_every_cell() -> None:
+    hooks = (ROOT / ".pre-commit-hooks.yaml").read_text()
+    assert "entry: mjcompose check\n  args: [--all]" in hooks
+    written = ("action.yml", "composer/starting/project/pre-commit-config.yaml", "docs/teams.md")
+    for path in written:
+        commands = re.findall(
+            r"(?:run:|entry:) mjcompose check.*|^mjcompose check.*", (ROOT / path).read_text(), re.M
+        )
+        assert commands and all("--all" in each for each in commands), path

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import click
 
-from composer.cli.reporting import on_terminal
+from composer.cli.reporting import is_quiet, on_terminal
 
 Item = TypeVar("Item")
 _EVERY = 10.0
@@ -17,6 +17,9 @@ _WIDTH = 20
 
 def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> Iterator[Item]:
     """The items as they come; a bar, their count, the rate and the name of the last one on standard error."""
+    if is_quiet():
+        yield from items
+        return
     start = said = time.monotonic()
     terminal = on_terminal()
     for done, item in enumerate(items, 1):
