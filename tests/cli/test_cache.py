@@ -88,4 +88,4 @@ def test_a_bound_that_is_none(store: Store, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setenv("MJCOMPOSE_CACHE_SIZE", "lots")
     result = run("cache", "info")
     assert result.exit_code == 2
-    assert "no size" in result.stderr
+    assert "not a size" in result.stderr

@@ -86,7 +86,7 @@ def test_faults_are_told_with_file_and_line(
 
 
 def test_what_is_no_model_is_told(tmp_path: Path) -> None:
-    with pytest.raises(mjcf.MjcfError, match="not there"):
+    with pytest.raises(mjcf.MjcfError, match="does not exist"):
         mjcf.from_path(tmp_path / "no.xml")
     with pytest.raises(mjcf.MjcfError, match="`path` expects"):
         mjcf.from_path(3)  # type: ignore[arg-type]

@@ -149,7 +149,7 @@ def test_a_store_where_a_file_is(tmp_path: Path) -> None:
 
 
 def test_a_size_that_is_none(tmp_path: Path) -> None:
-    with pytest.raises(SourceError, match="no size"):
+    with pytest.raises(SourceError, match="not a size"):
         Store.of({"MJCOMPOSE_CACHE": str(tmp_path), "MJCOMPOSE_CACHE_SIZE": "lots"})
     assert Store.of({"MJCOMPOSE_CACHE": str(tmp_path), "MJCOMPOSE_CACHE_SIZE": "2G"}).limit == 2 * 1024**3
 
