@@ -171,3 +171,15 @@ def test_a_free_body_aligned_with_its_inertia_keeps_it(
     alone, composed = linked.alone(0), linked.model()
     for array in ("body_pos", "body_quat", "body_mass", "body_inertia", "body_ipos", "geom_pos", "geom_quat"):
         assert getattr(composed, array)[-1] == pytest.approx(getattr(alone, array)[-1], abs=1e-12), array
+
+
+def test_one_massive_geom_is_enough_to_replace_an_inertial(workshop: Workshop) -> None:
+    """With `inertiafromgeom="true"` a geom without mass beside one with mass changes nothing."""
+    part = """
+    <mujoco><compiler inertiafromgeom="true"/><worldbody>
+      <body name="b"><joint/><inertial pos="1 0 0" mass="99" diaginertia="9 9 9"/>
+        <geom size=".1" mass="0"/><geom size=".2" pos="0 1 0" mass="2"/></body>
+      <body name="none"><joint/><inertial pos="1 0 0" mass="99" diaginertia="9 9 9"/><geom size=".1" mass="0"/></body>
+    </worldbody></mujoco>"""
+    model = workshop.link(BASE, part).check()
+    assert model.body("part/b").mass[0] == 2

@@ -267,3 +267,28 @@ def test_edits_reach_the_parts_that_their_names_begin_with() -> None:
     assert reached("table") == {""}
     assert reached("t*") == {"", "tool/"}
     assert reached("**") == reached("/pad/") == {"", "arm/", "arm/hand/", "tool/"}
+
+
+SETTINGS = """
+  <option timestep="0.01" integrator="implicitfast"/>
+  <size memory="1M" nuser_geom="2"/>
+  <visual><map znear="0.1"/></visual>
+  <statistic extent="3"/>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    "dropped", ["option", "size", "visual", "statistic", "keyframe", "option, visual, keyframe"]
+)
+def test_a_part_without_its_settings_or_keys_is_compared(folder: Path, check: Check, dropped: str) -> None:
+    """No element is left out: what the part is, it still is."""
+    (folder / "parts" / "part.xml").write_text(PART.replace("</mujoco>", SETTINGS))
+    part = f"{{model: ./parts/part.xml, drop: [{dropped}]}}"
+    (folder / "recipe.yaml").write_text(f"recipe: 1\nconflict: warning\nattach:\n  one: {part}\n")
+    built = build(folder / "recipe.yaml", Context(folder=folder, environment={}))
+    assert built is not None
+    write(built.bundle, f"{folder / 'out'}{os.sep}", environment={})
+    stored, told = check(recipe="recipe.yaml")
+    assert told == []
+    assert stored is not None and [part.ok for part in stored.parts] == [True]

@@ -587,3 +587,16 @@ def test_a_mesh_may_collide_where_others_use_it_too() -> None:
     assert compare(model(visual), model(visual, 'name="new"')) == []
     lost = {each.array for each in compare(model(colliding), model(visual))}
     assert {"mesh_graphadr", "mesh_polynum"} <= lost
+
+
+@pytest.mark.parametrize(("array", "value"), [("light_dir", [0, 0, -1]), ("light_pos", [0, 0, 3])])
+def test_lights_at_the_root_turn_with_the_part(array: str, value: list[float]) -> None:
+    """Compared with where the mount puts them: left as they are alone they light another side."""
+    xml = "<mujoco><worldbody>{}<light name='l' pos='0 0 3' dir='0 0 -1'/><geom name='g' size='.1'/>{}</worldbody></mujoco>"
+    alone = mujoco.MjModel.from_xml_string(xml.format("", ""))
+    composed = mujoco.MjModel.from_xml_string(xml.format("<frame euler='90 0 0'>", "</frame>"))
+    hung_on = Mount(None, Pose((0, 0, 0), (0.5**0.5, 0.5**0.5, 0, 0)))
+    assert compare(alone, composed, hung_on=hung_on) == []
+    getattr(composed, array)[0] = value
+    found = compare(alone, composed, hung_on=hung_on)
+    assert [(each.name, each.array) for each in found] == [("l", array)]
