@@ -77,7 +77,8 @@ def moved(numbers: list[Number], now: Sequence[str], part: tuple[str, Span | Non
         return numbers
     sources: dict[int, KeySource] = {}
     for source in (number.source for number in numbers):
-        sources.setdefault(id(source), replace(source, moved=(*source.moved, part)))
+        if id(source) not in sources:
+            sources[id(source)] = replace(source, moved=(*source.moved, part))
     return [
         Number(text, sources[id(number.source)], number.at) for number, text in zip(numbers, now, strict=True)
     ]
@@ -88,5 +89,6 @@ def taken(numbers: Iterable[Number], span: Span) -> list[Number]:
     numbers = list(numbers)
     sources: dict[int, KeySource] = {}
     for source in (number.source for number in numbers):
-        sources.setdefault(id(source), replace(source, taken=(*source.taken, span)))
+        if id(source) not in sources:
+            sources[id(source)] = replace(source, taken=(*source.taken, span))
     return [Number(number.text, sources[id(number.source)], number.at) for number in numbers]
