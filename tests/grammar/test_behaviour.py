@@ -262,7 +262,9 @@ def test_what_mujoco_ignores_has_no_effect() -> None:
     for path, name in found:
         element = GRAMMAR.element(path)
         assert name not in element.attributes
-        assert differences(arrays(model(element)), arrays(model(element, {**needed(element), name: "x"}))) == []
+        assert (
+            differences(arrays(model(element)), arrays(model(element, {**needed(element), name: "x"}))) == []
+        )
 
 
 @pytest.mark.parametrize("path", PLACED)
