@@ -96,6 +96,8 @@ class _Builder:
                 ("boundinertia", ("0.1",)),
                 ("balanceinertia", ("true",)),
                 ("settotalmass", ("3",)),
+                ("fusestatic", ("true",)),
+                ("alignfree", ("true",)),
             )
         ):
             if make.chance(8):

@@ -29,7 +29,12 @@ EXAMPLES = int(os.environ.get("MJCOMPOSE_EXAMPLES", "60"))
 MASSLESS = "mass and inertia of moving bodies"
 """A joint above a part whose root has no mass: not for the linker to mend."""
 
-REFUSED = ("would multiply", "keyframes of a model with this `<replicate>`", "would take another gain")
+REFUSED = (
+    "nothing that is fixed to the joint has mass",
+    "would multiply",
+    "keyframes of a model with this `<replicate>`",
+    "would take another gain",
+)
 """What a replicate takes for replicated by a fault of MuJoCo's, and actuators of several top-level defaults."""
 
 
@@ -100,4 +105,6 @@ def measured(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> M
 
 
 def _list(value: object) -> list[float]:
+    if isinstance(value, bytes):  # the names
+        return list(value)
     return value.ravel().tolist() if hasattr(value, "ravel") else [value]  # type: ignore[list-item]
