@@ -523,7 +523,7 @@ def test_a_gain_that_there_is_not_must_be_given(radian: Case) -> None:
         ("{select: {joint: '*'}, expect: 2, set: {damping: 1}}", "36 selector", "selects 3 elements, expected 2\nit selects joint `shoulder`"),
         ("{select: {geom: '*', parent: {body: lnk}}, set: {group: 1}}", "14 selector", "`parent: {body: lnk}` selects nothing"),
         ("{select: {geom: '*', part: x}, set: {group: 1}}", "14 selector", "parts that exist: base"),
-        ("{select: {xpath: '//geom['}, set: {group: 1}}", "22 selector", "no XPath"),
+        ("{select: {xpath: '//geom['}, set: {group: 1}}", "22 selector", "not an XPath"),
         ("{select: {geom: '*'}, rename: x}", "35 name-clash", "would both be called `x`"),
         ("{select: {geom: upper}, rename: lower}", "37 name-clash", "cannot be called `lower`"),
         ("{select: {geom: upper}, set: {material: stel}}", "45 unknown-name", "did you mean `material: steel`"),
