@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
 from composer.bundle.bundle import MODEL, Bundle
-from composer.bundle.moment import moment_of
 from composer.bundle.output_error import OutputError
 from composer.bundle.packing import Packed, Packing, level_of, packed_now
 from composer.bundle.staging import staged_file
+from composer.bundle.timestamp import moment_of
 
 _UNIX = 3
 _UTF8 = 0x800

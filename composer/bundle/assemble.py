@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
+from composer.bundle.element_places import written_in
 from composer.bundle.licences import Licences, licence_files
 from composer.bundle.manifest import (
     Check,
@@ -26,7 +27,6 @@ from composer.bundle.manifest import (
 from composer.bundle.manifest_index import index_of
 from composer.bundle.portable import Portable
 from composer.bundle.renamed import Renamed, renamed_in
-from composer.bundle.written import written_in
 from composer.context import Context, as_text
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
@@ -36,7 +36,7 @@ from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
 from composer.plan.drawn import Drawn
-from composer.plan.member import Member
+from composer.plan.part_record import Member
 from composer.plan.plan import Plan
 from composer.sources.digest import sha256_of
 from composer.sources.origin import Origin as Fetched

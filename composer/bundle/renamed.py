@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from composer.plan.member import Member
+from composer.plan.part_record import Member
 from composer.tree.kinds import kind_of, naming_attribute
 from composer.tree.unit import Unit
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from composer import engine
 from composer.bundle.bundle import Bundle
-from composer.bundle.moment import moment_of, with_moment
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import staged_file, write_files
+from composer.bundle.timestamp import moment_of, with_moment
 
 
 def write_usd(

@@ -34,9 +34,9 @@ from composer.cli.timeout import timeout_option
 from composer.cli.wanted import Wanted, for_shared_assets, kind_of_output
 
 if TYPE_CHECKING:
-    from composer.build.made import Made
-    from composer.build.maker import Maker
     from composer.bundle.bundle import Bundle
+    from composer.cache.builder import Maker
+    from composer.cache.result import Made
     from composer.context import Context
     from composer.document import Node
     from composer.engine import Session
@@ -86,9 +86,9 @@ def command(
     form: str,
 ) -> None:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
-    from composer.build.maker import Maker
-    from composer.build.order import Order
     from composer.bundle.output_error import OutputError
+    from composer.cache.builder import Maker
+    from composer.cache.options import Order
     from composer.context import Context
 
     how = fetching()
@@ -174,7 +174,7 @@ def _note(made: Made, maker: Maker, wanted: Wanted, context: Context, set_files:
     target = maker.place(made.name, made.mujoco)
     if maker.cache is None or made.answer is None or target is None:
         return
-    from composer.build.receipt import Output, note
+    from composer.cache.receipt import Output, note
 
     record = maker.cache.record(made.answer) if wanted.kind in ("archive", "text") else None
     reported, known = told_by_report(context, wanted.form), replace(made, built=None, why=(), replaced={})

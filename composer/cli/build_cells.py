@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.build.cells import made_cells
-from composer.build.sample_table import FILE, SampleTable
 from composer.bundle.output_error import OutputError
+from composer.cache.cells import made_cells
+from composer.cache.sample_table import FILE, SampleTable
 from composer.cli.build import build_one, finish, put
 from composer.cli.built_words import said
 from composer.cli.counting import counting
@@ -19,7 +19,7 @@ from composer.cli.tally import Tally
 from composer.cli.wanted import Wanted, kind_of_output
 
 if TYPE_CHECKING:
-    from composer.build.maker import Maker
+    from composer.cache.builder import Maker
     from composer.context import Context
     from composer.document import Node
     from composer.engine import Session

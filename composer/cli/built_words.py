@@ -10,7 +10,7 @@ from composer.cli.wanted import Wanted
 from composer.expr.value import shown
 
 if TYPE_CHECKING:
-    from composer.build.made import Made
+    from composer.cache.result import Made
 
 
 def said(made: Made, wanted: Wanted) -> str:

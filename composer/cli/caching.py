@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from composer.build.cache import Cache
+    from composer.cache.cache import Cache
     from composer.context import Context
 
 
@@ -38,7 +38,7 @@ def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
 
 
 def _cache(context: Context) -> Cache | None:
-    from composer.build.cache import Cache
+    from composer.cache.cache import Cache
     from composer.sources.error import SourceError
     from composer.sources.store import Store
 

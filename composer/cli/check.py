@@ -31,9 +31,9 @@ from composer.cli.tally import Tally
 from composer.cli.timeout import timeout_option
 
 if TYPE_CHECKING:
-    from composer.build.cache import Answer, Cache
-    from composer.build.maker import Maker
-    from composer.build.receipt import Told
+    from composer.cache.builder import Maker
+    from composer.cache.cache import Answer, Cache
+    from composer.cache.receipt import Told
     from composer.context import Context
     from composer.diagnostics.junit import Suite
     from composer.document import Node
@@ -69,8 +69,8 @@ def command(
     Without --all, --pick or --sample the model of the default values is checked. Nothing is written but what --junit
     asks for.
     """
-    from composer.build.maker import Maker
-    from composer.build.order import Order
+    from composer.cache.builder import Maker
+    from composer.cache.options import Order
     from composer.context import Context
 
     code = 0
@@ -111,7 +111,7 @@ def command(
         report(context, form)
         code = max(code, FINDINGS if context.sink.has_errors else 0)
     elif not code and used is not None:
-        from composer.build.receipt import note
+        from composer.cache.receipt import note
 
         note(used, arguments(), os.environ, answers, set_files, told)
     sys.exit(code)
@@ -147,7 +147,7 @@ class _Check:
 
     def cells(self, picks: tuple[str, ...], samples: tuple[int, ...], given: dict[str, Node]) -> bool:
         """Check cells; False where there are none, for the recipe is one model."""
-        from composer.build.cells import made_cells
+        from composer.cache.cells import made_cells
         from composer.engine import Limits, Session
 
         maker, context = self.maker, self.context
@@ -173,7 +173,7 @@ class _Check:
 
     def count_cells(self, given: dict[str, Node]) -> None:
         """Say what was not checked: the cells of the matrix."""
-        from composer.build.cells import cells_of
+        from composer.cache.cells import cells_of
         from composer.diagnostics.sink import Sink
 
         cells = cells_of(self.maker.recipe, replace(self.context, sink=Sink()), given)

@@ -69,7 +69,7 @@ def named_choices(
     sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], context: Context
 ) -> dict[str, str]:
     """The same as text, by what a person calls it: what the build cache compares. Nothing is judged."""
-    from composer.build.values import content_of, name_of
+    from composer.cache.values import content_of, name_of
 
     found: dict[str, str] = {}
     for file in set_files:

@@ -46,7 +46,7 @@ def _recipe(ctx: click.Context) -> Path | None:
 
 
 def _cells(recipe: Path, context: Context) -> Iterator[str]:
-    from composer.build.cells import cells_of
+    from composer.cache.cells import cells_of
 
     for cell in cells_of(recipe, context):
         if cell.cell is not None:

@@ -29,7 +29,7 @@ def _terminate(signum: int, frame: object) -> None:
 
 
 def _is_told(arguments: list[str]) -> bool:
-    from composer.build.again import told_again
+    from composer.cache.again import told_again
 
     try:
         return told_again(arguments, os.environ)

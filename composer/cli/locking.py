@@ -15,8 +15,8 @@ from composer.cli.reporting import USAGE, exit_code, report, say
 
 if TYPE_CHECKING:
     from composer.context import Context
-    from composer.plan.make import Given
     from composer.plan.plan import Plan
+    from composer.plan.planner import Given
     from composer.sources.fetching import Fetching
     from composer.sources.lock import Disputed, Lock
 
@@ -54,8 +54,8 @@ def made_lock(
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
     from composer.plan.locked import changed, lock_of, use_lock
-    from composer.plan.make import make_plan
     from composer.plan.matrix import of_first_cell
+    from composer.plan.planner import make_plan
     from composer.sources.lock import to_text
 
     if not (context.folder / recipe).is_file():
@@ -101,9 +101,9 @@ def made_lock(
 
 def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
     """The matrix may choose sources that the recipe alone does not name."""
-    from composer.build.cells import cells_of
+    from composer.cache.cells import cells_of
     from composer.plan.choosing import parameters_choose
-    from composer.plan.make import plan_what_remains
+    from composer.plan.planner import plan_what_remains
     from composer.plan.read import read_recipe
 
     drawn = parameters_choose(read_recipe(context.folder / recipe, context))  # each sample takes its time
@@ -117,11 +117,11 @@ def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Pl
 
 def _plans_of_variants(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
     """What `--variant` may choose; where that does not go together or is out of reach, a warning says so."""
-    from composer.build.choices import choices_of
+    from composer.cache.choices import choices_of
     from composer.diagnostics.codes import OF_FILES
     from composer.diagnostics.diagnostic import Severity
     from composer.diagnostics.sink import Sink
-    from composer.plan.make import make_plan
+    from composer.plan.planner import make_plan
 
     for choice in choices_of(recipe, context):
         own = replace(context, sink=Sink())

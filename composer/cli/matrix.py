@@ -58,7 +58,7 @@ def chosen_cells(
 
     Faults go to the context's sink.
     """
-    from composer.build.cells import cells_of, check_axes_are_free, of_samples, picked
+    from composer.cache.cells import cells_of, check_axes_are_free, of_samples, picked
 
     every = cells_of(recipe, context, given)
     if context.sink.has_errors:
@@ -80,7 +80,7 @@ def chosen_cell(
 
     Faults go to the context's sink.
     """
-    from composer.build.cells import cells_of, check_axes_are_free, picked_one
+    from composer.cache.cells import cells_of, check_axes_are_free, picked_one
 
     every = cells_of(recipe, context, given)
     if context.sink.has_errors:

@@ -43,13 +43,13 @@ def command(
     form: str,
 ) -> None:
     """Print what a build of RECIPE will do, step by step, and the cells of its matrix."""
-    from composer.build.cells import cells_of
+    from composer.cache.cells import cells_of
     from composer.context import Context
     from composer.expr.value import shown
     from composer.plan.describe import Subtrees, as_data, describe
     from composer.plan.expanded import expanded_text
-    from composer.plan.make import make_plan
     from composer.plan.matrix import of_first_cell
+    from composer.plan.planner import make_plan
     from composer.plan.samples import check_sample
 
     context = Context(fetching=fetching())
@@ -72,7 +72,7 @@ def command(
             cells = cells_of(recipe, context, given)
     subtrees: Subtrees = {}
     if plan is not None and plan.takes_subtrees and not expanded:
-        from composer.steps.left_behind import left_behind
+        from composer.compose.left_behind import left_behind
 
         subtrees = left_behind(plan, context)
     report(context, form)

@@ -6,12 +6,12 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from composer.compiled.kinds import KINDS
 from composer.explain import query
 from composer.explain.traced import Traced
 from composer.tree.effective import levels, value
 from composer.tree.kinds import kind_of
 from composer.tree.kinds import query as paths_of
-from composer.verify.roster import KINDS
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from composer.verify.fields import RULES, Treatment
+from composer.compiled.fields import RULES, Treatment
 
 ANGULAR = ("hinge", "ball")
 
@@ -182,7 +182,7 @@ _FOLLOWING = frozenset(
     meaninertia meanmass meansize extent center
     """.split()
 )
-"""Arrays that MuJoCo computes from others, beside those that ``composer.verify.fields`` calls derived."""
+"""Arrays that MuJoCo computes from others, beside those that ``composer.compiled.fields`` calls derived."""
 
 
 def quantity(field: str) -> Quantity:

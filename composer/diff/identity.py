@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import cast
 
-from composer.verify.roster import Model
-from composer.verify.rows import Array, unequal
+from composer.compiled.kinds import Model
+from composer.compiled.rows import Array, unequal
 
 _PARTS = ("opt", "vis", "stat")
 _OF_THE_PLACE = frozenset(

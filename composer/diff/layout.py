@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from composer.compiled.correspondence import Matching
+from composer.compiled.kinds import KINDS, Model
 from composer.diff.change import Count, Move
 from composer.diff.values import close
-from composer.verify.matching import Matching
-from composer.verify.roster import KINDS, Model
 
 _SIZES = ("nq", "nv", "nu", "na", "nmocap", "nsensordata")
 

@@ -6,6 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from composer.compiled.correspondence import ABSENT, ON_BODIES, Matching
+from composer.compiled.difference import MISSING
+from composer.compiled.keyframes import Keys, Roots, key_differences
+from composer.compiled.kinds import KINDS, Model, Roster
+from composer.compiled.links import UNORDERED, links
+from composer.compiled.mount import Mount
 from composer.diff.change import Change, Contrast, Count, Move, Value
 from composer.diff.fields import follows
 from composer.diff.identity import unequal_arrays
@@ -14,12 +20,6 @@ from composer.diff.named import named
 from composer.diff.renames import Names, renames
 from composer.diff.settings import setting_changes
 from composer.diff.values import JOINTS, Values
-from composer.verify.difference import MISSING
-from composer.verify.keyframes import Keys, Roots, key_differences
-from composer.verify.links import UNORDERED, links
-from composer.verify.matching import ABSENT, ON_BODIES, Matching
-from composer.verify.mount import Mount
-from composer.verify.roster import KINDS, Model, Roster
 
 
 def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from composer.verify.links import links
-from composer.verify.matching import ON_BODIES
-from composer.verify.roster import Roster
+from composer.compiled.correspondence import ON_BODIES
+from composer.compiled.kinds import Roster
+from composer.compiled.links import links
 
 _TARGETS = 3
 

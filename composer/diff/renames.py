@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Hashable, Mapping
 
-from composer.verify.likeness import values
-from composer.verify.matching import ON_BODIES
-from composer.verify.roster import KINDS, Roster
+from composer.compiled.correspondence import ON_BODIES
+from composer.compiled.kinds import KINDS, Roster
+from composer.compiled.signature import values
 
 Names = Mapping[str, Mapping[str, str]]
 """By kind what A's names are in B; those that stayed are not listed."""

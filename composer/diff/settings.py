@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from composer.compiled.difference import Difference
+from composer.compiled.kinds import Model
+from composer.compiled.options import option_differences, statistic_differences
 from composer.diff.change import Change, Value
 from composer.diff.values import close
-from composer.verify.difference import Difference
-from composer.verify.options import option_differences, statistic_differences
-from composer.verify.roster import Model
 
 _WORDS = {
     "integrator": ("mjtIntegrator", "mjINT_"), "cone": ("mjtCone", "mjCONE_"),

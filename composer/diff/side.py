@@ -7,12 +7,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from composer import engine
-from composer.build.cells import cells_of, check_axes_are_free, picked_one
 from composer.bundle.assemble import assemble
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle
 from composer.bundle.collect import collect
 from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
+from composer.cache.cells import cells_of, check_axes_are_free, picked_one
+from composer.compose.compose import Composer
+from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -21,15 +23,13 @@ from composer.diff.operand import Kind, Operand
 from composer.expand.matrix import Cell
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
-from composer.plan.make import Given, make_plan, plan_what_remains
 from composer.plan.matrix import read_matrix
 from composer.plan.plan import Plan
-from composer.steps.compose import Composer
-from composer.steps.measure import measure_with
+from composer.plan.planner import Given, make_plan, plan_what_remains
 from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
+from composer.verify.compile_report import judge
 from composer.verify.compiles import CRASHES, Fault, parse, verify
-from composer.verify.judged import judge
 
 if TYPE_CHECKING:
     from composer.engine import Session

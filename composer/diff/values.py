@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from composer.compiled.correspondence import Matching
+from composer.compiled.fields import BEFORE_CONTROLS, Treatment
+from composer.compiled.kinds import JOINT_VELOCITIES, KINDS, Model
+from composer.compiled.ragged import runs
+from composer.compiled.rows import DOF, Array, arrays, same_width
 from composer.diff.change import Change, Value
 from composer.diff.fields import follows
 from composer.diff.named import named
-from composer.verify.fields import BEFORE_CONTROLS, Treatment
-from composer.verify.matching import Matching
-from composer.verify.roster import JOINT_VELOCITIES, KINDS, Model
-from composer.verify.rows import DOF, Array, arrays, same_width
-from composer.verify.runs import runs
 
 JOINTS = ("free", "ball", "slide", "hinge")
 FLOOR = 1e-6

@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.bundle.collect import collect
+from composer.compose.compose import Composer
+from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.explain import query
 from composer.explain.explanation import (
@@ -13,10 +15,8 @@ from composer.explain.explanation import (
 )
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
-from composer.plan.make import Given, make_plan
+from composer.plan.planner import Given, make_plan
 from composer.plan.samples import check_sample
-from composer.steps.compose import Composer
-from composer.steps.measure import measure_with
 from composer.tree.parse import parse_file
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from composer.importing.likeness import Likeness, places
 from composer.importing.match import Instance, parent_body
 from composer.importing.meaning import POSE, at_the_same_place, plain
 from composer.link.placing import read_pose
-from composer.pose import Pose
+from composer.numerics.pose import Pose
 from composer.tree.classes import MAIN, childclass_of, default_tag
 from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.unit import Unit

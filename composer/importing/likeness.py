@@ -11,6 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from composer.compiled.correspondence import Matching
+from composer.compiled.kinds import KINDS, Model, Roster
+from composer.compiled.mount import Mount
 from composer.diff.change import Change, Value
 from composer.diff.fields import follows
 from composer.diff.models import references
@@ -18,9 +21,6 @@ from composer.diff.values import Values
 from composer.explain.query import ordered
 from composer.tree.kinds import kind_of
 from composer.tree.kinds import query as paths_of
-from composer.verify.matching import Matching
-from composer.verify.mount import Mount
-from composer.verify.roster import KINDS, Model, Roster
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

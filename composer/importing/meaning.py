@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from composer.importing.likeness import near
 from composer.link.numbers import read
 from composer.link.placing import read_pose
-from composer.pose import Pose, quat_from_zaxis
+from composer.numerics.pose import Pose, quat_from_zaxis
 from composer.tree.settings import Settings
 
 POSE = frozenset({"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto"})

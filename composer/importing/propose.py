@@ -32,7 +32,7 @@ from composer.importing.flow import flow, nested, numbers, word
 from composer.importing.likeness import Likeness
 from composer.importing.match import Instance, find, name_in_recipe, parent_body, separator_of
 from composer.link.placing import read_pose
-from composer.pose import IDENTITY_QUAT, Pose
+from composer.numerics.pose import IDENTITY_QUAT, Pose
 from composer.recipe.recipe import SETTABLE
 from composer.tree.classes import childclass_of
 from composer.tree.unit import Unit

@@ -20,7 +20,7 @@ from composer.importing.likeness import Likeness
 from composer.importing.match import Instance
 from composer.importing.propose import Proposal, propose
 from composer.importing.recipe_text import recipe_text
-from composer.pipeline import build
+from composer.stages import build
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 

@@ -14,7 +14,7 @@ from lxml.etree import _Element as Node
 
 from composer.link import numbers
 from composer.link.linking import Linking
-from composer.pose import quat_from_euler
+from composer.numerics.pose import quat_from_euler
 from composer.tree.classes import NESTED, Classes, childclass_of, written
 from composer.tree.unit import Unit
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lxml.etree import _Element as Node
 
-from composer.link.survey import Survey
+from composer.link.measured_unit import Survey
 from composer.tree.classes import walk_bodies
 from composer.tree.files import stem
 from composer.tree.names import LISTS, REFERS, naming_table

@@ -6,9 +6,9 @@ from lxml.etree import _Element as Node
 
 from composer.link import numbers
 from composer.link.linking import Linking
+from composer.link.measured_unit import GEOMS, Survey, cannot_be_kept, survey
 from composer.link.placing import read_pose
-from composer.link.survey import GEOMS, Survey, cannot_be_kept, survey
-from composer.pose import Pose
+from composer.numerics.pose import Pose
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
 from composer.tree.unit import Unit
 

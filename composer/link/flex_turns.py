@@ -10,7 +10,7 @@ import math
 
 from composer.link import numbers
 from composer.link.linking import Linking
-from composer.pose import normalise
+from composer.numerics.pose import normalise
 
 _ROUNDING = 1e-9
 _TOLERABLE = 1e-3

@@ -11,7 +11,7 @@ from lxml.etree import _Element as Node
 
 from composer.link import numbers
 from composer.link.linking import Linking
-from composer.link.survey import BODIES, Survey, cannot_be_kept, survey
+from composer.link.measured_unit import BODIES, Survey, cannot_be_kept, survey
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
 from composer.tree.settings import Settings
 from composer.tree.unit import Unit

@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
 from composer.link.linking import Linking
-from composer.link.survey import cannot_be_kept, survey
+from composer.link.measured_unit import cannot_be_kept, survey
 from composer.tree.unit import Unit
 
 _ARRAYS = ("actuator_lengthrange",)

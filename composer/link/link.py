@@ -22,14 +22,14 @@ from composer.link.linking import Linking
 from composer.link.names import names
 from composer.link.passthrough import passthrough
 from composer.link.reductions import reductions
+from composer.link.replicate_capture import spurious
 from composer.link.replicates import replicates
 from composer.link.room import room
-from composer.link.roots import check_roots, roots
+from composer.link.root_rules import check_roots, roots
 from composer.link.sections import sections
-from composer.link.several_defaults import several_defaults
-from composer.link.spurious import spurious
 from composer.link.submodel_options import submodel_options
 from composer.link.submodels import submodels
+from composer.link.top_level_defaults import several_defaults
 
 Pass = Callable[[Linking], None]
 

@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.link.layout import Layout, Slot
-from composer.pose import Pose
+from composer.numerics.pose import Pose
 from composer.tree.key import Key, PartKeys
 from composer.tree.names import Names
 from composer.tree.unit import Unit

@@ -12,7 +12,7 @@ from composer.link import numbers
 from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, lay_out
 from composer.link.linking import Linking
 from composer.link.multiplied import actuators_in_order, element_of
-from composer.pose import Pose
+from composer.numerics.pose import Pose
 from composer.tree.names import declaration
 from composer.tree.unit import Unit
 

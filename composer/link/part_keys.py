@@ -12,7 +12,7 @@ from composer.link import numbers
 from composer.link.key_layouts import VECTORS, holders, keys_of
 from composer.link.layout import BLOCK, Holder, Layout, Slot
 from composer.link.linking import Linking, Part
-from composer.pose import Pose, normalise, rotate
+from composer.numerics.pose import Pose, normalise, rotate
 from composer.tree.classes import ORIENTATIONS
 from composer.tree.key import Key, PartKeys
 from composer.tree.key_number import Number, moved, numbers_of, texts

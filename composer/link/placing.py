@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from lxml.etree import _Element as Node
 
 from composer.link import numbers
-from composer.pose import (
+from composer.numerics.pose import (
     ORIGIN,
     Pose,
     normalise,

@@ -10,7 +10,7 @@ from composer.link.discarding import discard
 from composer.link.fusing import fuse, static_bodies
 from composer.link.inertia import settle
 from composer.link.linking import Linking, Part
-from composer.link.survey import BODIES, NAMED, survey
+from composer.link.measured_unit import BODIES, NAMED, survey
 from composer.tree.unit import Unit
 
 _REDUCING = ("fusestatic", "discardvisual")

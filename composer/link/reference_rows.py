@@ -13,7 +13,7 @@ from composer.link.layout import BLOCK, Holder, Layout, Slot
 from composer.link.linking import Linking
 from composer.link.multiplied import element_of
 from composer.link.placing import pose_in_world, read_pose
-from composer.pose import Pose
+from composer.numerics.pose import Pose
 from composer.tree.classes import childclass_of, written
 from composer.tree.key_number import KeySource, Number
 

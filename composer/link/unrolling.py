@@ -15,8 +15,8 @@ from lxml.etree import _Element as Node
 from composer.link import numbers
 from composer.link.linking import Linking
 from composer.link.multiplied import inner_first, names_made, suffixes
-from composer.link.rows import row
-from composer.link.spurious import made_from, referred, things
+from composer.link.replicate_capture import made_from, referred, things
+from composer.link.replicate_poses import row
 from composer.tree.name_index import NameIndex
 from composer.tree.names import DECLARES, naming_table
 from composer.tree.scaled import scaled_above

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from composer.bundle.bundle import MANIFEST, Bundle
-from composer.bundle.holding import check_files, check_index, manifest_of
+from composer.bundle.integrity import check_files, check_index, manifest_of
 from composer.bundle.manifest import Manifest
 from composer.bundle.manifest_index import index_of
 from composer.bundle.mjb import manifest_beside

@@ -24,7 +24,7 @@ from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.mounting import Mounting
 from composer.mjcf.pruning import prune
 from composer.mjcf.relocated import relocated_text
-from composer.mjcf.told_apart import is_inner, rename_file, told_apart
+from composer.mjcf.unique_names import is_inner, rename_file, told_apart
 from composer.tree.unit import Unit
 from composer.tree.write import to_text
 
@@ -181,11 +181,11 @@ def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measur
     started: list[Measure] = []
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
-        from composer.mjcf.outward import without_outward
+        from composer.mjcf.detach_external import without_outward
 
         if not started:
+            from composer.compose.measure import measure_with
             from composer.engine import Session
-            from composer.steps.measure import measure_with
 
             started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
         return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.grammar import ElementType
-from composer.mjcf import elsewhere
+from composer.mjcf import dm_control_hints as elsewhere
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from composer.tree.kinds import spoken

@@ -6,12 +6,12 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Mapping, Node, locate
-from composer.draws.stream import bits
 from composer.expand.expand import Concrete
 from composer.expand.parameter import Parameter, Refusal
 from composer.expand.plain import node_of
 from composer.expr.angle import Angle
 from composer.expr.value import Value, kind
+from composer.numerics.stream import bits
 from composer.plan.drawn import Drawn
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import DrawField

@@ -11,8 +11,8 @@ from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.document.node import locate
 from composer.expr.value import Value
+from composer.plan.angle_context import Readings
 from composer.plan.drawn import Drawn
-from composer.plan.reading import Readings
 from composer.recipe.attach import Attachment
 from composer.recipe.checks.kind import Check
 from composer.recipe.draw_field import DrawField

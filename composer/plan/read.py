@@ -16,11 +16,11 @@ from composer.document.decode import MAX_SIZE
 from composer.document.merge import merge
 from composer.document.node import Mapping, Node, Scalar
 from composer.expr.opening import is_template
-from composer.plan.reading import SETTINGS
+from composer.plan.angle_context import SETTINGS
 from composer.sources.error import SourceError
-from composer.sources.nearby import model_files, nearest
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
+from composer.sources.suggest import model_files, nearest
 
 EXTENDS = "extends"
 _EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes a recipe to begin with"

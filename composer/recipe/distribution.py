@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from composer.diagnostics.suggest import closest, exists_note
-from composer.draws.distribution import (
+from composer.expr.angle import Angle
+from composer.numerics.distribution import (
     Distribution,
     Integers,
     LogNormal,
@@ -17,8 +18,7 @@ from composer.draws.distribution import (
     TruncNormal,
     Uniform,
 )
-from composer.draws.stream import below
-from composer.expr.angle import Angle
+from composer.numerics.stream import below
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.shown import kind_of, shown
 

@@ -14,7 +14,7 @@ from composer.recipe import errors
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.raw import raw
 from composer.recipe.recipe import Recipe
-from composer.recipe.remains import Remains, remains
+from composer.recipe.recovery import Remains, remains
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 

@@ -1,6 +1,6 @@
 """Files of the store that are one piece each, as a compressed asset is: written in one step, hashed when read.
 
-    asked/, built/, raw/, packed/     what the build cache keeps (`composer/build/cache.py`)
+    asked/, built/, raw/, packed/     what the build cache keeps (`composer/cache/cache.py`)
     writing/                          files being written; they move to their place in one step
 
 There is no lock: whoever writes a key writes the same as all others do, or what counts as well as theirs.

@@ -13,8 +13,8 @@ from urllib.parse import urljoin, urlsplit
 
 from composer.diagnostics.secret import hide
 from composer.sources.error import SourceError
-from composer.sources.patience import patience
 from composer.sources.reference import is_this_machine
+from composer.sources.timeout import patience
 
 if TYPE_CHECKING:
     from urllib3 import BaseHTTPResponse, PoolManager

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from composer.sources.error import SourceError
-from composer.sources.patience import patience
+from composer.sources.timeout import patience
 
 _TRIES = 3
 _PAUSE = 0.5

@@ -11,7 +11,8 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from composer.diagnostics.suggest import closest
-from composer.sources import licence, licence_name, nearby
+from composer.sources import licence, licence_name
+from composer.sources import suggest as nearby
 from composer.sources.error import SourceError
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference

@@ -6,7 +6,8 @@ import os
 from pathlib import Path, PurePath
 
 from composer.diagnostics.suggest import exists_note
-from composer.sources import licence, nearby
+from composer.sources import licence
+from composer.sources import suggest as nearby
 from composer.sources.error import SourceError
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format

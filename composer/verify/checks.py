@@ -8,19 +8,20 @@ from typing import Any
 
 from composer import engine
 from composer.bundle.renamed import Renamed
+from composer.compiled.affected_arrays import arrays_of
+from composer.compiled.difference import EXTRA, MISSING, Difference
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.dedup import Merged
-from composer.plan.member import Member, of_part
+from composer.plan.drawn_arrays import arrays_of_draw
+from composer.plan.part_record import Member, of_part
 from composer.plan.plan import Plan
 from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
 from composer.verify.compiles import CRASHES
-from composer.verify.difference import EXTRA, MISSING, Difference
-from composer.verify.excuses import arrays_of, arrays_of_draw
 from composer.verify.kinds.ask import ask
 from composer.verify.kinds.finding import Finding
 from composer.verify.nested import Nested

@@ -11,7 +11,7 @@ from composer.bundle.assemble import sources
 from composer.bundle.manifest import Input, Manifest
 from composer.context import Context
 from composer.diagnostics.sink import Sink
-from composer.plan.make import make_plan
+from composer.plan.planner import make_plan
 from composer.sources.error import SourceError
 from composer.sources.resolve import resolve
 from composer.sources.source import Source

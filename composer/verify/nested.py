@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from composer.plan.member import Member
+from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
+from composer.plan.part_record import Member
 from composer.plan.parts import BASE, called
 from composer.plan.plan import Plan
-from composer.pose import IDENTITY_QUAT, ORIGIN
 from composer.recipe.checks.kind import Check
 
 

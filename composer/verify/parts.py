@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 from composer import engine
 from composer.bundle.renamed import Renamed
-from composer.plan.member import Member
-from composer.pose import IDENTITY_QUAT, ORIGIN
+from composer.compiled.difference import Difference
+from composer.compiled.keyframes import Keys
+from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
+from composer.plan.part_record import Member
 from composer.sources import ros_package
-from composer.verify.difference import Difference
-from composer.verify.keyframes import Keys
 from composer.verify.question import Question, ask, told
 
 _ROUNDING = 1e-12
@@ -79,7 +79,7 @@ class Judge:
 
     def _take(self, member: Member, name: str) -> str | None:
         """Keep what was taken of a source, after it was compared with the whole; a sentence where that cannot be."""
-        from composer.verify.taken import keep_taken  # few recipes need it
+        from composer.verify.subtree_reference import keep_taken  # few recipes need it
 
         whole = f"{name} in the whole"
         taken = keep_taken(member, self.session, name, whole)

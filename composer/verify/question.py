@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from composer.pose import IDENTITY_QUAT, ORIGIN, Quat, Vec3
-from composer.verify.difference import MISSING, Difference, Value
-from composer.verify.keyframes import Keys, Roots
-from composer.verify.mount import Mount
-from composer.verify.roster import FREE_JOINT, Model, Roster
-from composer.verify.unchanged import compare
+from composer.compiled.difference import MISSING, Difference, Value
+from composer.compiled.keyframes import Keys, Roots
+from composer.compiled.kinds import FREE_JOINT, Model, Roster
+from composer.compiled.mount import Mount
+from composer.compiled.unchanged import compare
+from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Quat, Vec3
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from composer.compiled.affected_arrays import DERIVED
+from composer.compiled.difference import EXTRA, MISSING, Difference
 from composer.diagnostics.diagnostic import Note
-from composer.verify.difference import EXTRA, MISSING, Difference
-from composer.verify.excuses import DERIVED
 from composer.verify.parts import Compared
 
 _SHOWN = 8

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from composer.compiled.kinds import Model
 from composer.engine.actuator_rows import first_row
 from composer.recipe.checks.arrays import TAGS, array_of, attributes
 from composer.recipe.edit_values import MASS
-from composer.verify.roster import Model
 
-# Gains of actuators: the array, the component, and the sign of what is put there.
 _GAINS: dict[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
     ("position", "kp"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 1, -1)),
     ("position", "kv"): (("actuator_biasprm", 2, -1),),

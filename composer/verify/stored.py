@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.bundle.bundle import MANIFEST, Bundle
-from composer.bundle.holding import check_files, check_index, manifest_of
+from composer.bundle.integrity import check_files, check_index, manifest_of
 from composer.bundle.manifest import Manifest, Part
 from composer.bundle.manifest_index import index_of
 from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
 from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
-from composer.plan.member import Member
-from composer.pose import Pose
+from composer.numerics.pose import Pose
+from composer.plan.part_record import Member
 from composer.sources.source import Source
 from composer.verify.compiles import Verified, verify
 from composer.verify.inputs import Inputs

@@ -14,7 +14,7 @@ from composer.bundle.bundle import MANIFEST
 from composer.bundle.manifest import Manifest, from_json
 from composer.context import Context
 from composer.diagnostics.text import render
-from composer.pipeline import build
+from composer.stages import build
 
 ARM = """<mujoco>
   <compiler meshdir="../meshes"/>

@@ -14,7 +14,7 @@ from composer.bundle.output_error import OutputError
 from composer.bundle.write import write
 from composer.context import Context
 from composer.engine import usd
-from composer.pipeline import build
+from composer.stages import build
 
 ROOT = Path(__file__).resolve().parents[2]
 BALL = Bundle(

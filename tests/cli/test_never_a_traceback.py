@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from composer.context import Context
 from composer.diagnostics.text import render
-from composer.pipeline import build
+from composer.stages import build
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 Text = Callable[[str], str]

@@ -16,7 +16,7 @@ from composer.diff.diff import diff
 from composer.diff.markdown import render as in_markdown
 from composer.diff.text import render
 from composer.engine import Session
-from composer.pipeline import build
+from composer.stages import build
 
 CASES = Path(__file__).parent / "cases"
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import mujoco
 
+from composer.compiled.kinds import Roster
 from composer.diff.renames import renames
-from composer.verify.roster import Roster
 
 HAND = """<mujoco><worldbody>
   <body name="gripper/palm"><geom name="gripper/palm" size="0.1"/>

@@ -18,7 +18,7 @@ import pytest
 
 from composer.context import Context
 from composer.engine import Limits
-from composer.pipeline import build
+from composer.stages import build
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "docs" / "errors").glob("*.md")}

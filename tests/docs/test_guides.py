@@ -19,7 +19,7 @@ from composer.diagnostics.text import render
 from composer.diff.diff import diff
 from composer.diff.text import render as render_diff
 from composer.engine import Session
-from composer.pipeline import build
+from composer.stages import build
 
 ROOT = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)

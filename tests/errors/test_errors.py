@@ -15,7 +15,7 @@ import pytest
 from composer.context import Context
 from composer.diagnostics import Severity
 from composer.diagnostics.text import render, summary
-from composer.pipeline import build
+from composer.stages import build
 
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))

@@ -10,7 +10,7 @@ import pytest
 
 from composer.context import Context
 from composer.diagnostics import Diagnostic
-from composer.pipeline import build
+from composer.stages import build
 
 SOURCE = '<mujoco>\n  <asset>\n    <mesh name="base" file="base.obj"/>\n  </asset>\n  <include file="more.xml"/>\n</mujoco>\n'
 FILES = {

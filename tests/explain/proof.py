@@ -19,7 +19,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.span import Span
 from composer.explain.explanation import Changed, LevelExplained, RowExplained
 from composer.explain.traced import Traced
-from composer.pose import quat_from_axisangle, quat_from_euler
+from composer.numerics.pose import quat_from_axisangle, quat_from_euler
 
 _START_TAG = re.compile(r"<(\w+)((?:\s+[\w:]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>", re.DOTALL)
 _OWN_FORM = "in the recipe's own unit or form"

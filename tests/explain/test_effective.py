@@ -13,7 +13,7 @@ from composer.diagnostics.sink import Sink
 from composer.explain import query
 from composer.explain.explain import trace
 from composer.explain.traced import Traced
-from composer.pipeline import build
+from composer.stages import build
 from composer.tree.kinds import kind_of
 
 _OBJECTS = "body joint geom site camera light tendon equality actuator sensor key".split()

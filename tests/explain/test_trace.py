@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from composer.compose.compose import Composer
 from composer.context import Context
 from composer.explain.trace import TAG, Change, Life
 from composer.explain.traced import Traced
-from composer.pipeline import build
-from composer.steps.compose import Composer
+from composer.stages import build
 from composer.tree.watch import nobody
 from composer.tree.write import write
 

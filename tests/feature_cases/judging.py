@@ -9,12 +9,12 @@ import mujoco
 from feature_cases.members import Member, members
 
 from composer.bundle.write import write
+from composer.compiled.difference import EXTRA
+from composer.compiled.keyframes import Keys
+from composer.compiled.options import option_differences
+from composer.compiled.unchanged import compare
 from composer.context import Context
-from composer.pipeline import build
-from composer.verify.difference import EXTRA
-from composer.verify.keyframes import Keys
-from composer.verify.options import option_differences
-from composer.verify.unchanged import compare
+from composer.stages import build
 
 
 @dataclass

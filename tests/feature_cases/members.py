@@ -12,8 +12,8 @@ import numpy as np
 import yaml
 from lxml import etree
 
-from composer.pose import Pose, normalise
-from composer.verify.mount import AT_ORIGIN, Mount
+from composer.compiled.mount import AT_ORIGIN, Mount
+from composer.numerics.pose import Pose, normalise
 
 PLACES = ("site", "body", "frame")
 

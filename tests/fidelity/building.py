@@ -36,7 +36,7 @@ class Build:
 def is_there() -> bool:
     """Whether mjcompose can build at all."""
     try:
-        return find_spec("composer.pipeline") is not None and bool(__import__("composer.pipeline"))
+        return find_spec("composer.stages") is not None and bool(__import__("composer.stages"))
     except ImportError:
         return False
 
@@ -53,7 +53,7 @@ def build(recipe: Path, *, verified: bool = False) -> Build:
     """The recipe built in this process, into a folder that the next build takes; the harness verifies it."""
     from composer.context import Context
     from composer.diagnostics import render
-    from composer.pipeline import build as run
+    from composer.stages import build as run
 
     context = Context(folder=recipe.parent)
     built = run(recipe, context, verified=verified, session=_session(os.getpid()))

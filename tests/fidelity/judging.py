@@ -20,12 +20,12 @@ from fidelity.decided import UNLIKE_MJSPEC
 from fidelity.recipe import write_recipe
 from fidelity.rival import attached
 
-from composer.verify.difference import Difference
-from composer.verify.fields import ROUNDING
-from composer.verify.keyframes import Keys, Roots
-from composer.verify.mount import Mount
-from composer.verify.options import option_differences
-from composer.verify.unchanged import compare
+from composer.compiled.difference import Difference
+from composer.compiled.fields import ROUNDING
+from composer.compiled.keyframes import Keys, Roots
+from composer.compiled.mount import Mount
+from composer.compiled.options import option_differences
+from composer.compiled.unchanged import compare
 
 Builder = Callable[[Composition, Path], Build]
 

@@ -15,8 +15,8 @@ from fidelity import dmcontrol
 from fidelity.building import reread
 from lxml import etree
 
-from composer.verify.keyframes import Keys
-from composer.verify.unchanged import compare
+from composer.compiled.keyframes import Keys
+from composer.compiled.unchanged import compare
 
 SIX_DIGITS = 1e-5
 """Relative: what is left of a number when MuJoCo saves it."""

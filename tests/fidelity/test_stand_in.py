@@ -15,7 +15,7 @@ from fidelity.decided import NOT_YET
 from fidelity.judging import Verdict, judge
 from fidelity.table import cells, markdown, totals
 
-from composer.verify.keyframes import Roots
+from composer.compiled.keyframes import Roots
 
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
 QUICK = 0.3

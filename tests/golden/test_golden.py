@@ -18,7 +18,7 @@ from composer.bundle.write import write
 from composer.context import Context
 from composer.diagnostics import Severity
 from composer.engine import Session
-from composer.pipeline import build
+from composer.stages import build
 from composer.verify.stored import verify_stored
 
 HERE = Path(__file__).resolve().parent

@@ -18,7 +18,7 @@ from composer.importing.comparing import Changed
 from composer.importing.contrasting import Outcome
 from composer.importing.recover import Recovered, recover
 from composer.importing.words import changed, left
-from composer.pipeline import build
+from composer.stages import build
 
 ARM = """\
 <mujoco model="arm">

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from link.workshop import BASE, OLDER, Linked, Piece, Workshop, hinge, placed
 
+from composer.compiled.keyframes import Keys
 from composer.link.linking import Joint, KeyPolicy
-from composer.verify.keyframes import Keys
 
 ARM = """
 <mujoco model="arm"><worldbody>

@@ -3,7 +3,7 @@ from __future__ import annotations
 from link.workshop import BASE, Piece, Workshop, placed
 
 from composer.link.part_keys import part_keys
-from composer.pose import quat_from_axisangle
+from composer.numerics.pose import quat_from_axisangle
 from composer.tree.key_number import texts
 
 HINGE = """

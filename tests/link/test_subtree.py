@@ -10,15 +10,15 @@ from link.test_files import skin
 from link.workshop import Workshop, obj
 from lxml import etree
 
+from composer.compiled.mount import Mount
+from composer.compiled.unchanged import compare
+from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.link.subtree import Subtree, take_subtree
-from composer.steps.measure import measure_with
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.write import write
-from composer.verify.mount import Mount
-from composer.verify.unchanged import compare
 
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
 

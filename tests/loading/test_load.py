@@ -16,7 +16,7 @@ from composer.bundle.mjb import manifest_beside, with_version
 from composer.bundle.write import write
 from composer.context import Context
 from composer.loading.load import Loaded
-from composer.pipeline import build
+from composer.stages import build
 
 MODEL = """<mujoco model="{name}">
   <worldbody>

@@ -8,9 +8,9 @@ import mujoco
 import pytest
 
 from composer import mjcf
-from composer.verify.fields import ROUNDING
-from composer.verify.keyframes import Keys
-from composer.verify.unchanged import compare
+from composer.compiled.fields import ROUNDING
+from composer.compiled.keyframes import Keys
+from composer.compiled.unchanged import compare
 
 _MOVED = ("key_qpos", "key_qvel", "key_mpos", "key_mquat")
 

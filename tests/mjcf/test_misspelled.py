@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from composer import mjcf
-from composer.mjcf import elsewhere
+from composer.mjcf import dm_control_hints as elsewhere
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from composer.context import Context
 from composer.plan.describe import as_data, describe
-from composer.plan.make import make_plan
 from composer.plan.parts import called, parts_of
+from composer.plan.planner import make_plan
 
 ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoco>'
 

@@ -14,7 +14,7 @@ import mujoco
 import pytest
 
 from composer.context import Context
-from composer.pipeline import build
+from composer.stages import build
 
 POLICIES = ("merge", "prefix", "none")
 Row = dict[str, float]

@@ -18,9 +18,9 @@ from hypothesis import HealthCheck, given, reject, settings
 from properties.compositions import Composition, compositions
 
 from composer.bundle.assemble import assemble
+from composer.compose.compose import Composer
 from composer.context import Context
-from composer.plan.make import make_plan
-from composer.steps.compose import Composer
+from composer.plan.planner import make_plan
 from composer.tree.unit import Unit
 from composer.tree.write import write
 

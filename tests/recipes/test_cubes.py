@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from composer.context import Context
-from composer.pipeline import build
+from composer.stages import build
 
 FOLDER = Path(__file__).resolve().parents[2] / "recipes"
 

@@ -17,7 +17,7 @@ from lxml.etree import _Element as Node
 
 from composer.bundle.write import write
 from composer.context import Context
-from composer.pipeline import build
+from composer.stages import build
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 HANDS: dict[str, tuple[str, Callable[[Node], None]]] = {}

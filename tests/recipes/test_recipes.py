@@ -11,7 +11,7 @@ import pytest
 
 from composer.bundle.write import write
 from composer.context import Context
-from composer.pipeline import build
+from composer.stages import build
 
 ROOT = Path(__file__).resolve().parents[2]
 RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))

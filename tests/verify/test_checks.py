@@ -11,7 +11,7 @@ from composer.bundle.manifest import from_json
 from composer.context import Context
 from composer.diagnostics import Note
 from composer.engine import Limits, Session
-from composer.pipeline import Built, build
+from composer.stages import Built, build
 from composer.verify.outcome import Outcome
 
 Run = Callable[[str], tuple[Built | None, list[str]]]

@@ -14,7 +14,7 @@ import pytest
 
 from composer.bundle.folder import write_folder
 from composer.context import Context
-from composer.pipeline import Built, build
+from composer.stages import Built, build
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "randomisation.md").read_text(encoding="utf-8")

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from composer.compiled.difference import Difference
+from composer.compiled.keyframes import Keys
+from composer.compiled.mount import Mount
 from composer.engine import Request, Session
-from composer.pose import Pose
-from composer.verify.difference import Difference
-from composer.verify.keyframes import Keys
-from composer.verify.mount import Mount
+from composer.numerics.pose import Pose
 from composer.verify.question import Question, ask, told
 
 PART = """

@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 from composer.bundle.write import write
+from composer.compose.part_provenance import reaches
 from composer.context import Context
 from composer.engine import Session
-from composer.pipeline import build
-from composer.steps.edited import reaches
+from composer.stages import build
 from composer.tree.selector import Selector
 from composer.verify.stored import Stored, verify_stored
 

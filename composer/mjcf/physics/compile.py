@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 from lxml.etree import _Element as Node
 
+from composer.compiled.kinds import Model as MjModel
+from composer.compiled.kinds import Roster
 from composer.link.linking import Policy
 from composer.mjcf.attachment import attachments_below
 from composer.mjcf.errors import MjcfError, failure
@@ -17,12 +19,9 @@ from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
 from composer.verify.compiles import parse
-from composer.verify.culprit import culprit
-from composer.verify.roster import Model as MjModel
-from composer.verify.roster import Roster
-from composer.verify.told import told
+from composer.verify.fault_location import culprit
+from composer.verify.mujoco_errors import told
 
-# Advice to the writers of recipes, for those who write Python.
 _IN_PYTHON = {
     "put a body with a free joint into the world: `to: world`": "put a body with a free joint into the worldbody",
     "put a mocap body into the world, without joints: `to: world`": "put a mocap body into the worldbody, "

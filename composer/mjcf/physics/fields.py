@@ -11,10 +11,9 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any
 
+from composer.compiled.kinds import KINDS
 from composer.mjcf.physics.runs import RUNS
-from composer.verify.roster import KINDS
 
-# What the names of a kind's arrays begin with, apart from the word for the kind itself; the first to give a
 # short name keeps it, so that `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
 _MORE_WORDS = {"joint": ("dof",), "tendon": ("ten",), "skin": ("skin",), "flex": ("flexedge", "flexvert")}
 _ALIASES = {"sensor": {"data": "sensordata"}}

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from lxml.etree import _Element as Node
 
+from composer.compiled.kinds import KINDS, Model, Roster
 from composer.tree.classes import through_frames
 from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute
 from composer.tree.name_index import own_name
 from composer.tree.names import WORLD
-from composer.verify.roster import KINDS, Model, Roster
 
 _ON_BODIES = ("joint", "geom", "site", "camera", "light")
 _STANDING = {**{kind: kind for kind in _ON_BODIES}, "freejoint": "joint"}

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from composer.compiled.kinds import KINDS, Roster
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link.linking import Policy
@@ -25,7 +26,6 @@ from composer.mjcf.physics.rendering import Rendering
 from composer.mjcf.root import RootElement
 from composer.tree.kinds import WORLD_SECTION
 from composer.tree.removal import is_copy
-from composer.verify.roster import KINDS, Roster
 
 
 class Physics:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from composer.verify.roster import JOINT_POSITIONS, JOINT_VELOCITIES, Model
+from composer.compiled.kinds import JOINT_POSITIONS, JOINT_VELOCITIES, Model
 
 _EDGES_OF_AN_ELEMENT = {1: 1, 2: 3, 3: 6}
 

@@ -7,6 +7,8 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+from composer.compiled.kinds import KINDS
+from composer.compiled.rows import arrays
 from composer.link.linking import Policy
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfWarning, failure
@@ -16,8 +18,6 @@ from composer.mjcf.parse import from_xml_string
 from composer.mjcf.physics.compile import engine, refused
 from composer.mjcf.root import RootElement
 from composer.tree.write import to_text, write
-from composer.verify.roster import KINDS
-from composer.verify.rows import arrays
 
 
 def from_spec(spec: Any) -> RootElement:

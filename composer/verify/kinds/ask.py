@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from composer.compiled.kinds import Model
 from composer.tree.pattern import SlowPattern
 from composer.verify.kinds import equal, exists, mass, no_penetration, reachable, size, stable
 from composer.verify.kinds.finding import Finding
 from composer.verify.kinds.scope import Scope
-from composer.verify.roster import Model
 
 KINDS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Finding]]] = {
     "size": size.check,

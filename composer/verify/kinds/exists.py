@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from composer.compiled.correspondence import ON_BODIES
 from composer.verify.kinds.equal import equal, expected_of, value_of
 from composer.verify.kinds.finding import Finding, failed, unknown
 from composer.verify.kinds.scope import Scope
 from composer.verify.kinds.words import words_of
-from composer.verify.matching import ON_BODIES
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from composer.verify.roster import JOINT_VELOCITIES, Model
+from composer.compiled.kinds import JOINT_VELOCITIES, Model
 
 STARTS = 32
 _STEPS = 150

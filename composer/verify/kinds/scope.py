@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from composer.compiled.correspondence import ON_BODIES
+from composer.compiled.kinds import Model, Roster
+from composer.compiled.links import links
 from composer.tree.glob import matcher
 from composer.tree.pattern import fitting, is_regular
 from composer.verify.kinds.finding import Finding, unknown
-from composer.verify.links import links
-from composer.verify.matching import ON_BODIES
-from composer.verify.roster import Model, Roster
 
 SOLVED = 4
 """The digits of what is simulated or solved for."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from composer.compiled.kinds import JOINT_POSITIONS, JOINT_VELOCITIES
 from composer.verify.kinds.finding import Finding, failed
 from composer.verify.kinds.scope import Scope
-from composer.verify.roster import JOINT_POSITIONS, JOINT_VELOCITIES
 
 _COUNTED = {
     "njnt": "joint",

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from composer.compiled.links import links
 from composer.recipe.checks.words import ENUMERATED, naming
 from composer.verify.kinds.scope import Scope
-from composer.verify.links import links
 
-# Where MuJoCo calls something otherwise in its enumerations than in MJCF.
 _OTHERWISE: Mapping[str, str] = {
     "geomdist": "distance",
     "geomnormal": "normal",

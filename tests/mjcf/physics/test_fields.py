@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from composer import mjcf
+from composer.compiled.kinds import KINDS
 from composer.mjcf import Binding, Element, MjcfError, Physics, RootElement
 from composer.mjcf.physics.fields import fields
-from composer.verify.roster import KINDS
 
-# MuJoCo's own views give the body of each degree of freedom, and a moment that is no memory of its own; those
 # of 3.12 have rows of others for the rest.
 _OTHERWISE = {
     ("joint", "bodyid"),

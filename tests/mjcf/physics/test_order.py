@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from composer import mjcf
+from composer.compiled.kinds import Roster
 from composer.mjcf import MjcfError, RootElement
 from composer.mjcf.physics.order import compiled_kind
-from composer.verify.roster import Roster
 
 _TAGS = (
     "body joint geom site camera light mesh texture material hfield skin flex pair exclude equality tendon actuator "

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from composer import mjcf
+from composer.compiled.kinds import KINDS
 from composer.mjcf.physics.fields import fields
 from composer.mjcf.physics.runs import RUNS
-from composer.verify.roster import KINDS
 
 FLEXES = """
 <mujoco><option integrator="Euler"/><worldbody>

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import mujoco
 
+from composer.compiled.kinds import Roster
 from composer.recipe.checks.size import COUNTS
 from composer.verify.kinds.scope import Scope
 from composer.verify.kinds.size import count
-from composer.verify.roster import Roster
 
 
 def test_what_is_there_holds(ask, arm: str) -> None:

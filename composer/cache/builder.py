@@ -1,0 +1,306 @@
+"""Models of one recipe, each built only if the cache does not know it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.cache.files import now
+from composer.cache.options import Order, of_cell
+from composer.cache.question import Question
+from composer.cache.result import Made, fresh, load_files, load_packed, recalled
+from composer.sources.blobs import key_of
+
+if TYPE_CHECKING:
+    from composer.bundle.bundle import Bundle
+    from composer.bundle.packing import Packed
+    from composer.cache.cache import Answer, Cache
+    from composer.cache.entry import KeptFile, Record
+    from composer.cache.inputs import Inputs
+    from composer.compose.load import Library
+    from composer.context import Context
+    from composer.document.node import Node
+    from composer.engine import Session
+    from composer.plan.plan import Plan
+    from composer.verify.outcome import Outcome
+
+Place = Callable[[str, "str | None"], "Path | None"]
+"""Where a model is to be written, by its name and the version of MuJoCo that compiled it; None for nowhere."""
+
+_SETTLED = "the recipe changed, in nothing that this model is made of"
+
+
+class Maker:
+    """Makes the models of a recipe.
+
+    `form` is that of the output, `place` gives its path by the name of the model; None where nothing is written.
+    """
+
+    def __init__(
+        self,
+        recipe: Path,
+        order: Order,
+        cache: Cache | None,
+        context: Context,
+        form: str | None = None,
+        place: Place = lambda name, mujoco: None,
+    ) -> None:
+        self.recipe, self.order, self.cache, self.context = recipe, order, cache, context
+        self.form, self.place = form, place
+        self.library: Library = {}
+        self._inputs: Inputs | None = None
+        self._question: Question | None = None
+        self._since = now()
+
+    def question(self, cell: str | None = None, values: Mapping[str, str] | None = None) -> Question | None:
+        """What the model of the recipe, or a cell of it, is called by the cache."""
+        if self.cache is None:
+            return None
+        if self._question is None:
+            self._question = self.order.question(
+                self.recipe, self.context.folder, self.context.environment, self.cache.store.folder
+            )
+        return self._question if cell is None else of_cell(self._question, cell, values or {})
+
+    def recall(
+        self, question: Question | None, context: Context, outcomes: list[Outcome] | None = None
+    ) -> tuple[Made | None, tuple[str, ...]]:
+        """The model if the cache knows it, before anything is read; or why it does not.
+
+        What was told of it goes to the context's sink once more, what came of its checks to `outcomes`.
+        """
+        if self.cache is None or question is None:
+            return None, ("the cache is not used",)
+        found = self.cache.find(question)
+        if found.record is None:
+            return None, found.why
+        made = self._with_files(found.record, found.answer)
+        if made is None:
+            from composer.cache.cache import LOST
+
+            return None, (LOST,)
+        _tell(found.record, context, outcomes)
+        return replace(made, answer=found.answer), ()
+
+    def make(
+        self,
+        context: Context,
+        session: Session | None,
+        given: Mapping[str, Node],
+        name: str | None = None,
+        sample: int = 0,
+        question: Question | None = None,
+        why: tuple[str, ...] = (),
+        outcomes: list[Outcome] | None = None,
+    ) -> Made | None:
+        """Plan the model, and build it unless the cache knows what is planned; faults go to the context's sink."""
+        from composer.plan.planner import plan_what_remains
+        from composer.stages import build
+
+        outcomes = [] if outcomes is None else outcomes
+        plan = plan_what_remains(self.recipe, context, given, name, sample)
+        if plan is None:
+            return None
+        if question is not None and self.order.text_beside is None and not context.sink.has_errors:
+            known = self._recall_planned(plan, name, context, question, outcomes)
+            if known is not None:
+                return known
+        built = build(
+            self.recipe, context, plan=plan, verified=self.order.verified, deduplicated=self.order.deduplicated,
+            session=session, name=name, library=self.library, hear=outcomes.append,
+        )  # fmt: skip
+        if built is None:
+            return None
+        from composer.bundle.licence_table import licence_rows
+
+        made = fresh(built, licence_rows(plan, context), why, question)
+        if self.order.text_beside is None:
+            made = replace(made, answer=self._keep(made, outcomes, context, name))
+        return made
+
+    def with_text(self, made: Made, text: bytes, context: Context) -> Made:
+        """The model with its text alone, which is made when it is to be written, and is remembered."""
+        return replace(made, text=text, answer=self._keep(made, (), context, None, text))
+
+    def content(self, made: Made) -> str:
+        """What the bytes of an output are called."""
+        if made.text is not None:
+            return sha256(made.text).hexdigest()
+        return key_of([made.sha256, self.form, self.context.environment.get("SOURCE_DATE_EPOCH")])
+
+    def note_written(self, made: Made, beside: Iterable[Path] = ()) -> None:
+        """Remember that an output, with files `beside` it, has this content now."""
+        target = self.place(made.name, made.mujoco)
+        if self.cache is not None and target is not None and not made.is_written:
+            self.cache.note_written(target, self.content(made), beside)
+
+    def packing(self, bundle: Bundle, path: str) -> Packed:
+        """A file as a zip holds it, packed once for all models that have it."""
+        from composer.bundle.packing import level_of, pack
+
+        level, digest = level_of(path), bundle.digest(path)
+        packed = self.cache.packed(digest, level) if self.cache is not None and level else None
+        if packed is None:
+            packed = pack(bundle.files[path], level)
+            if self.cache is not None and level:
+                self.cache.keep_packed(digest, level, packed)
+        return packed
+
+    def _with_files(self, record: Record, answer: Answer | None) -> Made | None:
+        """What was built before with as much of it as its output needs; None where that is no longer whole."""
+        assert self.cache is not None
+        made = recalled(record, tuple(each.path for each in answer.inputs) if answer else ())
+        target = self.place(record.name, record.mujoco)
+        if record.text is not None:
+            from composer.cache.entry import KeptFile
+
+            text = self.cache.raw(KeptFile("", record.text, 0, None))
+            if text is None:
+                return None
+            made = replace(made, text=text)
+        if target is not None and self.form != "usd" and self.cache.is_written(target, self.content(made)):
+            return replace(made, is_written=True)
+        if target is None or made.text is not None:
+            return made
+        if self.form == "archive":
+            packed = load_packed(record, self.cache)
+            return None if packed is None else replace(made, packed=packed)
+        from composer.bundle.bundle import Bundle
+
+        files = load_files(record, self.cache)
+        return None if files is None else replace(made, bundle=Bundle(files, record.model))
+
+    def _planned(self, plan: Plan, cell: str | None) -> Question:
+        """The question for what is planned, whatever recipe file says it."""
+        from composer.cache.concrete import concrete
+
+        base = self.question()
+        assert base is not None
+        parts = {name: value for name, value in base.parts.items() if name not in self.order.choices}
+        return Question(
+            "", {**parts, "cell": cell or "", "sample": str(plan.sample), "plan": key_of(concrete(plan))}
+        )
+
+    def _recall_planned(
+        self, plan: Plan, cell: str | None, context: Context, question: Question, outcomes: list[Outcome]
+    ) -> Made | None:
+        """A model that another state of the recipe file gave, told as this one gives it."""
+        from composer.cache.concrete import places
+        from composer.cache.inputs import may_move
+        from composer.verify.checks import places as places_of_checks
+
+        assert self.cache is not None
+        found = self.cache.find(self._planned(plan, cell))
+        record, answer = found.record, found.answer
+        if record is None or answer is None or (record.tells_places and record.places != places(plan)):
+            return None
+        written = places_of_checks(plan)
+        record = replace(
+            record, checks=tuple(replace(each, span=written[each.name]) for each in record.checks)
+        )
+        recipes = [self.cache.files.look(path) for path in self._names().recipes(plan)]
+        record = self._of_recipes(record, {each.path: each.state for each in recipes})
+        made = None if record is None else self._with_files(record, answer)
+        if record is None or made is None:
+            return None
+        _tell(record, context, outcomes)
+        kept = None
+        if not may_move(context):
+            kept = self.cache.keep(question, record, [*recipes, *answer.inputs], answer.packages)
+        return replace(made, why=(_SETTLED,), answer=kept)
+
+    def _of_recipes(self, record: Record, states: Mapping[str, str]) -> Record | None:
+        """The record of the same model made by other bytes of its recipes, whose hashes are in its manifest."""
+        from composer.bundle.bundle import MANIFEST, Bundle
+
+        assert self.cache is not None
+        if record.recipes == states:
+            return record
+        files = load_files(record, self.cache)
+        if files is None or record.recipes.keys() != states.keys():
+            return None
+        manifest = files[MANIFEST].decode()
+        for path, state in states.items():
+            manifest = manifest.replace(record.recipes[path], state)
+        bundle = Bundle({**files, MANIFEST: manifest.encode()}, record.model)
+        known = {file.sha256: file.source for file in record.files if file.source is not None}
+        return replace(record, sha256=bundle.sha256, files=self._kept(bundle, known), recipes=dict(states))
+
+    def _keep(
+        self,
+        made: Made,
+        outcomes: Sequence[Outcome],
+        context: Context,
+        cell: str | None,
+        text: bytes | None = None,
+    ) -> Answer | None:
+        """Remember a model that was built now, unless something that it was made of has changed meanwhile."""
+        from composer.bundle.bundle import MANIFEST
+        from composer.cache.concrete import places, tells_places
+        from composer.cache.entry import Record
+        from composer.cache.inputs import may_move
+
+        cache, built, question = self.cache, made.built, made.question
+        if cache is None or built is None or question is None:
+            return None
+        names, files = self._names(), cache.files
+        files.forget()
+        paths = names.recipes(built.plan), names.others(built, context)
+        own = os.fspath(cache.store.folder) + os.sep
+        if any(
+            files.changed_since(path, self._since) and not path.startswith(own)
+            for each in paths
+            for path in each
+        ):
+            return None
+        recipes, others = ([files.look(path) for path in each] for each in paths)
+        known = {each.state: each.path for each in others if not os.path.isdir(each.path)}
+        digest = None
+        if text is not None:
+            digest = sha256(text).hexdigest()
+            cache.keep_raw(digest, text)
+        record = Record(
+            made.name, built.bundle.model, made.sha256, made.sizes, made.merged,
+            self._kept(built.bundle, known) if text is None else (), digest,
+            made.mujoco, made.licences, tuple(context.sink.diagnostics), tuple(outcomes), made.draws,
+            {each.path: each.state for each in recipes}, places(built.plan), False,
+        )  # fmt: skip
+        record = replace(record, tells_places=tells_places(built.plan, record, built.bundle.files[MANIFEST]))
+        packages = list(names.packages(built.plan))
+        answer = None
+        if not may_move(context):
+            answer = cache.keep(question, record, [*recipes, *others], packages)
+        if text is None:
+            cache.keep(self._planned(built.plan, cell), record, others, packages)
+        return answer
+
+    def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
+        """The files of a bundle; those that no file of the user's has (`known`, by hash) go to the store."""
+        from composer.cache.entry import KeptFile
+
+        assert self.cache is not None
+        found = []
+        for path, content in bundle.files.items():
+            digest = bundle.digest(path)
+            if digest not in known:
+                self.cache.keep_raw(digest, content)
+            found.append(KeptFile(path, digest, len(content), known.get(digest)))
+        return tuple(found)
+
+    def _names(self) -> Inputs:
+        from composer.cache.inputs import Inputs
+
+        if self._inputs is None:
+            self._inputs = Inputs()
+        return self._inputs
+
+
+def _tell(record: Record, context: Context, outcomes: list[Outcome] | None) -> None:
+    for diagnostic in record.diagnostics:
+        context.sink.add(diagnostic)
+    if outcomes is not None:
+        outcomes.extend(record.checks)

@@ -1,0 +1,261 @@
+"""The build cache: what was built is not built again while nothing changed that it depends on.
+
+    asked/    what was asked for, the files that were read for it and their hashes → a record; the last question of a
+              subject; the last content of an output
+    built/    records of builds that went well (`record.py`)
+    raw/      files that no source has, such as `model.xml`, by their sha256
+    packed/   files as a zip holds them, by their sha256 and how hard they are packed
+
+A question is answered twice: before anything is read, by the recipe's path and the command's options, and after
+planning, by the concrete recipe. The second finds what a changed recipe file has left as it was.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from composer.cache.entry import KeptFile, Record, from_json, to_json
+from composer.cache.files import Files, Seen, seen
+from composer.cache.outputs import is_written, note_written
+from composer.cache.question import Question, differences
+from composer.sources import blobs
+from composer.sources.blobs import key_of
+from composer.sources.store import ENTRY, KINDS, Store
+
+if TYPE_CHECKING:
+    from composer.bundle.packing import Packed
+
+_ANSWERS = 4
+"""How many states of its files a question has an answer for: another branch of a repository, and back."""
+
+LOST = "what was kept of it is damaged or was removed"
+
+Package = tuple[str, str, str]
+"""Name, version, and a file that only this version has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A record, and what it depends on besides the question."""
+
+    record: str
+    inputs: tuple[Seen, ...]
+    packages: tuple[Package, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A record and the answer that named it; or, in words, why there is none."""
+
+    record: Record | None = None
+    answer: Answer | None = None
+    why: tuple[str, ...] = ()
+
+
+@dataclass(slots=True)
+class Cache:
+    """The cache in a store. It never fails: what cannot be kept is told once through `warn`."""
+
+    store: Store
+    warn: Callable[[str], None]
+    files: Files = field(default_factory=Files)
+    broken: bool = False
+    grown: bool = False
+
+    def find(self, question: Question) -> Found:
+        """The record of what is asked for; or why there is none."""
+        answers = self._answers(question.key)
+        for answer in answers:
+            if self._changes(answer):
+                continue
+            record = self.record(answer)
+            if record is None:
+                return Found(why=(LOST,))
+            if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
+                self._refresh(question, answer, answers)
+            for kind, key in self.used(answer):
+                with contextlib.suppress(OSError):  # somebody else's store, which may be read
+                    os.utime(self.store.folder / kind / key)
+            return Found(record, answer)
+        return Found(why=self._why(question, answers))
+
+    def used(self, answer: Answer) -> list[tuple[str, str]]:
+        """What in the store an answer stands on, by folder and name: it is used when the answer is."""
+        own = os.path.join(self.store.folder, "")
+        inside = (
+            each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own)
+        )
+        entries = {f"{path[0]}{os.sep}{path[1]}" for path in inside if path[0] in KINDS and len(path) > 2}
+        return [("built", answer.record), *((entry, ENTRY) for entry in sorted(entries))]
+
+    def keep(
+        self, question: Question, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
+    ) -> Answer:
+        """Remember the answer to a question, which is returned."""
+        text = to_json(record)
+        key = key_of([text.decode()])
+        self._put("built", key, text)
+        answer = Answer(key, tuple(inputs), tuple(packages))
+        self._write(question, [answer, *self._answers(question.key)])
+        return answer
+
+    def keep_raw(self, sha256: str, content: bytes) -> None:
+        if not blobs.has(self.store.folder, "raw", sha256):
+            self._put("raw", sha256, content)
+
+    def raw(self, file: KeptFile) -> bytes | None:
+        """The bytes of a file; None where they are nowhere any more."""
+        if file.source is None:
+            return blobs.get(self.store.folder, "raw", file.sha256)
+        from hashlib import sha256
+
+        with contextlib.suppress(OSError):
+            content = Path(file.source).read_bytes()
+            if sha256(content).hexdigest() == file.sha256:
+                return content
+        return None
+
+    def packed(self, sha256: str, level: int) -> Packed | None:
+        """A file as a zip holds it."""
+        from composer.bundle.packing import unwrapped
+
+        content = blobs.get(self.store.folder, "packed", packed_key(sha256, level))
+        return None if content is None else unwrapped(content)
+
+    def keep_packed(self, sha256: str, level: int, packed: Packed) -> None:
+        from composer.bundle.packing import wrapped
+
+        self._put("packed", packed_key(sha256, level), wrapped(packed))
+
+    def is_written(self, out: Path, content: str) -> bool:
+        """Whether an output is as it was when `note_written` was told that this is its content."""
+        return is_written(self.store.folder, os.fspath(out), content)
+
+    def note_written(self, out: Path, content: str, beside: Iterable[Path] = ()) -> None:
+        """`beside` are files that belong to the output and stand elsewhere."""
+        self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside))
+
+    def close(self) -> None:
+        """Keep the store below its bound, if anything was added to it."""
+        if self.grown and not self.broken:
+            self.grown = False
+            with contextlib.suppress(Exception):  # another run will do it
+                self.store.prune(self.store.limit)
+
+    def _answers(self, key: str) -> list[Answer]:
+        data = _read(self.store.folder, key)
+        try:
+            return [
+                Answer(each["record"], tuple(map(seen, each["inputs"])), tuple(map(tuple, each["packages"])))
+                for each in data or ()
+            ]
+        except (TypeError, ValueError, KeyError):
+            return []
+
+    def record(self, answer: Answer) -> Record | None:
+        """What an answer says; None where that is no longer whole."""
+        text = blobs.get(self.store.folder, "built", answer.record)
+        if text is None:
+            return None
+        try:
+            return from_json(text)
+        except (TypeError, ValueError, KeyError):
+            return None
+
+    def _changes(self, answer: Answer) -> list[str]:
+        """What it depends on and is no longer as it was, in words."""
+        changed = [each for each in answer.inputs if not self.files.is_same(each)]
+        lines = [_change(each, self.files.look(each.path)) for each in changed]
+        return lines + [
+            f"the package `{name}` was {version}, and is another version now"
+            for name, version, file in answer.packages
+            if not os.path.isfile(file)
+        ]
+
+    def _why(self, question: Question, answers: Sequence[Answer]) -> tuple[str, ...]:
+        if answers:
+            return tuple(self._changes(answers[0]))
+        before = _read(self.store.folder, question.subject_key)
+        if not isinstance(before, dict):
+            return ("it was not built before, or nothing of that was kept",)
+        with contextlib.suppress(TypeError, AttributeError):
+            if told := differences(before, question.parts):
+                return told
+        return ("nothing was kept of its last build",)
+
+    def _refresh(self, question: Question, answer: Answer, answers: Sequence[Answer]) -> None:
+        """The answer first, with its files' stamps as they are now."""
+        now = Answer(
+            answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages
+        )
+        if now != answers[0]:
+            self._write(question, [now, *(each for each in answers if each is not answer)])
+
+    def _write(self, question: Question, answers: Sequence[Answer]) -> None:
+        states: set[tuple[str, ...]] = set()
+        kept = []
+        for each in answers:
+            state = tuple(one.state for one in each.inputs)
+            if state not in states:
+                states.add(state)
+                kept.append(each)
+        data = [
+            {
+                "record": each.record,
+                "inputs": [one.as_data() for one in each.inputs],
+                "packages": each.packages,
+            }
+            for each in kept[:_ANSWERS]
+        ]
+        self._put("asked", question.key, _dump(data))
+        self._put("asked", question.subject_key, _dump(dict(question.parts)))
+
+    def _put(self, kind: str, key: str, content: bytes) -> None:
+        self._keep(lambda: blobs.put(self.store.folder, kind, key, content))
+
+    def _keep(self, put: Callable[[], None]) -> None:
+        if self.broken:
+            return
+        try:
+            put()
+            self.grown = True
+        except OSError as error:
+            self.broken = True
+            self.warn(
+                f"what was built is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}"
+            )
+
+
+def packed_key(sha256: str, level: int) -> str:
+    import zlib
+
+    return key_of([sha256, level, zlib.ZLIB_RUNTIME_VERSION])
+
+
+def _change(before: Seen, now: Seen) -> str:
+    below = f"{before.path}{os.sep}".startswith(os.getcwd() + os.sep)
+    name = os.path.relpath(before.path) if below else before.path
+    if os.path.isdir(before.path):
+        return f"the licences in `{name}` are others"
+    if not before.state:
+        return f"`{name}` is new"
+    if not now.state:
+        return f"`{name}` is gone"
+    return f"`{name}` changed"
+
+
+def _dump(data: object) -> bytes:
+    return json.dumps(data, ensure_ascii=True).encode()
+
+
+def _read(store: Path, key: str) -> Any:
+    text = blobs.get(store, "asked", key)
+    with contextlib.suppress(ValueError, RecursionError):
+        return None if text is None else json.loads(text)
+    return None

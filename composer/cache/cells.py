@@ -1,0 +1,145 @@
+"""The cells of a recipe's matrix, made one after another: each source file is read once for all of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from composer import engine
+from composer.cache.builder import Maker
+from composer.cache.result import Made
+from composer.cache.samples import with_samples
+from composer.context import Context
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.document.node import Node, Scalar, to_python
+from composer.expand.matrix import Cell
+from composer.plan.locked import use_lock
+from composer.plan.matrix import read_matrix
+from composer.verify.outcome import Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class MadeCell:
+    """What came of a cell: `made` is None where it failed, `context` has its faults, `outcomes` are its checks."""
+
+    cell: Cell
+    context: Context
+    made: Made | None
+    outcomes: list[Outcome] = field(default_factory=list)
+
+    @property
+    def failed(self) -> bool:
+        return self.made is None or self.context.sink.has_errors
+
+
+def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = None) -> list[Cell]:
+    """What `--all` builds, in order, all names and values checked; faults go to the context's sink and give none.
+
+    These are the cells of the matrix, each with its samples where the recipe draws some.
+    """
+    if use_lock(recipe, context) is None:
+        return []
+    matrix = read_matrix(recipe, context, given)
+    if matrix is None:
+        return []
+    return with_samples(matrix.document, matrix.cells, matrix.name, given or {}, context.sink)
+
+
+def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:
+    """The cells that are picked, each once, in the order of the picks; what picks none is an error.
+
+    A pick is a name, of which that of a cell which is built as samples means all of these, or it is
+    `AXIS=VALUE[,AXIS=VALUE...]`: all cells with these values.
+    """
+    found: dict[str, Cell] = {}
+    for pick in picks:
+        chosen = [each for each in every if pick in (each.name, each.cell)] or _with_values(every, pick)
+        found.update((each.name, each) for each in chosen)
+        if not chosen:
+            _tell_none(every, pick, sink, recipe)
+    return list(found.values())
+
+
+def of_samples(cells: Iterable[Cell], samples: Iterable[int], sink: Sink) -> list[Cell]:
+    """Those of the cells that are one of these samples; a sample that none has is an error."""
+    cells = list(cells)
+    wanted = list(dict.fromkeys(samples))
+    known = sorted({cell.sample for cell in cells if cell.is_sample})
+    for sample in wanted:
+        if cells and sample not in known:
+            there = f"has the samples 0 to {known[-1]}" if known else "draws nothing"
+            sink.error("unknown-name", f"there is no sample {sample}: the recipe {there}")
+    return [cell for cell in cells if cell.is_sample and cell.sample in wanted]
+
+
+def picked_one(every: Sequence[Cell], pick: str, sample: int | None, sink: Sink, recipe: str) -> Cell | None:
+    """The one cell that is picked; of one that is built as samples the nominal model, or another `sample`.
+
+    Anything else is an error.
+    """
+    chosen = picked(every, [pick], sink, recipe)
+    if sample is not None:
+        chosen = of_samples(chosen, [sample], sink)
+    if len({each.cell for each in chosen}) > 1:
+        names = list(dict.fromkeys(each.cell or each.name for each in chosen))
+        sink.error("selector", f"`--pick {pick}` chooses {len(names)} cells of `{recipe}`, and one is wanted",
+                   notes=(exists_note("cell", names),), help="name one of them")  # fmt: skip
+        return None
+    return chosen[0] if chosen else None
+
+
+def check_axes_are_free(chosen: Iterable[Cell], given: Iterable[str], sink: Sink, instead: str) -> None:
+    """What a cell sets cannot be given: `instead` says what to do without."""
+    names = dict.fromkeys(name for cell in chosen for name in cell.given)
+    for name in given:
+        if name in names:
+            sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
+                       help=f"do not set it, or {instead}")  # fmt: skip
+
+
+def made_cells(
+    maker: Maker, chosen: Iterable[Cell], context: Context, given: dict[str, Node], session: engine.Session
+) -> Iterator[MadeCell]:
+    """Each cell with a context of its own, in which its faults are, and what came of it."""
+    for cell in chosen:
+        own = replace(context, sink=Sink())
+        outcomes: list[Outcome] = []
+        values = {f"`{name}`": _text(node) for name, node in cell.given.items()}
+        question = maker.question(cell.name, {**values, "the sample": str(cell.sample)})
+        made, why = maker.recall(question, own, outcomes)
+        if made is None:
+            made = maker.make(
+                own, session, {**given, **cell.given}, cell.name, cell.sample, question, why, outcomes
+            )
+        yield MadeCell(cell, own, made, outcomes)
+
+
+def _with_values(every: Sequence[Cell], pick: str) -> list[Cell]:
+    wanted = [item.partition("=") for item in pick.split(",")]
+    if not all(equals for _, equals, _ in wanted):
+        return []
+    return [
+        cell
+        for cell in every
+        if all(axis in cell.given and _text(cell.given[axis]) == value for axis, _, value in wanted)
+    ]
+
+
+def _tell_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> None:
+    axis, equals, value = pick.partition("=")
+    values = list(dict.fromkeys(_text(cell.given[axis]) for cell in every if axis in cell.given))
+    if equals and values and "," not in value:
+        sink.error("unknown-name", f"no cell of `{recipe}` has `{axis}` = `{value}`",
+                   notes=(exists_note("value", values, value),),
+                   help=did_you_mean(value, values, f"--pick {axis}={{}}"))  # fmt: skip
+        return
+    names = {each.name: each for each in every}
+    sink.error("unknown-name", f"the matrix of `{recipe}` has no cell `{pick}`",
+               notes=(exists_note("cell", names, pick),), help=did_you_mean(pick, names, "--pick {}"))  # fmt: skip
+
+
+def _text(node: Node) -> str:
+    return node.text if isinstance(node, Scalar) else json.dumps(to_python(node))

@@ -1,0 +1,104 @@
+"""What files are now, and whether they are still what they were: by their stamps, and by content where these differ."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from composer.cache.stamp import Stamp, stamp_of
+from composer.sources.licence_name import licence_names
+
+ABSENT = ""
+# Within this time of its last change a file may change again and keep its stamp: its content is asked then.
+_SETTLED = 2_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What was at a path: `state` is the sha256 of a file, the names of a folder's licences, or `ABSENT`."""
+
+    path: str
+    state: str
+    stamp: Stamp | None
+
+    def as_data(self) -> list[object]:
+        return [self.path, self.state, self.stamp]
+
+
+def seen(data: list[object]) -> Seen:
+    """What `as_data` gave. Raises TypeError and ValueError for anything else."""
+    path, state, stamp = data
+    if not isinstance(path, str) or not isinstance(state, str):
+        raise TypeError(data)
+    return Seen(path, state, tuple(stamp) if isinstance(stamp, list) else None)
+
+
+@dataclass(slots=True)
+class Files:
+    """Looks at every file once, until told to look anew; reads one again only if its stamp is another."""
+
+    _stamps: dict[str, tuple[Stamp, bool] | None] = field(default_factory=dict)
+    _states: dict[tuple[str, Stamp], str] = field(default_factory=dict)
+
+    def look(self, path: str) -> Seen:
+        """What is there now."""
+        stamped = self._stamp(path)
+        if stamped is None:
+            return Seen(path, ABSENT, None)
+        stamp, is_folder = stamped
+        key = path, stamp
+        if key not in self._states:
+            self._states[key] = _licences(path) if is_folder else _sha256(path)
+        settled = max(stamp[1], stamp[2]) + _SETTLED < time.time_ns()
+        return Seen(path, self._states[key], stamp if settled else None)
+
+    def forget(self) -> None:
+        """What was looked at may have changed since."""
+        self._stamps.clear()
+
+    def is_same(self, before: Seen) -> bool:
+        """Whether the same is there as before."""
+        stamped = self._stamp(before.path)
+        if stamped is None or before.stamp is None or stamped[0] != before.stamp:
+            return self.look(before.path).state == before.state
+        return True
+
+    def changed_since(self, path: str, moment: int) -> bool:
+        """Whether a file was written after a moment, in ns since 1970."""
+        stamped = self._stamp(path)
+        return stamped is not None and not stamped[1] and max(stamped[0][1:3]) > moment
+
+    def _stamp(self, path: str) -> tuple[Stamp, bool] | None:
+        if path not in self._stamps:
+            try:
+                status = os.stat(path)
+            except (OSError, ValueError):
+                self._stamps[path] = None
+            else:
+                self._stamps[path] = stamp_of(status), stat.S_ISDIR(status.st_mode)
+        return self._stamps[path]
+
+
+def now() -> int:
+    """The time in ns since 1970 by the clock that file systems use: what is written from now on is not older."""
+    coarse = getattr(time, "CLOCK_REALTIME_COARSE", None)
+    return time.time_ns() if coarse is None else time.clock_gettime_ns(coarse)
+
+
+def _sha256(path: str) -> str:
+    try:
+        with Path(path).open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError:
+        return ABSENT
+
+
+def _licences(folder: str) -> str:
+    try:
+        return licence_names(folder)
+    except OSError:
+        return ABSENT

@@ -1,0 +1,90 @@
+"""What a build read: the files whose contents its outcome depends on, and the packages."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from composer.cache.packages import PACKAGES, installed
+from composer.context import Context
+from composer.plan.plan import Plan
+from composer.plan.used_files import files_of_recipe, files_of_source
+from composer.sources.licence_name import licence_folders
+from composer.sources.source import Source
+from composer.stages import Built
+
+
+@dataclass(slots=True)
+class Inputs:
+    """Names the inputs of builds; what a source names is looked up once."""
+
+    _of_sources: dict[Path, tuple[str, ...]] = field(default_factory=dict)
+    _packages: dict[str, tuple[tuple[str, str, str], ...]] = field(default_factory=dict)
+
+    def recipes(self, plan: Plan) -> tuple[str, ...]:
+        """The recipe files of a plan: its own, those it extends, those nested in it."""
+        chains = ((each.path, *(source.path for source, _ in each.extended)) for each in plans(plan))
+        paths = [path for chain in chains for path in chain]
+        return tuple(dict.fromkeys(map(os.path.abspath, paths)))
+
+    def others(self, built: Built, context: Context) -> tuple[str, ...]:
+        """All other files: models, what they include, assets, licences and where these are looked for, the lock."""
+        found: dict[str, None] = {}
+        for each in plans(built.plan):
+            found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each, context.folder))))
+        for source in sources(built.plan):
+            found.update(dict.fromkeys(self._of(source)))
+        model = built.composed.model
+        found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))
+        used = [use.source for use in built.composed.files if use.content is None]
+        found.update(dict.fromkeys(map(os.path.abspath, used)))
+        if context.fetching is not None and context.fetching.lock_file is not None:
+            found[os.path.abspath(context.fetching.lock_file)] = None
+        recipes = self.recipes(built.plan)
+        return tuple(path for path in found if path not in recipes)
+
+    def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
+        """The packages that decide what comes out, and those that sources are in."""
+        for name in dict.fromkeys([*PACKAGES, *(each.package for each in sources(plan) if each.package)]):
+            if name not in self._packages:
+                self._packages[name] = tuple(installed((name,)))
+            yield from self._packages[name]
+
+    def _of(self, source: Source) -> tuple[str, ...]:
+        if source.path not in self._of_sources:
+            folder = Path(os.path.abspath(source.path)).parent
+            searched = [os.fspath(each) for each in (folder, *folder.parents[:3])]
+            read = [os.path.abspath(path) for path in files_of_source(source)]
+            inside = [each for above in searched for each in licence_folders(above)]
+            self._of_sources[source.path] = (*read, *searched, *inside)
+        return self._of_sources[source.path]
+
+
+def plans(plan: Plan) -> Iterator[Plan]:
+    """A plan and those of the recipes nested in it."""
+    yield plan
+    for model in models(plan):
+        if isinstance(model, Plan):
+            yield from plans(model)
+
+
+def sources(plan: Plan) -> Iterator[Source]:
+    """The model files of a plan and of the recipes nested in it."""
+    for each in plans(plan):
+        yield from (model for model in models(each) if isinstance(model, Source))
+
+
+def models(plan: Plan) -> tuple[Plan | Source | None, ...]:
+    """What a plan starts from, and its parts."""
+    return plan.base.model, *(part.model for part in plan.parts)
+
+
+def may_move(context: Context) -> bool:
+    """Whether something is to be looked up on the network in every build, as a branch that nothing pins is."""
+    fetching = context.fetching
+    if fetching is None:
+        return False
+    fetched = [each for each in fetching.origins.values() if each.is_fetched]
+    return any(fetching.pin(each.id) is None and (each.pin or "?") not in each.id for each in fetched)

@@ -1,0 +1,68 @@
+"""What was written where: an output that is as it was left need not be written again."""
+
+from __future__ import annotations
+
+import json
+import os
+
+from composer.cache.stamp import stamp_of
+from composer.sources import blobs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from os import PathLike
+
+
+def is_written(store: str | PathLike[str], out: str, content: str) -> bool:
+    """Whether an output is as it was when `note_written` was told that this is its content."""
+    return _written(store, out) == content
+
+
+def is_another(store: str | PathLike[str], out: str, content: str) -> bool:
+    """Whether an output is as it was left, with another content than this."""
+    return _written(store, out) not in (None, content)
+
+
+def _written(store: str | PathLike[str], out: str) -> str | None:
+    """The content of an output that is as it was left; None of any other."""
+    text = blobs.get(store, "asked", _key(out))
+    try:
+        known: object = None if text is None else json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(known, list) or len(known) != 3 or not isinstance(known[1], list):
+        return None
+    content, beside, stamps = known
+    whole = isinstance(content, str) and stamps == (_stamps([out, *beside]) or None)
+    return content if whole else None
+
+
+def note_written(
+    store: str | PathLike[str], out: str, content: str, beside: Iterable[str | PathLike[str]] = ()
+) -> None:
+    """`beside` are files that belong to the output and stand elsewhere. Raises OSError."""
+    more = [os.fspath(path) for path in beside]
+    note = json.dumps([content, more, _stamps([out, *more])], ensure_ascii=True)
+    blobs.put(store, "asked", _key(out), note.encode())
+
+
+def _key(out: str) -> str:
+    return blobs.key_of([out])
+
+
+def _stamps(outputs: Iterable[str]) -> list[list[object]]:
+    """Of all files of outputs; none where one is not there."""
+    found: list[list[object]] = []
+    paths: list[str] = []
+    for out in outputs:
+        below = os.path.isdir(out)
+        paths += (
+            [os.path.join(at, name) for at, _, names in os.walk(out) for name in names] if below else [out]
+        )
+    for path in sorted(paths):
+        try:
+            found.append([path, *stamp_of(os.lstat(path))])
+        except OSError:
+            return []
+    return found

@@ -1,0 +1,97 @@
+"""A model that was built now or before, ready to be written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from composer.bundle.bundle import Bundle
+    from composer.bundle.licence_table import Row
+    from composer.bundle.packing import Packed
+    from composer.cache.cache import Answer, Cache
+    from composer.cache.entry import Record
+    from composer.cache.question import Question
+    from composer.expr.value import Value
+    from composer.stages import Built
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """`built` is there for one that was built now, `record` for one that the cache knew.
+
+    Of the latter there is what the form of its output needs: `packed` for archives, `text` for text alone, `bundle` for
+    folders and MuJoCo's binary form, and nothing where the output `is_written` already. `inputs` are the files that it
+    was made of; `answer` is what the cache will say next time, None where it must be asked. `why` says in words why the
+    cache did not know it. `replaced` is what the output before was made of, as far as that differs. `draws` are the
+    numbers that a sample has drawn, by their columns in a table; None for what is no sample.
+    """
+
+    name: str
+    sha256: str
+    sizes: Mapping[str, int] | None
+    merged: Mapping[str, Mapping[str, str]]
+    built: Built | None = None
+    record: Record | None = None
+    bundle: Bundle | None = None
+    packed: Mapping[str, Packed] = field(default_factory=dict)
+    text: bytes | None = None
+    is_written: bool = False
+    why: tuple[str, ...] = ()
+    mujoco: str | None = None
+    licences: tuple[Row, ...] = ()
+    question: Question | None = None
+    inputs: tuple[str, ...] = ()
+    answer: Answer | None = None
+    draws: Mapping[str, Value] | None = None
+    replaced: Mapping[str, Any] = field(default_factory=dict)
+
+
+def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], question: Question | None) -> Made:
+    """A model that was built now."""
+    sizes = built.compiled.sizes if built.compiled else None
+    mujoco = built.compiled.mujoco_version if built.compiled else None
+    return Made(
+        built.plan.name, built.bundle.sha256, sizes, built.merged, built, bundle=built.bundle, why=why,
+        mujoco=mujoco, licences=tuple(licences), question=question, draws=_draws(built),
+    )  # fmt: skip
+
+
+def _draws(built: Built) -> dict[str, Value] | None:
+    wanted = built.plan.randomize
+    if wanted is None or wanted.emit != "models":
+        return None
+    return dict(column for each in built.composed.drawn for column in each.columns())
+
+
+def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
+    """A model that was built before, without any of its files."""
+    return Made(record.name, record.sha256, record.sizes, record.merged, record=record, inputs=inputs,
+                mujoco=record.mujoco, licences=record.licences, draws=record.draws)  # fmt: skip
+
+
+def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:
+    """The files of a bundle; None where one of them is not what it was."""
+    found = {file.path: cache.raw(file) for file in record.files}
+    whole = {path: content for path, content in found.items() if content is not None}
+    return whole if len(whole) == len(found) else None
+
+
+def load_packed(record: Record, cache: Cache) -> dict[str, Packed] | None:
+    """The files of a bundle as a zip holds them; None where one of them is not what it was."""
+    from composer.bundle.packing import level_of, pack
+
+    whole: dict[str, Packed] = {}
+    for file in record.files:
+        level = level_of(file.path)
+        packed = cache.packed(file.sha256, level) if level else None
+        if packed is None:
+            content = cache.raw(file)
+            if content is None:
+                return None
+            packed = pack(content, level)
+            if level:
+                cache.keep_packed(file.sha256, level, packed)
+        whole[file.path] = packed
+    return whole

@@ -1,0 +1,310 @@
+"""Which element of a composition is which element of a part.
+
+Named elements are found by their name behind the part's prefix. Unnamed ones are found by order: on a body
+among the unnamed of that body, elsewhere among those that refer to nothing but the part. Where the
+composition has more of them than the part, the ones that look most alike are taken first, so that a change
+shows as a change of a field.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Iterable, Mapping
+
+from composer.compiled.kinds import KINDS, Model, Roster
+from composer.compiled.links import UNORDERED, Link, World, links
+from composer.compiled.mount import Mount
+from composer.compiled.signature import raw, shape, tells_apart, values
+from composer.numerics.pose import Pose
+
+ON_BODIES = {
+    "joint": "jnt_bodyid",
+    "geom": "geom_bodyid",
+    "site": "site_bodyid",
+    "camera": "cam_bodyid",
+    "light": "light_bodyid",
+}
+"""The kinds that stand on a body, and the array that says on which."""
+
+_ASSETS = ("texture", "material", "mesh", "hfield")
+_GLOBAL = (
+    "skin",
+    "flex",
+    "tendon",
+    "equality",
+    "pair",
+    "exclude",
+    "sensor",
+    "actuator",
+    "numeric",
+    "text",
+    "tuple",
+)
+
+ABSENT = -1
+
+_SAME_PLACE = 1e-6
+"""Metres; nearer things are told apart by their order."""
+
+
+class Matching:
+    """For every element of the part alone, the id of its counterpart, or ``ABSENT``.
+
+    With ``by_order=False`` elements without a name are paired by likeness even where both models have as many.
+    Keys are not matched here: they may be merged, kept apart or left out.
+    """
+
+    def __init__(
+        self,
+        alone: Roster,
+        composed: Roster,
+        *,
+        prefix: str,
+        mount: Mount,
+        renamed: Mapping[str, Mapping[str, str]],
+        by_order: bool = True,
+    ) -> None:
+        self.by_order = by_order
+        self.alone, self.composed = alone, composed
+        self.prefix, self.renamed = prefix, renamed
+        self.ids: dict[str, list[int]] = {kind: [ABSENT] * alone.count(kind) for kind in KINDS}
+        self.mount, self.pose = mount.index(composed), mount.pose
+        self.taken: dict[str, set[int]] = {kind: set() for kind in KINDS}
+        self.ids["body"][0] = self.mount
+        self._match_named()
+        for kind in _ASSETS:
+            self._match_global(kind)
+        self.worlds = self._frame_bodies()
+        self._match_bodies()
+        for kind in ON_BODIES:
+            self._match_on_bodies(kind)
+        for kind in _GLOBAL:
+            self._match_global(kind)
+        self._match_plugins()
+
+    def name(self, kind: str, name: str) -> str:
+        """What the part's ``name`` is called in the composition."""
+        given = self.renamed.get(kind, {}).get(name)
+        return self.prefix + name if given is None else given
+
+    def pairs(self, kind: str) -> list[tuple[int, int]]:
+        """The ids, alone and composed, of every element that has a counterpart; the world has none."""
+        first = 1 if kind == "body" else 0
+        return [(i, j) for i, j in enumerate(self.ids[kind]) if j != ABSENT and i >= first]
+
+    def targets(self, link: Link) -> set[int]:
+        """The ids a reference of the part may have in the composition; none if its target is missing."""
+        if link.index < 0:
+            return {link.index}  # there is none; -2 says that there are several
+        if link.kind == "body" and link.index == 0:
+            if link.world is World.WORLD:
+                return {0}
+            return self.worlds if link.world is World.MOUNT else {0, *self.worlds}
+        target = self.ids[link.kind][link.index]
+        return set() if target == ABSENT else {target}
+
+    def _match_named(self) -> None:
+        for kind in KINDS:
+            if kind == "key":
+                continue
+            there = self.composed.ids[kind]
+            for index, name in enumerate(self.alone.names[kind]):
+                target = there.get(self.name(kind, name)) if name else None
+                if target is not None and not (kind == "body" and index == 0):
+                    self._take(kind, index, target)
+
+    def _take(self, kind: str, index: int, target: int) -> None:
+        self.ids[kind][index] = target
+        self.taken[kind].add(target)
+
+    def _frame_bodies(self) -> set[int]:
+        """The mount, and bodies without joints that a composition may have put between it and the part."""
+        worlds = {self.mount}
+        if not self.prefix:
+            return worlds
+        taken = self.taken["body"]
+        model = self.composed.model
+        for index, name in enumerate(self.composed.names["body"]):
+            if (
+                index not in taken
+                and int(model.body_parentid[index]) in worlds
+                and not model.body_jntnum[index]
+                and name.startswith(self.prefix)
+            ):
+                worlds.add(index)
+        return worlds
+
+    def _match_bodies(self) -> None:
+        found = self.ids["body"]
+        names_owners = ON_BODIES | {"body": "body_parentid"}
+        self._owners = {
+            kind: (getattr(self.alone.model, array).tolist(), getattr(self.composed.model, array).tolist())
+            for kind, array in names_owners.items()
+        }
+        self._loads: dict[int, list[tuple[str, int]]] = {}
+        for kind, (owners, _) in self._owners.items():
+            for index, owner in enumerate(owners):
+                if self.alone.names[kind][index]:
+                    self._loads.setdefault(owner, []).append((kind, index))
+        here, there = _children(self.alone.model), _children(self.composed.model)
+        for parent in range(self.alone.count("body")):
+            if found[parent] == ABSENT:
+                continue
+            children = [i for i in here.get(parent, ()) if not self.alone.names["body"][i]]
+            if not children:
+                continue
+            parents = sorted(self.worlds) if parent == 0 else [found[parent]]
+            taken = self.taken["body"]
+            candidates = [
+                i
+                for p in parents
+                for i in there.get(p, ())
+                if not self.composed.names["body"][i] and i not in taken
+            ]
+            children, candidates = self._match_by_load(children, candidates)
+            self._assign("body", children, candidates)
+
+    def _match_by_load(self, mine: list[int], theirs: list[int]) -> tuple[list[int], list[int]]:
+        """Match unnamed bodies by the named elements on them; returns the others."""
+        for index in mine:
+            owners = {
+                int(self._owners[kind][1][self.ids[kind][i]])
+                for kind, i in self._loads.get(index, ())
+                if self.ids[kind][i] != ABSENT
+            }
+            target = next((j for j in theirs if j in owners and j not in self.taken["body"]), None)
+            if target is not None:
+                self._take("body", index, target)
+        left = [i for i in mine if self.ids["body"][i] == ABSENT]
+        return left, [j for j in theirs if j not in self.taken["body"]]
+
+    def _match_on_bodies(self, kind: str) -> None:
+        here = _unnamed_by_body(self.alone, kind)
+        there = _unnamed_by_body(self.composed, kind)
+        for body, children in here.items():
+            target = self.ids["body"][body]
+            if target != ABSENT:
+                bodies = sorted(self.worlds) if body == 0 else [target]
+                self._assign(kind, children, [i for b in bodies for i in there.get(b, ())])
+
+    def _match_global(self, kind: str) -> None:
+        children = [
+            i for i, name in enumerate(self.alone.names[kind]) if not name and self.ids[kind][i] == ABSENT
+        ]
+        if not children:
+            return
+        images = self.taken | {"body": {*self.taken["body"], 0}}
+        taken = self.taken[kind]
+        owned = [
+            i
+            for i, name in enumerate(self.composed.names[kind])
+            if not name
+            and i not in taken
+            and all(
+                link.index < 0 or link.index in images[link.kind]
+                for link in links(self.composed.model, kind, i)
+                if link.kind != "plugin"
+            )
+        ]
+        self._assign(kind, children, owned, ordered=kind not in UNORDERED)
+
+    def _match_plugins(self) -> None:
+        """Unnamed plugin instances belong to the element that uses them."""
+        found, names = self.ids["plugin"], self.composed.names["plugin"]
+        for kind in ("body", "geom", "actuator", "sensor"):
+            for index, target in enumerate(self.ids[kind]):
+                if target == ABSENT or (kind == "body" and index == 0):
+                    continue
+                pairs = zip(
+                    links(self.alone.model, kind, index),
+                    links(self.composed.model, kind, target),
+                    strict=False,
+                )
+                for mine, theirs in pairs:
+                    if (
+                        mine.kind == theirs.kind == "plugin"
+                        and mine.index >= 0
+                        and theirs.index >= 0
+                        and found[mine.index] == ABSENT
+                        and not self.alone.names["plugin"][mine.index]
+                        and not names[theirs.index]
+                    ):
+                        self._take("plugin", mine.index, theirs.index)
+        self._match_global("plugin")
+
+    def _assign(self, kind: str, mine: list[int], theirs: list[int], *, ordered: bool = True) -> None:
+        """Pair ``mine`` with ``theirs``: by order where they are as many, else by likeness."""
+        found = self.ids[kind]
+        if ordered and self.by_order and len(mine) == len(theirs):
+            for i, j in zip(mine, theirs, strict=True):
+                self._take(kind, i, j)
+            return
+        alone, composed = self.alone.model, self.composed.model
+        likenesses: tuple[tuple[Callable[[int], Hashable], Callable[[int], Hashable]], ...] = (
+            (
+                lambda i: (values(alone, kind, i), self._translated(kind, i)),
+                lambda j: (values(composed, kind, j), raw(composed, kind, j)),
+            ),
+            (
+                lambda i: (shape(alone, kind, i), self._translated(kind, i)),
+                lambda j: (shape(composed, kind, j), raw(composed, kind, j)),
+            ),
+            (lambda i: shape(alone, kind, i), lambda j: shape(composed, kind, j)),
+            (lambda i: None, lambda j: None),
+        )
+        for number, (of_mine, of_theirs) in enumerate(likenesses):
+            waiting: dict[Hashable, list[int]] = {}
+            for j in theirs:
+                waiting.setdefault(of_theirs(j), []).append(j)
+            for i in mine:
+                alike = waiting.get(of_mine(i), [])
+                if alike and number == 0 and all(self._apart(kind, i, j) for j in alike):
+                    continue  # the same thing elsewhere is another's
+                if alike:
+                    nearest = (
+                        min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
+                    )
+                    alike.remove(nearest)
+                    self._take(kind, i, nearest)
+            mine = [i for i in mine if found[i] == ABSENT]
+            theirs = [j for j in theirs if j not in self.taken[kind]]
+
+    def _apart(self, kind: str, index: int, target: int) -> float:
+        """How far ``target`` is from where ``index`` is to be expected, in metres; 0 if unknown."""
+        positions = f"{KINDS[kind].arrays}_pos"
+        if kind not in (*ON_BODIES, "body") or kind == "joint":
+            return 0.0
+        x, y, z = getattr(self.alone.model, positions)[index].tolist()
+        expected = Pose((x, y, z))
+        parents = f"{KINDS[kind].arrays}_{'parentid' if kind == 'body' else 'bodyid'}"
+        if int(getattr(self.alone.model, parents)[index]) == 0:
+            if self.pose is None:
+                return 0.0
+            expected = self.pose @ expected
+        distance = math.dist(expected.pos, getattr(self.composed.model, positions)[target].tolist())
+        return distance if distance > _SAME_PLACE else 0.0
+
+    def _translated(self, kind: str, index: int) -> Hashable:
+        targets = [
+            (link.kind, min(self.targets(link), default=-2))
+            for link in links(self.alone.model, kind, index)
+            if tells_apart(link)
+        ]
+        return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
+
+
+def _children(model: Model) -> dict[int, list[int]]:
+    children: dict[int, list[int]] = {}
+    for index, parent in enumerate(model.body_parentid.tolist()):
+        if index:
+            children.setdefault(parent, []).append(index)
+    return children
+
+
+def _unnamed_by_body(roster: Roster, kind: str) -> dict[int, list[int]]:
+    on_body: dict[int, list[int]] = {}
+    bodies: Iterable[int] = getattr(roster.model, ON_BODIES[kind]).tolist()
+    for index, (body, name) in enumerate(zip(bodies, roster.names[kind], strict=True)):
+        if not name:
+            on_body.setdefault(body, []).append(index)
+    return on_body

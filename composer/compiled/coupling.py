@@ -1,0 +1,50 @@
+"""Where a part and the rest of a composition act on each other through the bodies they share."""
+
+from __future__ import annotations
+
+from composer.compiled.correspondence import ABSENT, Matching
+from composer.compiled.mount import Mount
+
+
+class Coupling:
+    """Bodies of a part, by their ids in the part alone, that the rest of the composition acts on.
+
+    ``hosts`` carry geoms of others, which count into their mass and inertia. ``carriers`` have something of
+    others on them or below them. ``trees`` are the root bodies of kinematic trees that something of others is
+    fixed to, or that hang on a moving body: the inertia seen by their joints is not their own. Where the part is
+    ``cut`` out of the other model, that is so of all: a tendon may have been left that has an armature.
+    """
+
+    def __init__(self, matching: Matching, mount: Mount, *, cut: bool = False) -> None:
+        alone, composed = matching.alone.model, matching.composed.model
+        bodies = matching.ids["body"]
+        self.in_place = mount.is_in_place and matching.worlds == {0}
+        self.moving = bool(composed.body_weldid[matching.mount])
+
+        mine = {target: body for body, target in enumerate(bodies) if body and target != ABSENT}
+        geoms: dict[int, int] = {}
+        for target in matching.ids["geom"]:
+            if target != ABSENT:
+                owner = int(composed.geom_bodyid[target])
+                geoms[owner] = geoms.get(owner, 0) + 1
+        number = composed.body_geomnum
+        self.hosts = {body for target, body in mine.items() if int(number[target]) > geoms.get(target, 0)}
+
+        foreign = [i for i in range(1, len(number)) if i not in mine and i not in matching.worlds]
+        starts = [int(composed.body_parentid[i]) for i in foreign] + [bodies[body] for body in self.hosts]
+        self.carriers: set[int] = set()
+        for target in starts:
+            while target and target in mine and mine[target] not in self.carriers:
+                self.carriers.add(mine[target])
+                target = int(composed.body_parentid[target])
+        roots = alone.body_rootid.tolist()
+        self.trees = set(roots) if self.moving or cut else {roots[body] for body in self.carriers}
+        self._roots = roots
+
+    def acts_on(self, body: int) -> bool:
+        """Whether the kinematic tree of this body of the part is not its own."""
+        return self._roots[body] in self.trees
+
+    @property
+    def anywhere(self) -> bool:
+        return bool(self.trees)

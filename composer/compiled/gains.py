@@ -1,0 +1,108 @@
+"""Stiffness and damping that MuJoCo computes from the inertia of the whole model.
+
+A part that asks for a damping ratio gets another damping when something heavy hangs on it: it is unchanged
+as long as the ratio is the one that was asked for. The compiled model does not keep the ratio, but it
+follows from the gain and from the inertia in the same model.
+"""
+
+from __future__ import annotations
+
+import math
+
+from composer.compiled.kinds import JOINT_VELOCITIES, Model
+
+_CLOSE = 1e-6
+
+
+def same_stiffness(alone: Model, composed: Model, joint: int, target: int) -> bool:
+    """Whether the stiffness of a joint, which `springdamper` gives, is the same in units of its inertia."""
+    mine = float(alone.jnt_stiffness[joint]) * _inverse_inertia(alone, joint)
+    theirs = float(composed.jnt_stiffness[target]) * _inverse_inertia(composed, target)
+    return math.isclose(mine, theirs, rel_tol=_CLOSE)
+
+
+def same_damping(alone: Model, composed: Model, joint: int, target: int) -> bool:
+    """Whether the damping of a joint, which `springdamper` gives, is the same in units of its inertia."""
+    mine = float(alone.dof_damping[alone.jnt_dofadr[joint]]) * _inverse_inertia(alone, joint)
+    theirs = float(composed.dof_damping[composed.jnt_dofadr[target]]) * _inverse_inertia(composed, target)
+    return math.isclose(mine, theirs, rel_tol=_CLOSE)
+
+
+def _inverse_inertia(model: Model, joint: int) -> float:
+    first = int(model.jnt_dofadr[joint])
+    return float(model.dof_invweight0[first : first + JOINT_VELOCITIES[int(model.jnt_type[joint])]].mean())
+
+
+def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) -> bool:
+    """Whether a position servo damps in the same ratio to critical in each model.
+
+    False where no ratio can be read. MuJoCo 4 takes the inertia from the inverse weight at the joint or
+    tendon, MuJoCo 3 from the diagonal of the mass matrix: either will do.
+    """
+    if not (_is_damped_servo(alone, actuator) and _is_damped_servo(composed, target)):
+        return False
+    mine, theirs = alone.actuator_biasprm[actuator].tolist(), composed.actuator_biasprm[target].tolist()
+    if mine[:2] != theirs[:2] or mine[3:] != theirs[3:]:
+        return False
+    return any(
+        math.isclose(a, b, rel_tol=_CLOSE)
+        for a, b in zip(_ratios(alone, actuator), _ratios(composed, target), strict=False)
+        if a is not None and b is not None
+    )
+
+
+_FIXED, _AFFINE = 0, 1
+_JOINT, _JOINT_IN_PARENT, _TENDON = 0, 1, 3
+_SLIDE = 2
+_WRAP_JOINT = 1
+
+
+def _is_damped_servo(model: Model, actuator: int) -> bool:
+    stiffness, damping = (
+        float(model.actuator_gainprm[actuator, 0]),
+        -float(model.actuator_biasprm[actuator, 2]),
+    )
+    return (
+        int(model.actuator_gaintype[actuator]) == _FIXED
+        and int(model.actuator_biastype[actuator]) == _AFFINE
+        and stiffness > 0
+        and stiffness == -float(model.actuator_biasprm[actuator, 1])
+        and damping > 0
+    )
+
+
+def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
+    """The damping ratio of a servo by the inverse weight and by the mass matrix; None where there is none."""
+    stiffness, damping = (
+        float(model.actuator_gainprm[actuator, 0]),
+        -float(model.actuator_biasprm[actuator, 2]),
+    )
+    output = int(model.actuator_outadr[actuator]) if hasattr(model, "actuator_outadr") else actuator
+    gear = float(model.actuator_gear[output, 0])
+    kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
+    if gear == 0:
+        return None, None
+    if kind in (_JOINT, _JOINT_IN_PARENT):
+        if int(model.jnt_type[target]) < _SLIDE:
+            return None, None
+        dof = int(model.jnt_dofadr[target])
+        light, heavy = float(model.dof_invweight0[dof]), float(model.dof_M0[dof])
+    elif kind == _TENDON:
+        light, heavy = float(model.tendon_invweight0[target]), _inertia_along(model, target)
+    else:
+        return None, None
+    by_weight = damping * gear / (2 * math.sqrt(stiffness / light)) if light > 0 else None
+    by_mass = damping * gear / (2 * math.sqrt(stiffness * heavy)) if heavy > 0 else None
+    return by_weight, by_mass
+
+
+def _inertia_along(model: Model, tendon: int) -> float:
+    """The inertia a fixed tendon has to move; 0 for a spatial one, whose moments the model does not keep."""
+    first = int(model.tendon_adr[tendon])
+    inertia = 0.0
+    for at in range(first, first + int(model.tendon_num[tendon])):
+        joint, coefficient = int(model.wrap_objid[at]), float(model.wrap_prm[at])
+        if int(model.wrap_type[at]) != _WRAP_JOINT or coefficient == 0:
+            return 0.0
+        inertia += float(model.dof_M0[model.jnt_dofadr[joint]]) / coefficient**2
+    return inertia

@@ -1,0 +1,233 @@
+"""The part's keyframes in the composition: by joint, actuator and mocap body, never by position."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from enum import StrEnum
+
+import numpy as np
+
+from composer.compiled.correspondence import ABSENT, Matching
+from composer.compiled.difference import MISSING, Difference
+from composer.compiled.fields import ROUNDING
+from composer.compiled.kinds import FREE_JOINT, JOINT_POSITIONS, JOINT_VELOCITIES, Model
+from composer.compiled.rows import Array, unequal
+from composer.numerics.pose import Pose, rotate
+
+
+class Keys(StrEnum):
+    """How a part's keys come along (`keyframes:` of a recipe)."""
+
+    MERGE = "merge"
+    """Keys of the same name of several parts are one key, which keeps the name."""
+    PREFIX = "prefix"
+    """Each is a key of its own behind the part's prefix."""
+    NONE = "none"
+
+
+class Roots(StrEnum):
+    """What a key says of free joints and mocap bodies at the part's root, where the part is moved."""
+
+    MOVED = "moved"
+    """They move with the part."""
+    KEPT = "kept"
+    """The numbers stay, as `MjSpec.attach` leaves them."""
+
+
+def key_differences(
+    matching: Matching,
+    transform: Pose | None,
+    keys: Keys,
+    roots: Roots,
+    tolerance: float = 0.0,
+    replaced: Collection[str] = (),
+) -> list[Difference]:
+    """Where a key of the part says something else of the part's own joints, actuators and mocap bodies.
+
+    ``transform`` is where the part's world stands in the composition's; None or the identity moves nothing.
+    Keys of the composition that are ``replaced`` are not compared: something else was written in their place.
+    """
+    found: list[Difference] = []
+    if keys is Keys.NONE:
+        return found
+    moved = (
+        transform if roots is Roots.MOVED and transform is not None and not transform.is_identity else None
+    )
+    for key, target in _match(matching, keys, moved):
+        name = matching.alone.describe("key", key)
+        if target == ABSENT:
+            found.append(Difference("key", name, MISSING, True, False))
+            continue
+        if matching.composed.names["key"][target] in replaced:
+            continue
+        there = matching.composed.describe("key", target)
+        pairs = list(_entries(matching, key, target, moved))
+        if keys is Keys.PREFIX:
+            times = (
+                matching.alone.model.key_time[key : key + 1],
+                matching.composed.model.key_time[target : target + 1],
+            )
+            pairs.append(("key_time", *times, 0.0))
+        for field, mine, theirs, bound in pairs:
+            if mine.shape != theirs.shape or unequal(mine, theirs, max(bound, tolerance)).any():
+                expected, actual = tuple(mine.tolist()), tuple(theirs.tolist())
+                found.append(Difference("key", there, field, expected, actual))
+    return found
+
+
+def _match(matching: Matching, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
+    """Keys of the part and of the composition; unnamed ones by order among those no named key takes."""
+    alone, composed = matching.alone, matching.composed
+    given = matching.renamed.get("key", {})
+    unnamed: list[int] = []
+    taken: set[int] = set()
+    for index, name in enumerate(alone.names["key"]):
+        if not name:
+            unnamed.append(index)
+            continue
+        there = given.get(name, name if keys is Keys.MERGE else matching.prefix + name)
+        # That of a model which MuJoCo itself attaches to the part has the prefix, whatever becomes of the others.
+        found = [
+            composed.ids["key"][each]
+            for each in (there, matching.prefix + name)
+            if each in composed.ids["key"]
+        ]
+        alike = (each for each in found if not _says_otherwise(matching, index, each, moved))
+        target = next(alike, found[0] if found else ABSENT)
+        taken.add(target)
+        yield index, target
+    prefix = matching.prefix
+    left = [
+        i
+        for i, name in enumerate(composed.names["key"])
+        if i not in taken and (not name or (prefix and name.startswith(prefix)))
+    ]
+    for index in unnamed:
+        alike = (i for i in left if not _says_otherwise(matching, index, i, moved))
+        target = next(alike, left[0] if left else ABSENT)
+        if target != ABSENT:
+            left.remove(target)
+        yield index, target
+
+
+def _says_otherwise(matching: Matching, key: int, target: int, moved: Pose | None) -> bool:
+    return any(
+        mine.shape != theirs.shape or unequal(mine, theirs, bound).any()
+        for _, mine, theirs, bound in _entries(matching, key, target, moved)
+    )
+
+
+def _entries(
+    matching: Matching, key: int, target: int, moved: Pose | None
+) -> Iterator[tuple[str, Array, Array, float]]:
+    alone, composed = matching.alone.model, matching.composed.model
+    for joint, there in enumerate(matching.ids["joint"]):
+        if there == ABSENT or alone.jnt_type[joint] != composed.jnt_type[there]:
+            continue
+        name = matching.composed.describe("joint", there)
+        kind = int(alone.jnt_type[joint])
+        mine_q, mine_v = _joint_state(alone, key, joint, kind)
+        theirs_q, theirs_v = _joint_state(composed, target, there, kind)
+        bound = 0.0
+        if kind == FREE_JOINT and moved is not None:
+            mine_q, mine_v, bound = _moved(mine_q, moved), _turned(mine_v, moved), ROUNDING
+            theirs_q = _aligned(theirs_q, mine_q)
+        yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
+        yield f"key_qvel of `{name}`", mine_v, theirs_v, bound
+        yield from _plastic(matching, "joint", "jnt", key, target, joint, there)
+    for actuator, there in enumerate(matching.ids["actuator"]):
+        if there == ABSENT:
+            continue
+        name = matching.composed.describe("actuator", there)
+        yield f"key_ctrl of `{name}`", _control(alone, key, actuator), _control(composed, target, there), 0.0
+        yield (
+            f"key_act of `{name}`",
+            _activation(alone, key, actuator),
+            _activation(composed, target, there),
+            0.0,
+        )
+    for tendon, there in enumerate(matching.ids["tendon"]):
+        if there != ABSENT:
+            yield from _plastic(matching, "tendon", "tendon", key, target, tendon, there)
+    for flex, there in enumerate(matching.ids["flex"]):
+        if there != ABSENT:
+            yield from _plastic(matching, "flex", "flex", key, target, flex, there)
+    for body, there in enumerate(matching.ids["body"]):
+        if not body or there == ABSENT or alone.body_mocapid[body] < 0 or composed.body_mocapid[there] < 0:
+            continue
+        name = matching.composed.describe("body", there)
+        mine, theirs = _mocap(alone, key, body), _mocap(composed, target, there)
+        bound = 0.0
+        if moved is not None:
+            mine, bound = _moved(mine, moved), ROUNDING
+            theirs = _aligned(theirs, mine)
+        yield f"key_mpos of `{name}`", mine[:3], theirs[:3], bound
+        yield f"key_mquat of `{name}`", mine[3:], theirs[3:], bound
+
+
+def _joint_state(model: Model, key: int, joint: int, kind: int) -> tuple[Array, Array]:
+    at, to = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+    return (
+        model.key_qpos[key, at : at + JOINT_POSITIONS[kind]],
+        model.key_qvel[key, to : to + JOINT_VELOCITIES[kind]],
+    )
+
+
+def _control(model: Model, key: int, actuator: int) -> Array:
+    row: Array = model.key_ctrl[key]
+    if not hasattr(model, "actuator_ctrladr"):
+        return row[actuator : actuator + 1]
+    at = int(model.actuator_ctrladr[actuator])
+    return row[at : at + int(model.actuator_ctrlnum[actuator])]
+
+
+def _activation(model: Model, key: int, actuator: int) -> Array:
+    row: Array = model.key_act[key]
+    at = int(model.actuator_actadr[actuator])
+    return row[at : at + int(model.actuator_actnum[actuator])] if at >= 0 else row[:0]
+
+
+def _mocap(model: Model, key: int, body: int) -> Array:
+    at = int(model.body_mocapid[body])
+    pos, quat = model.key_mpos[key, 3 * at : 3 * at + 3], model.key_mquat[key, 4 * at : 4 * at + 4]
+    return np.concatenate([pos, quat])
+
+
+def _plastic(
+    matching: Matching, kind: str, arrays: str, key: int, target: int, index: int, there: int
+) -> Iterator[tuple[str, Array, Array, float]]:
+    if not hasattr(matching.alone.model, "key_plastic"):
+        return
+    mine = _plastic_state(matching.alone.model, arrays, key, index)
+    theirs = _plastic_state(matching.composed.model, arrays, target, there)
+    if mine.size or theirs.size:
+        # Where nothing is written it is the length in the reference configuration, measured in the world.
+        bound = ROUNDING if kind == "tendon" else 0.0
+        yield f"key_plastic of `{matching.composed.describe(kind, there)}`", mine, theirs, bound
+
+
+def _plastic_state(model: Model, arrays: str, key: int, index: int) -> Array:
+    row: Array = model.key_plastic[key]
+    first = int(getattr(model, f"{arrays}_plasticadr")[index])
+    if first < 0:
+        return row[:0]
+    every = np.concatenate([model.jnt_plasticadr, model.tendon_plasticadr, model.flex_plasticadr])
+    later = every[every > first]
+    return row[first : int(later.min())] if len(later) else row[first:]
+
+
+def _moved(state: Array, transform: Pose) -> Array:
+    x, y, z, w, a, b, c = state.tolist()
+    pose = transform @ Pose((x, y, z), (w, a, b, c))
+    return np.array([*pose.pos, *pose.quat])
+
+
+def _turned(velocity: Array, transform: Pose) -> Array:
+    """A free joint's linear velocity is in the world's frame, its angular velocity in the body's own."""
+    return np.array([*rotate(transform.quat, velocity[:3].tolist()), *velocity[3:].tolist()])
+
+
+def _aligned(state: Array, like: Array) -> Array:
+    """``state`` with its quaternion on the side of the sphere where that of ``like`` is."""
+    quat, other = np.asarray(state[3:], dtype=np.float64), np.asarray(like[3:], dtype=np.float64)
+    return np.concatenate([np.asarray(state[:3]), quat if float(quat @ other) >= 0 else -quat])

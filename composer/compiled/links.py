@@ -1,0 +1,223 @@
+"""The references an element of a compiled model holds, as (kind, id) instead of bare numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+
+from composer.compiled.kinds import OF_OBJECT_TYPE, Model
+
+
+class World(StrEnum):
+    """What body 0 of the part stands for in the composition, where it is referred to."""
+
+    MOUNT = "mount"
+    """Where the part hangs: the parent of its roots."""
+    WORLD = "world"
+    """The world: `world` is never prefixed."""
+    EITHER = "either"
+    """Both: vertices and bones pinned to the part's world."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A reference. ``index`` is -1 where the field is empty."""
+
+    field: str
+    kind: str
+    index: int
+    world: World = World.WORLD
+
+
+def links(model: Model, kind: str, index: int) -> list[Link]:
+    """The references of one element, always the same fields in the same order."""
+    reader = _READERS.get(kind)
+    return list(reader(model, index)) if reader else []
+
+
+def _one(model: Model, array: str, kind: str, index: int, world: World = World.WORLD) -> Iterator[Link]:
+    values = getattr(model, array, None)
+    if values is not None:
+        yield Link(array, kind, int(values[index]), world)
+
+
+def _body(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "body_parentid", "body", index, World.MOUNT)
+    yield from _one(model, "body_plugin", "plugin", index)
+
+
+def _joint(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "jnt_bodyid", "body", index, World.MOUNT)
+    yield from _one(model, "jnt_actuatorid", "actuator", index)
+
+
+_HFIELD, _MESH, _SDF = 1, 7, 8
+
+
+def _geom(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "geom_bodyid", "body", index, World.MOUNT)
+    # MuJoCo 3 leaves the mesh in primitives that were fitted to it, where it has no meaning.
+    shape = int(model.geom_type[index])
+    data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
+    yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
+    yield from _one(model, "geom_matid", "material", index)
+    yield from _one(model, "geom_plugin", "plugin", index)
+
+
+def _site(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "site_bodyid", "body", index, World.MOUNT)
+    yield from _one(model, "site_dataid", "mesh", index)
+    yield from _one(model, "site_matid", "material", index)
+
+
+def _camera(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "cam_bodyid", "body", index, World.MOUNT)
+    yield from _one(model, "cam_targetbodyid", "body", index)
+
+
+def _light(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "light_bodyid", "body", index, World.MOUNT)
+    yield from _one(model, "light_targetbodyid", "body", index)
+    yield from _one(model, "light_texid", "texture", index)
+
+
+def _material(model: Model, index: int) -> Iterator[Link]:
+    for role, texture in enumerate(model.mat_texid[index].tolist()):
+        yield Link(f"mat_texid[{role}]", "texture", texture)
+
+
+def _skin(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "skin_matid", "material", index)
+    first = int(model.skin_boneadr[index])
+    bones = model.skin_bonebodyid[first : first + int(model.skin_bonenum[index])].tolist()
+    for place, body in enumerate(bones):
+        yield Link(f"skin_bonebodyid[{place}]", "body", body, World.EITHER)
+
+
+def _flex(model: Model, index: int) -> Iterator[Link]:
+    yield from _flex_materials(model, index)
+    for array, first, number in (
+        ("flex_vertbodyid", "flex_vertadr", "flex_vertnum"),
+        ("flex_nodebodyid", "flex_nodeadr", "flex_nodenum"),
+    ):
+        start = int(getattr(model, first)[index])
+        bodies = getattr(model, array)[start : start + int(getattr(model, number)[index])].tolist()
+        for place, body in enumerate(bodies):
+            yield Link(f"{array}[{place}]", "body", body, World.EITHER)
+
+
+def _flex_materials(model: Model, index: int) -> Iterator[Link]:
+    """Since MuJoCo 4 an element of a flex has a material, before that the flex."""
+    if len(model.flex_matid) != model.nflexelem:
+        yield from _one(model, "flex_matid", "material", index)
+        return
+    first = int(model.flex_elemadr[index])
+    materials = model.flex_matid[first : first + int(model.flex_elemnum[index])].tolist()
+    for place, material in enumerate(materials):
+        yield Link(f"flex_matid[{place}]", "material", material)
+
+
+_WRAP_JOINT, _WRAP_PULLEY, _WRAP_SITE = 1, 2, 3
+WRAPS_A_GEOM = (4, 5)
+"""The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
+
+
+def _tendon(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "tendon_matid", "material", index)
+    yield from _one(model, "tendon_actuatorid", "actuator", index)
+    first = int(model.tendon_adr[index])
+    for place in range(int(model.tendon_num[index])):
+        at = first + place
+        wrapped, target = int(model.wrap_type[at]), int(model.wrap_objid[at])
+        if wrapped == _WRAP_JOINT:
+            yield Link(f"wrap_objid[{place}]", "joint", target)
+        elif wrapped == _WRAP_SITE:
+            yield Link(f"wrap_objid[{place}]", "site", target)
+        elif wrapped in WRAPS_A_GEOM:
+            yield Link(f"wrap_objid[{place}]", "geom", target)
+            yield Link(f"wrap_prm[{place}]", "site", int(model.wrap_prm[at]))
+
+
+_CONSTRAINED = {2: "joint", 3: "tendon", 4: "flex", 5: "flex", 6: "flex", 7: "geom"}
+
+
+def _equality(model: Model, index: int) -> Iterator[Link]:
+    by_type = _CONSTRAINED.get(int(model.eq_type[index]))
+    kind = by_type or OF_OBJECT_TYPE.get(int(model.eq_objtype[index]), "body")
+    yield from _one(model, "eq_obj1id", kind, index)
+    yield from _one(model, "eq_obj2id", kind, index)
+
+
+def _pair(model: Model, index: int) -> Iterator[Link]:
+    geoms = sorted((int(model.pair_geom1[index]), int(model.pair_geom2[index])))
+    for place, geom in enumerate(geoms):
+        yield Link(f"geom{place + 1}", "geom", geom)
+
+
+def _exclude(model: Model, index: int) -> Iterator[Link]:
+    signature = int(model.exclude_signature[index])
+    for place, body in enumerate(sorted((signature >> 16, signature & 0xFFFF))):
+        yield Link(f"body{place + 1}", "body", body)
+
+
+_TARGETS = {
+    0: ("joint", None),
+    1: ("joint", None),
+    2: ("site", "site"),
+    3: ("tendon", None),
+    4: ("site", "site"),
+    5: ("body", None),
+}
+_ROTATION = 6
+"""The value of `actuator_trntype` for a ball joint or, with a second id, for a site seen from another."""
+
+
+def _actuator(model: Model, index: int) -> Iterator[Link]:
+    transmission = int(model.actuator_trntype[index])
+    targets: tuple[str | None, str | None] = _TARGETS.get(transmission, (None, None))
+    if transmission == _ROTATION:
+        targets = ("site", "site") if model.actuator_trnid[index, 1] >= 0 else ("joint", None)
+    for place, kind in enumerate(targets):
+        if kind is not None:
+            yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
+    yield from _one(model, "actuator_plugin", "plugin", index)
+
+
+def _sensor(model: Model, index: int) -> Iterator[Link]:
+    for array, typed in (("sensor_objid", "sensor_objtype"), ("sensor_refid", "sensor_reftype")):
+        kind = OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))
+        if kind is not None:
+            yield from _one(model, array, kind, index)
+    yield from _one(model, "sensor_plugin", "plugin", index)
+
+
+def _tuple(model: Model, index: int) -> Iterator[Link]:
+    first = int(model.tuple_adr[index])
+    for place in range(int(model.tuple_size[index])):
+        kind = OF_OBJECT_TYPE.get(int(model.tuple_objtype[first + place]))
+        if kind is not None:
+            yield Link(f"tuple_objid[{place}]", kind, int(model.tuple_objid[first + place]))
+
+
+_READERS: dict[str, Callable[[Model, int], Iterator[Link]]] = {
+    "body": _body,
+    "joint": _joint,
+    "geom": _geom,
+    "site": _site,
+    "camera": _camera,
+    "light": _light,
+    "material": _material,
+    "skin": _skin,
+    "flex": _flex,
+    "tendon": _tendon,
+    "equality": _equality,
+    "pair": _pair,
+    "exclude": _exclude,
+    "actuator": _actuator,
+    "sensor": _sensor,
+    "tuple": _tuple,
+}
+
+UNORDERED = frozenset({"pair", "exclude"})
+"""Kinds whose two references are a set, stored by MuJoCo in the order of ids."""

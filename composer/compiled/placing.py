@@ -1,0 +1,109 @@
+"""What stands at a part's root: moved by the mount, all of it in the same way."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from composer.compiled.correspondence import ABSENT, ON_BODIES, Matching
+from composer.compiled.difference import Difference
+from composer.compiled.fields import ROUNDING
+from composer.compiled.kinds import Model
+from composer.compiled.mount import Mount
+from composer.numerics.pose import Pose, rotate
+
+_POSED = {"body": "body", "geom": "geom", "site": "site", "camera": "cam"}
+
+
+class Placing:
+    """The rigid transform from the part's world to the frame of the body it is mounted on.
+
+    ``transform`` is the mount's pose or, where that is not known, what became of the first root; None for a
+    part with nothing at its root.
+    """
+
+    def __init__(self, matching: Matching, mount: Mount) -> None:
+        self.matching = matching
+        self.roots: dict[str, list[int]] = {"body": [], "light": [], **{kind: [] for kind in _POSED}}
+        alone = matching.alone.model
+        for kind, roots in self.roots.items():
+            parents = alone.body_parentid if kind == "body" else getattr(alone, ON_BODIES[kind])
+            found = matching.ids[kind]
+            roots += [
+                i for i, parent in enumerate(parents.tolist())
+                if parent == 0 and found[i] != ABSENT and not (kind == "body" and i == 0)
+            ]  # fmt: skip
+        self.transform = mount.pose if mount.pose is not None else self._first()
+
+    def _first(self) -> Pose | None:
+        for kind in _POSED:
+            for index in self.roots[kind]:
+                return self._there(kind, index) @ _pose(self.matching.alone.model, kind, index).inverse()
+        return None
+
+    def _there(self, kind: str, index: int) -> Pose:
+        """The pose of a root's counterpart in the frame of the mount, through bodies in between."""
+        model, target = self.matching.composed.model, self.matching.ids[kind][index]
+        pose = _pose(model, kind, target)
+        owner = int(
+            model.body_parentid[target] if kind == "body" else getattr(model, ON_BODIES[kind])[target]
+        )
+        return self._frame(owner) @ pose
+
+    def _frame(self, body: int) -> Pose:
+        model, pose = self.matching.composed.model, Pose()
+        while body != self.matching.mount and body in self.matching.worlds:
+            pose = _pose(model, "body", body) @ pose
+            body = int(model.body_parentid[body])
+        return pose
+
+    def differences(self, tolerance: float = 0.0) -> list[Difference]:
+        """The roots that did not move with the rest, for a part that is not where it stands alone."""
+        found: list[Difference] = []
+        if self.transform is None:
+            return found
+        bound = max(ROUNDING, tolerance)
+        for kind, arrays in _POSED.items():
+            for index in self.roots[kind]:
+                expected = self.transform @ _pose(self.matching.alone.model, kind, index)
+                actual = self._there(kind, index)
+                name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
+                if not _near(expected.pos, actual.pos, bound):
+                    found.append(Difference(kind, name, f"{arrays}_pos", expected.pos, actual.pos))
+                turned = tuple(-x for x in actual.quat)
+                if not _near(expected.quat, actual.quat, bound) and not _near(expected.quat, turned, bound):
+                    found.append(Difference(kind, name, f"{arrays}_quat", expected.quat, actual.quat))
+        found += self._lights(bound)
+        return found
+
+    def _lights(self, bound: float) -> list[Difference]:
+        assert self.transform is not None
+        found: list[Difference] = []
+        alone, composed = self.matching.alone.model, self.matching.composed.model
+        for index in self.roots["light"]:
+            target = self.matching.ids["light"][index]
+            frame = self._frame(int(composed.light_bodyid[target]))
+            name = self.matching.composed.describe("light", target)
+            expected = (self.transform @ Pose(_vec(alone.light_pos[index]))).pos
+            actual = (frame @ Pose(_vec(composed.light_pos[target]))).pos
+            if not _near(expected, actual, bound):
+                found.append(Difference("light", name, "light_pos", expected, actual))
+            expected = rotate(self.transform.quat, _vec(alone.light_dir[index]))
+            actual = rotate(frame.quat, _vec(composed.light_dir[target]))
+            if not _near(expected, actual, bound):
+                found.append(Difference("light", name, "light_dir", expected, actual))
+        return found
+
+
+def _vec(values: Model) -> tuple[float, float, float]:
+    x, y, z = values.tolist()
+    return (x, y, z)
+
+
+def _pose(model: Model, kind: str, index: int) -> Pose:
+    arrays = _POSED[kind]
+    w, x, y, z = getattr(model, f"{arrays}_quat")[index].tolist()
+    return Pose(_vec(getattr(model, f"{arrays}_pos")[index]), (w, x, y, z))
+
+
+def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
+    return bool(np.allclose(a, b, rtol=bound, atol=bound, equal_nan=True))

@@ -1,0 +1,50 @@
+"""Elements that a composition lacks, and elements that pass for a part's without being of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from composer.compiled.correspondence import ABSENT, ON_BODIES, Matching
+from composer.compiled.difference import EXTRA, MISSING, Difference
+from composer.compiled.kinds import KINDS, Model, Roster
+
+
+def presence_differences(matching: Matching, others: Sequence[tuple[str, Model]] | None) -> list[Difference]:
+    """Missing elements; with ``others``, extra ones as well. Keys are left to ``keyframes``."""
+    rosters = None if others is None else [(prefix, Roster(model)) for prefix, model in others]
+    found: list[Difference] = []
+    for kind in KINDS:
+        if kind == "key":
+            continue
+        found += _missing(matching, kind)
+        if rosters is not None and matching.prefix:
+            found += _extra(matching, kind, rosters)
+    return found
+
+
+def _missing(matching: Matching, kind: str) -> list[Difference]:
+    """What an unnamed element is on a missing body is not told again."""
+    roster, bodies = matching.alone, matching.ids["body"]
+    owners = getattr(roster.model, ON_BODIES[kind]).tolist() if kind in ON_BODIES else None
+    found: list[Difference] = []
+    for index, target in enumerate(matching.ids[kind]):
+        name = roster.names[kind][index]
+        if target != ABSENT or (owners is not None and not name and bodies[owners[index]] == ABSENT):
+            continue
+        shown = matching.name(kind, name) if name else roster.describe(kind, index)
+        found.append(Difference(kind, shown, MISSING, True, False))
+    return found
+
+
+def _extra(matching: Matching, kind: str, others: Iterable[tuple[str, Roster]]) -> list[Difference]:
+    prefix = matching.prefix
+    theirs = {other + name for other, roster in others for name in roster.names[kind] if name}
+    return [
+        Difference(kind, name, EXTRA, False, True)
+        for index, name in enumerate(matching.composed.names[kind])
+        if name.startswith(prefix)
+        and name != prefix
+        and name not in theirs
+        and index not in matching.taken[kind]
+        and not (kind == "body" and index in matching.worlds)
+    ]

@@ -1,0 +1,37 @@
+"""What an unnamed element is recognised by, where order alone does not tell which is which."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+from composer.compiled.kinds import KINDS, Model
+from composer.compiled.links import UNORDERED, Link, World, links
+from composer.compiled.ragged import runs
+from composer.compiled.rows import row_key
+
+
+def tells_apart(link: Link) -> bool:
+    """Whether a reference serves to recognise an element: not where it stands, nor what is matched later."""
+    return link.kind != "plugin" and link.world is World.WORLD and link.field != "jnt_actuatorid"
+
+
+def raw(model: Model, kind: str, index: int) -> Hashable:
+    """The references of an element of the composition, comparable with the translated ones of the part."""
+    targets = [(link.kind, link.index) for link in links(model, kind, index) if tells_apart(link)]
+    return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
+
+
+def values(model: Model, kind: str, index: int) -> Hashable:
+    """Everything an element says of itself, wherever it stands and whatever it refers to."""
+    data = tuple((name, array.tobytes()) for name, array in runs(model, kind, index) if kind != "flex")
+    return row_key(model, kind, index), data
+
+
+def shape(model: Model, kind: str, index: int) -> Hashable:
+    """What rarely changes of an element: its type; of a body, its joints and how much stands on it."""
+    if kind == "body":
+        first, number = int(model.body_jntadr[index]), int(model.body_jntnum[index])
+        types = tuple(model.jnt_type[first : first + number].tolist()) if number else ()
+        return types, int(model.body_geomnum[index])
+    types_of = getattr(model, f"{KINDS[kind].arrays}_type", None)
+    return None if types_of is None else int(types_of[index])

@@ -1,0 +1,70 @@
+"""Whether a part inside a composed model is numerically what it is alone."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+from composer.compiled.correspondence import Matching
+from composer.compiled.coupling import Coupling
+from composer.compiled.difference import Difference
+from composer.compiled.keyframes import Keys, Roots, key_differences
+from composer.compiled.kinds import Model, Roster
+from composer.compiled.mount import Mount
+from composer.compiled.placing import Placing
+from composer.compiled.presence import presence_differences
+from composer.compiled.references import reference_differences
+from composer.compiled.values import Values
+
+__all__ = ["Difference", "Keys", "Mount", "Roots", "compare"]
+
+
+def compare(
+    alone: Model,
+    composed: Model,
+    *,
+    prefix: str = "",
+    hung_on: Mount | None = None,
+    renamed: Mapping[str, Mapping[str, str]] | None = None,
+    keys: Keys = Keys.MERGE,
+    roots_in_keys: Roots = Roots.MOVED,
+    others: Sequence[tuple[str, Model]] | None = None,
+    ignore: Collection[str] = (),
+    replaced_keys: Collection[str] = (),
+    tolerance: float = 0.0,
+    cut: bool = False,
+) -> list[Difference]:
+    """What differs between a part compiled alone and the same part in a composition; nothing if it is
+    unchanged.
+
+    ``prefix`` includes its separator; the base's is empty. ``hung_on`` is where the part's world stands:
+    the world, unmoved, if not given. ``renamed`` maps names of the part to names of the composition, by
+    kind, where they are not simply prefixed. ``ignore`` are arrays (`geom_friction`), or attributes of
+    every kind (`friction`), that were changed on purpose; ``replaced_keys`` are keys of the composition that
+    were written in place of the part's own. With ``others``, the prefixes and models of all
+    other parts, elements that bear this part's prefix but are of no part count as differences too.
+
+    ``tolerance`` is relative to the larger of 1 and the value. 0 asks for equality bit for bit wherever
+    composition can give it; ``fields.RULES`` says where it cannot, and why. ``cut`` says that ``composed`` is
+    the whole that the part was cut out of.
+
+    Options, statistics and visual settings belong to the whole model and are not compared here. No I/O.
+    Raises KeyError if ``hung_on`` names a body the composition has not got.
+    """
+    mount = hung_on or Mount()
+    matching = Matching(Roster(alone), Roster(composed), prefix=prefix, mount=mount, renamed=renamed or {})
+    coupling = Coupling(matching, mount, cut=cut)
+    placing = Placing(matching, mount)
+    found = presence_differences(matching, others)
+    found += reference_differences(matching)
+    found += Values(matching, coupling, tolerance).differences()
+    if not coupling.in_place:
+        found += placing.differences(tolerance)
+    in_world = placing.transform if matching.mount == 0 else None
+    found += key_differences(matching, in_world, keys, roots_in_keys, tolerance, replaced_keys)
+    return [difference for difference in found if not _ignored(difference, ignore)]
+
+
+def _ignored(difference: Difference, ignore: Collection[str]) -> bool:
+    """Whether ``ignore`` holds the array of the difference, or what follows the array's first word."""
+    array = difference.array
+    return array in ignore or array.partition("_")[2] in ignore

@@ -1,0 +1,245 @@
+"""The numbers of a part's elements: rows of arrays, and the data that elements point to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from composer.compiled.correspondence import ON_BODIES, Matching
+from composer.compiled.coupling import Coupling
+from composer.compiled.difference import Difference, Value
+from composer.compiled.fields import (
+    AUTHORED_SLEEP,
+    BEFORE_CONTROLS,
+    DERIVED_ROUNDING,
+    HULL,
+    ROUNDING,
+    Rule,
+    Treatment,
+)
+from composer.compiled.gains import same_damping, same_dampratio, same_stiffness
+from composer.compiled.kinds import JOINT_VELOCITIES, KINDS
+from composer.compiled.links import links
+from composer.compiled.ragged import FROM_THE_WORLD, IN_THE_WORLD, runs
+from composer.compiled.rows import DOF, Array, arrays, same_width, unequal
+
+_SHOWN = 12
+"""Longer rows are shown by their first entry that differs."""
+
+
+class Values:
+    """Compares every array that belongs to an element, by the rules in ``fields``."""
+
+    def __init__(self, matching: Matching, coupling: Coupling, tolerance: float) -> None:
+        self.matching, self.coupling, self.tolerance = matching, coupling, tolerance
+        self.alone, self.composed = matching.alone.model, matching.composed.model
+
+    def differences(self) -> list[Difference]:
+        found: list[Difference] = []
+        for kind in KINDS:
+            if kind != "key":
+                pairs = self.matching.pairs(kind)
+                found += self._rows(kind, kind, pairs, [i for i, _ in pairs], [j for _, j in pairs])
+                found += self._runs(kind)
+        found += self._dofs()
+        found += self._sleep()
+        return found
+
+    def _dofs(self) -> list[Difference]:
+        """The arrays with one row a degree of freedom, told by joint."""
+        pairs: list[tuple[int, int]] = []
+        mine: list[int] = []
+        theirs: list[int] = []
+        for index, target in self.matching.pairs("joint"):
+            kind = int(self.alone.jnt_type[index])
+            if kind == int(self.composed.jnt_type[target]):
+                first, other = int(self.alone.jnt_dofadr[index]), int(self.composed.jnt_dofadr[target])
+                mine += range(first, first + JOINT_VELOCITIES[kind])
+                theirs += range(other, other + JOINT_VELOCITIES[kind])
+                pairs += [(index, target)] * JOINT_VELOCITIES[kind]
+        return list(dict.fromkeys(self._rows("joint", DOF, pairs, mine, theirs)))
+
+    def _rows(
+        self, kind: str, group: str, pairs: list[tuple[int, int]], mine: list[int], theirs: list[int]
+    ) -> list[Difference]:
+        """The arrays of a group at ``mine`` alone and ``theirs`` composed: the rows of ``pairs``."""
+        found: list[Difference] = []
+        if not pairs:
+            return found
+        composed = {name: array for name, array, _ in arrays(self.composed, group)}
+        for name, array, how in arrays(self.alone, group):
+            other = composed.get(name)
+            if other is not None:
+                found += self._array(kind, name, how, pairs, array[mine], other[theirs])
+        return found
+
+    def _array(
+        self,
+        kind: str,
+        name: str,
+        how: Rule | None,
+        pairs: list[tuple[int, int]],
+        expected: Array,
+        actual: Array,
+    ) -> list[Difference]:
+        treatment = how.treatment if how else Treatment.PLAIN
+        if treatment in (Treatment.SKIPPED, Treatment.LINKED, Treatment.DATA):
+            if name not in BEFORE_CONTROLS or hasattr(self.alone, "actuator_ctrladr"):
+                return []
+            treatment = BEFORE_CONTROLS[name]
+        if treatment is Treatment.PRESENT:
+            expected, actual = np.not_equal(expected, -1), np.not_equal(actual, -1)
+        elif treatment is Treatment.USER:
+            expected, actual = same_width(expected, actual)
+        if not expected.size:
+            return []
+        different = unequal(expected, actual, self._bound(treatment)).reshape(len(expected), -1)
+        return [
+            self._difference(kind, pairs[row][1], name, expected[row], actual[row])
+            for row in np.flatnonzero(different.any(axis=1)).tolist()
+            if not self._excused(treatment, kind, name, *pairs[row])
+        ]
+
+    def _bound(self, treatment: Treatment) -> float:
+        if treatment in (Treatment.ROUNDED, Treatment.GAIN) and not self.coupling.in_place:
+            return max(ROUNDING, self.tolerance)
+        if treatment is Treatment.DERIVED:
+            return max(DERIVED_ROUNDING, self.tolerance)
+        return self.tolerance
+
+    def _excused(self, treatment: Treatment, kind: str, name: str, index: int, target: int) -> bool:
+        """Whether a difference in this row is what its place in the composition makes of it."""
+        coupling, moved = self.coupling, not self.coupling.in_place
+        if name in HULL and self._hull_for_others(kind, index):
+            return True
+        match treatment:
+            case Treatment.ROOT_POSE:
+                return moved and self._at_root(kind, index)
+            case Treatment.HOST:
+                on_host = self._body(kind, index) in coupling.hosts
+                return on_host or (moved and kind != "body" and self._at_root(kind, index))
+            case Treatment.SUBTREE:
+                return index in coupling.carriers
+            case Treatment.LENS:
+                return not self.alone.cam_sensorsize[index].any()
+            case Treatment.DERIVED:
+                return self._acted_on(kind, index) or self._less_simple(kind, index)
+            case Treatment.GAIN if kind == "actuator":
+                return same_dampratio(self.alone, self.composed, index, target)
+            case Treatment.GAIN:
+                same = same_stiffness if name == "jnt_stiffness" else same_damping
+                seen_otherwise = self._acted_on(kind, index) or self._less_simple(kind, index)
+                return seen_otherwise and same(self.alone, self.composed, index, target)
+            case Treatment.ROUNDED if name == "eq_data":
+                return moved and any(
+                    link.kind == "body" and link.index == 0 for link in links(self.alone, kind, index)
+                )
+            case Treatment.ROUNDED:
+                return moved and name == "flex_size"
+            case _:
+                return False
+
+    def _hull_for_others(self, kind: str, index: int) -> bool:
+        """Whether nothing of the part collides with this mesh: only then MuJoCo computes no convex hull of it."""
+        return kind == "mesh" and int(self.alone.mesh_graphadr[index]) < 0
+
+    def _at_root(self, kind: str, index: int) -> bool:
+        if kind == "body":
+            return int(self.alone.body_parentid[index]) == 0
+        return kind in ON_BODIES and int(getattr(self.alone, ON_BODIES[kind])[index]) == 0
+
+    def _body(self, kind: str, index: int) -> int:
+        return index if kind == "body" else int(getattr(self.alone, ON_BODIES[kind])[index])
+
+    def _acted_on(self, kind: str, index: int) -> bool:
+        if kind in ("body", "joint"):
+            return self.coupling.acts_on(self._body(kind, index))
+        return self.coupling.anywhere
+
+    def _less_simple(self, kind: str, index: int) -> bool:
+        """Whether MuJoCo takes its shortcut for bodies that slide in the world in one of the models only.
+
+        Theirs are not the inverse weights that the whole mass matrix gives.
+        """
+        if kind not in ("body", "joint"):
+            return False
+        body = self._body(kind, index)
+        there = self.matching.ids["body"][body]
+        return there >= 0 and int(self.alone.body_simple[body]) != int(self.composed.body_simple[there])
+
+    def _runs(self, kind: str) -> list[Difference]:
+        """Data that elements point to."""
+        found: list[Difference] = []
+        for index, target in self.matching.pairs(kind):
+            theirs = dict(runs(self.composed, kind, target))
+            for name, mine in runs(self.alone, kind, index):
+                other = theirs.get(name)
+                if other is not None:
+                    found += self._run(kind, name, index, target, mine, other)
+        return found
+
+    def _run(
+        self, kind: str, name: str, index: int, target: int, mine: Array, other: Array
+    ) -> list[Difference]:
+        if name in HULL and self._hull_for_others(kind, index):
+            return []
+        if mine.shape != other.shape:
+            shown = self.matching.composed.describe(kind, target)
+            return [Difference(kind, shown, f"{name}, rows", len(mine), len(other))]
+        moved, bound = not self.coupling.in_place, self.tolerance
+        if name == "actuator_acc0":
+            if self._acted_on(kind, index):
+                return []
+            bound = self._bound(Treatment.DERIVED)
+        elif moved and name in IN_THE_WORLD:
+            return []
+        elif moved and name == "flex_vert":
+            first = int(self.alone.flex_vertadr[index])
+            free = self.alone.flex_vertbodyid[first : first + len(mine)] != 0
+            mine, other = mine[free], other[free]
+        elif moved and name in FROM_THE_WORLD and mine.size:
+            bound = max(bound, DERIVED_ROUNDING * max(1.0, float(np.abs(mine.astype(np.float64)).max())))
+        elif name in ("actuator_length0", "actuator_lengthrange"):
+            bound = self._bound(Treatment.ROUNDED)
+        different = unequal(mine, other, bound)
+        if not different.any():
+            return []
+        return [self._difference(kind, target, name, mine, other, different)]
+
+    def _sleep(self) -> list[Difference]:
+        """The sleep policy of a kinematic tree, where the part's author wrote one on its root."""
+        found: list[Difference] = []
+        if not hasattr(self.alone, "tree_sleep_policy"):
+            return found
+        for index, target in self.matching.pairs("body"):
+            if self.alone.body_rootid[index] != index or self.composed.body_rootid[target] != target:
+                continue
+            mine, theirs = int(self.alone.body_treeid[index]), int(self.composed.body_treeid[target])
+            if mine < 0 or theirs < 0:
+                continue
+            expected = int(self.alone.tree_sleep_policy[mine])
+            actual = int(self.composed.tree_sleep_policy[theirs])
+            if expected >= AUTHORED_SLEEP and expected != actual:
+                name = self.matching.composed.describe("body", target)
+                found.append(Difference("body", name, "tree_sleep_policy", expected, actual))
+        return found
+
+    def _difference(
+        self,
+        kind: str,
+        target: int,
+        name: str,
+        expected: Array,
+        actual: Array,
+        different: Array | None = None,
+    ) -> Difference:
+        a, b = np.asarray(expected), np.asarray(actual)
+        shown = self.matching.composed.describe(kind, target)
+        if a.size <= _SHOWN:
+            return Difference(kind, shown, name, _value(a), _value(b))
+        places = np.argwhere(unequal(a, b, self.tolerance) if different is None else different)
+        first = tuple(places[0].tolist())
+        return Difference(kind, shown, f"{name}{list(first)}", a[first].item(), b[first].item())
+
+
+def _value(array: Array) -> Value:
+    return tuple(_value(item) for item in array) if array.ndim else array.item()

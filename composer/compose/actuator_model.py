@@ -1,0 +1,139 @@
+"""What an actuator does, as MuJoCo has compiled it: its gain, bias, dynamics, controls and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lxml.etree import _Element as Node
+
+from composer.compose.without_keyframes import without_keys
+from composer.diagnostics.sink import Sink
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.link.linking import Linking
+
+_ARRAYS = (
+    "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",
+    "actuator_gainprm", "actuator_biasprm", "actuator_dynprm",
+    "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange", "actuator_actearly",
+    "actuator_ctrladr", "actuator_ctrlspec",
+)  # fmt: skip
+INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
+"""The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`, and what each is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """What an actuator does: force = gain · control + bias, by MuJoCo's own parameters."""
+
+    gain: str
+    bias: str
+    dynamics: str
+    gainprm: tuple[float, ...]
+    biasprm: tuple[float, ...]
+    dynprm: tuple[float, ...] = ()
+    ctrl_limited: bool = False
+    ctrlrange: tuple[float, float] = (0.0, 0.0)
+    act_limited: bool = False
+    actrange: tuple[float, float] = (0.0, 0.0)
+    inputs: tuple[str, ...] = ()
+    act_early: bool = False
+    limited: tuple[str, ...] = ()
+    """The inputs of a pid whose controls are limited; "" for those that are not."""
+
+    @property
+    def is_affine(self) -> bool:
+        """Whether it is a gain and springs and dampers to a constant: a servo, or nothing but a force."""
+        return self.gain == "fixed" and self.bias in ("none", "affine") and not any(self.gainprm[1:])
+
+    @property
+    def kp(self) -> float:
+        return 0.0 - self.biasprm[1] if self.bias == "affine" else 0.0
+
+    @property
+    def kv(self) -> float:
+        return 0.0 - self.biasprm[2] if self.bias == "affine" else 0.0
+
+    @property
+    def slewmax(self) -> float:
+        return self.dynprm[1] if self.dynamics == "pid" else 0.0
+
+    @property
+    def form(self) -> str:
+        """What its gain is for: `position`, `velocity`, `force`, or `other`; of a pid `position+velocity` and so on."""
+        if self.gain == "pid":
+            return "+".join(INPUTS[each] for each in self.inputs)
+        if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
+            return "other"
+        gain = self.gainprm[0]
+        if self.kp and gain == self.kp:
+            return "position"
+        if self.kv and not self.kp and gain == self.kv:
+            return "velocity"
+        return "force" if not self.kp and not self.kv else "other"
+
+    @property
+    def control(self) -> str:
+        """What its control means: the same, or the rate of it where the activation is its integral."""
+        return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
+
+
+def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, Law] | None:
+    """What each actuator does, from MuJoCo; None where the model as it is cannot be compiled, which is told."""
+    if linking.measure is None:
+        sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
+        return None
+    unit = linking.flat()
+    marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}
+    everything = unit.root.findall("actuator/*")
+    users = {node: node.get("user") for node in everything}
+    sizes = [(size, size.attrib.pop("nuser_actuator", "")) for size in unit.root.iterchildren("size")]
+    try:
+        for node in everything:
+            node.set("user", marks[node][1] if node in marks else "0")
+        with without_keys(unit.root):
+            arrays = linking.measure(unit, _ARRAYS)
+    finally:
+        for node, user in users.items():
+            node.attrib.pop("user", "")
+            if user is not None:
+                node.set("user", user)
+        for size, room in sizes:
+            if room:
+                size.set("nuser_actuator", room)
+    if not arrays:
+        return None
+    laws: dict[Node, Law] = {}
+    count = len(arrays["actuator_gaintype"])
+    width = len(arrays["actuator_user"]) // count
+    general = GRAMMAR.element("actuator/general").attributes
+    for row in range(count):
+        number = int(arrays["actuator_user"][row * width])
+        if number:
+            laws[found[number - 1]] = _law(arrays, row, count, general)
+    return laws
+
+
+def _law(arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]) -> Law:
+    def numbers_of(name: str) -> tuple[float, ...]:
+        values = arrays[f"actuator_{name}"]
+        width = len(values) // count
+        return tuple(values[row * width : (row + 1) * width])
+
+    def word(name: str) -> str:
+        # The keywords stand in the order of MuJoCo's own enumerations.
+        return general[name].keywords[int(arrays[f"actuator_{name}"][row])]
+
+    first = int(arrays.get("actuator_ctrladr", range(count))[row])  # each of its controls has a row
+    ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
+    spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
+    inputs = tuple(name for bit, name in enumerate(INPUTS) if spec >> bit & 1)
+    return Law(
+        word("gaintype"), word("biastype"), word("dyntype"),
+        numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
+        bool(arrays["actuator_ctrllimited"][first]), (ctrlrange[0], ctrlrange[1]),
+        bool(arrays["actuator_actlimited"][row]), (actrange[0], actrange[1]),
+        inputs, bool(arrays["actuator_actearly"][row]),
+        tuple(name if arrays["actuator_ctrllimited"][first + at] else "" for at, name in enumerate(inputs)),
+    )  # fmt: skip

@@ -1,0 +1,85 @@
+"""Step: an element under a body, a frame or the world."""
+
+from __future__ import annotations
+
+from lxml.etree import _Element as Node
+
+from composer.compose.elements import Making, make
+from composer.compose.reference_check import not_there
+from composer.diagnostics.diagnostic import Note
+from composer.grammar import GRAMMAR
+from composer.link.inertia import has_mass, own
+from composer.link.linking import Linking
+from composer.plan.plan import AddElement
+from composer.tree.classes import NESTED
+
+
+def add(step: AddElement, linking: Linking, making: Making) -> None:
+    """Append the element; in the world it takes the base's top class, as if it were written in the base."""
+    holder: Node | None
+    if step.to_kind == "world":
+        holder = linking.base.section("worldbody")
+    else:
+        holder = linking.names.find(step.to_kind, step.to)
+        if holder is None:
+            _nowhere(step, linking, making)
+    kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)
+    node = make(step.element, kind.children.get(step.element.tag, kind), making)
+    making.register(node, "worldbody")
+    for place in node.iter("body", "frame"):  # a later entry may add to it
+        if name := place.get("name"):
+            linking.names.declared.setdefault(str(place.tag), {}).setdefault(str(name), place)
+    if holder is None:
+        return  # its names count as declared: that they are referred to is no second fault
+    if step.to_kind == "world" and linking.base_class is not None:
+        if node.tag in NESTED:
+            if node.get("childclass") is None:
+                node.set("childclass", linking.base_class)
+        elif node.tag in ("geom", "site", "camera", "light") and node.get("class") is None:
+            node.set("class", linking.base_class)
+    holder.append(node)
+    _check_mass(step, node, linking, making)
+
+
+def _check_mass(step: AddElement, node: Node, linking: Linking, making: Making) -> None:
+    """Tell of a geom that adds no mass where it would have, had the rules of its model not to be written out."""
+    body: Node | None = node.getparent()
+    while body is not None and body.tag in ("frame", "replicate"):
+        body = body.getparent()
+    if body not in linking.weighed:
+        return
+    geoms = [node] if node.tag == "geom" else own(node, "geom") if node.tag in ("frame", "replicate") else []
+    if any(has_mass(geom, linking.base.classes) for geom in geoms):
+        making.sink.warning(
+            "compiler-setting",
+            f"what is added to `{step.to}` adds no mass: its inertia is what the compiler settings of its model give",
+            step.span,
+            help="put it into a `body` of its own, or write `mass: 0`",
+        )
+
+
+def _nowhere(step: AddElement, linking: Linking, making: Making) -> None:
+    written = "to: {frame: NAME}" if step.to_kind == "frame" else "to: NAME"
+    if (coming := linking.coming.get((step.to_kind, step.to))) is not None:
+        making.sink.error(
+            "unknown-name",
+            f"there is no {step.to_kind} `{step.to}` to add to yet: a later entry adds it",
+            step.to_span,
+            notes=(Note("it is added here", coming),),
+            help="put that entry above this one",
+        )
+        return
+    help = None
+    kinds = linking.names.kinds_of(step.to)
+    if step.to_kind == "body" and "frame" in kinds:
+        help = f"`{step.to}` is a frame: write `to: {{frame: {step.to}}}`"
+    elif step.to_kind == "frame" and "body" in kinds:
+        help = f"`{step.to}` is a body: write `to: {step.to}`"
+    elif "site" in kinds:
+        site = linking.names.find("site", step.to)
+        holder = site.getparent() if site is not None else None
+        if holder is not None and holder.tag == "body" and holder.get("name"):
+            help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that it stands in"
+    not_there(
+        linking, making.sink, step.to_kind, step.to, step.to_span, written, purpose=" to add to", help=help
+    )

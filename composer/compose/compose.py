@@ -1,0 +1,323 @@
+"""Carry out a plan: sources become units, parts are linked to a base, and the recipe's own elements are added."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.bundle.collect import check_files
+from composer.compose.add import add
+from composer.compose.attach import add_joints, check_joints, part_of
+from composer.compose.elements import Making, settle_joints
+from composer.compose.intervals import check_intervals
+from composer.compose.keyframe import write_keyframes
+from composer.compose.load import Library, Loader
+from composer.compose.massless import check_mass
+from composer.compose.members import Hung, hung, placed
+from composer.compose.reference_check import check_names, check_names_of_keys
+from composer.compose.section import append, set_default, set_singleton
+from composer.compose.subtree import Wanted, wanted
+from composer.context import Context
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.document.node import locate
+from composer.link.angles import model_angle
+from composer.link.files import add_file
+from composer.link.key_layouts import remove_keys
+from composer.link.layout import joint_type
+from composer.link.link import finish, link
+from composer.link.linking import FileUse, Linking, Measure
+from composer.link.validate_values import STUMBLES, malformed
+from composer.plan.drawn import Drawn, Tabled
+from composer.plan.part_record import Member
+from composer.plan.parts import BASE, called
+from composer.plan.plan import (
+    AddElement,
+    AppendElement,
+    Plan,
+    SetDefault,
+    SetSingleton,
+)
+from composer.recipe.fault import Path as KeyPath
+from composer.tree.classes import MAIN
+from composer.tree.parse import parse_file
+from composer.tree.unit import Unit
+from composer.tree.watch import Watch, nobody
+
+if TYPE_CHECKING:
+    from composer.compose.model_edits import Changes
+    from composer.engine import Session
+    from composer.link.subtree import Subtree
+
+Result = TypeVar("Result")
+_WEIGHTLESS = ("site", "camera", "light")
+
+
+@dataclass(frozen=True, slots=True)
+class Composed:
+    """One flat model, the files it names, the sources that are in it, and what was drawn for it."""
+
+    model: Unit
+    files: tuple[FileUse, ...]
+    members: tuple[Member, ...] = ()
+    drawn: tuple[Drawn, ...] = ()
+    tabled: tuple[Tabled, ...] = ()
+
+
+class Composer:
+    """Composes plans. `subtrees` has what became of the models of which only one body is taken, by recipe and path."""
+
+    def __init__(
+        self,
+        context: Context,
+        measure: Measure | None,
+        session: Session | None = None,
+        watch: Watch = nobody,
+        library: Library | None = None,
+    ) -> None:
+        self.context, self.measure, self.watch = context, measure, watch
+        self.selects_parts = False
+        self.loader = Loader(context, session, watch, library)
+        self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
+        self.hung: dict[Node, list[Hung]] = {}
+        self.parts: dict[Node, str] = {}
+
+    def compose(self, plan: Plan) -> Composed | None:
+        """The model of a plan, or None where there were errors, those of earlier stages included."""
+        self._expect(plan, True)
+        self.selects_parts = plan.selects_parts
+        composed = self._compose(plan, True)
+        if composed is None or self.context.sink.has_errors:
+            return None
+        return replace(composed, members=placed(self.hung[composed.model.root], composed.model.root))
+
+    def look(self, plan: Plan, stands: bool = True) -> None:
+        """Take the subtrees of a plan, and compose no more than they are taken of."""
+        self._expect(plan, stands)
+        for each in wanted(plan, stands):
+            if each.body is not None or each.drop:
+                wanted_alone = replace(each, edit=())
+                self._guarded(plan, partial(self._unit, plan, wanted_alone))
+            elif isinstance(each.model, Plan):
+                self.look(each.model, each.stands)
+
+    def _expect(self, plan: Plan, stands: bool) -> None:
+        for each in wanted(plan, stands):
+            if isinstance(each.model, Plan):
+                self._expect(each.model, each.stands)
+            elif each.model is not None:
+                self.loader.expect(each.model, each.stands)
+
+    def _compose(self, plan: Plan, stands: bool) -> Composed | None:
+        """The model of a plan; `stands` says that it is fixed in the world of what is made in the end."""
+        return self._guarded(plan, partial(self._composed, plan, stands))
+
+    def _guarded(self, plan: Plan, work: Callable[[], Result | None]) -> Result | None:
+        """What the work gives; None where it stumbles over a source that says what MJCF does not have."""
+        try:
+            return work()
+        except STUMBLES:
+            if malformed(self._anew(plan), self.context.sink):
+                return None
+            raise
+        except RecursionError:
+            self.context.sink.error(
+                "not-supported", f"elements of a model in `{plan.file}` stand too deep inside one another"
+            )
+            return None
+
+    def _composed(self, plan: Plan, stands: bool) -> Composed | None:
+        base, *units = [self._unit(plan, each) for each in wanted(plan, stands)]
+        if base is None:
+            return None
+        given = [unit for unit in units if unit is not None]
+        if len(given) == len(units):
+            return self._joined(plan, base, given, stands)
+        self._joined(self._without_lost(plan, units), base, given, stands)
+        return None
+
+    def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
+        """The plan of the parts that there are, in which more faults can be found."""
+        kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
+        self.context.sink.forgive(called(step, plan.separator) for step in plan.parts if step not in kept)
+        return replace(plan, parts=tuple(kept))
+
+    def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
+        """The parts hung on the base, and the recipe's own elements in it."""
+        before = self.context.sink.error_count
+        base.root.set("model", plan.name)
+        if plan.base.keyframes == "none" and BASE not in plan.asked:
+            remove_keys(base)
+        self.watch([base, *units], plan)
+        making = Making(
+            plan.document, plan.file, self.context.sink, plan.readings,
+            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
+        )  # fmt: skip
+        base.origins.texts[plan.file] = plan.path
+        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
+        linking = Linking(
+            base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
+            isolate_base=frozenset(_top_tags(plan)),
+            base_keyframes=plan.base.keyframes, asked=plan.asked if plan.keyframes else None,
+            measure=self.measure, watch=self.watch, coming=plan.added_places, grows=_grows(plan),
+        )  # fmt: skip
+        self.watch(linking.units, linking)
+        if self.selects_parts:
+            self._note_parts(plan, units)
+        making.model_angle = model_angle(linking)
+        for step, part in zip(plan.parts, parts, strict=True):
+            add_joints(step, part, linking, making)
+        if not link(linking):
+            return None
+        _carry_out(plan, linking, making)
+        changes = self._changes(plan, linking, making)
+        are_named = True
+        if changes and self.context.sink.has_errors:  # without what is at fault a selector means other things
+            are_named = changes.in_doubt()
+        elif changes:
+            changes.of_elements()
+        check_intervals(making)
+        if are_named:
+            write_keyframes(plan, linking, making)
+        if self.context.sink.has_errors:
+            check_files(linking.base, linking.files, self.context.sink, self.context.shown)
+        elif are_named:
+            for step, part in zip(plan.parts, parts, strict=True):
+                check_mass(step, part, linking, making)
+        if self.context.sink.error_count > before:
+            return None
+        finish(linking)
+        check_names_of_keys(linking, making)
+        if changes:
+            changes.of_keys()
+        roots = [base.root, *(unit.root for unit in units)]
+        self.hung[base.root] = hung(
+            plan, wanted(plan, stands), parts, [self.hung.get(root, []) for root in roots]
+        )
+        if self.context.sink.error_count > before:
+            return None
+        return Composed(
+            linking.flat(),
+            tuple(linking.files),
+            drawn=(*plan.drawn, *(changes.drawn if changes else ())),
+            tabled=tuple(changes.tabled) if changes else (),
+        )
+
+    def _changes(self, plan: Plan, linking: Linking, making: Making) -> Changes | None:
+        if not (plan.edits or plan.draws):
+            return None
+        from composer.compose.model_edits import Changes  # few recipes need it
+
+        return Changes(plan, linking, making, self.parts)
+
+    def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
+        """From which part each element comes, before they are one model; a nested recipe has noted its own."""
+        for step, unit in zip(plan.parts, units, strict=True):
+            name = called(step, plan.separator)
+            for node in unit.root.iter("*"):
+                inner = self.parts.get(node)
+                self.parts[node] = f"{name}/{inner}" if inner else name
+
+    def _anew(self, plan: Plan) -> Iterator[Unit]:
+        """The sources of a plan as their files have them."""
+        for each in wanted(plan, True):
+            if isinstance(each.model, Plan):
+                yield from self._anew(each.model)
+            elif each.model is not None and each.model.format == "mjcf":
+                unit = parse_file(each.model.path, Sink(), file=self.context.shown(each.model.path))
+                if unit is not None:
+                    yield unit
+
+    def _unit(self, plan: Plan, wanted: Wanted) -> Unit | None:
+        """The base or a part of a plan, cut down to what is wanted of it."""
+        if wanted.model is None:
+            return _empty(plan)
+        unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
+        if unit is None:
+            return None
+        if wanted.body is not None:
+            subtree = wanted.take(unit, self.context.sink, self.measure)
+            if subtree is None:
+                return None
+            self.watch([unit], subtree)
+            self.subtrees[plan.file, wanted.at] = subtree
+        if wanted.drop or wanted.edit:
+            from composer.compose.part_edits import OwnEdits  # few recipes need it
+
+            edits = OwnEdits(plan, wanted, unit, self.context, self.measure, self.watch)
+            dropped = edits.carry_out()
+            if dropped is None:
+                return None
+            if wanted.drop:
+                from composer.link.subtree import Subtree
+
+                known = self.subtrees.get((plan.file, wanted.at), Subtree(None, ()))
+                self.subtrees[plan.file, wanted.at] = Subtree(known.body, (*known.left, *dropped))
+        return unit
+
+    def _whole(self, wanted: Wanted, span: Span) -> Unit | None:
+        if isinstance(wanted.model, Plan):
+            composed = self._compose(wanted.model, wanted.stands)
+            return composed.model if composed else None
+        assert wanted.model is not None
+        return self.loader.unit(wanted.model, span, wanted.stands)
+
+
+def _top_tags(plan: Plan) -> Iterator[str]:
+    """The tags for which the recipe sets the top class."""
+    for step in plan.steps:
+        if isinstance(step, SetDefault) and step.name == MAIN:
+            yield from (child.tag for child in step.element.children)
+
+
+def _empty(plan: Plan) -> Unit:
+    return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
+
+
+def _grows(plan: Plan) -> bool:
+    """Whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
+    if any(isinstance(step, SetSingleton) and step.section == "compiler" for step in plan.steps):
+        return False
+    return any(
+        step.section == "asset"
+        if isinstance(step, AppendElement)
+        else isinstance(step, AddElement) and step.element.tag not in _WEIGHTLESS
+        for step in plan.steps
+    )
+
+
+def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
+    for step in plan.steps:
+        if isinstance(step, AddElement):
+            add(step, linking, making)
+        elif isinstance(step, SetSingleton):
+            set_singleton(step, linking, making)
+        elif isinstance(step, SetDefault):
+            set_default(step, linking, making)
+        elif isinstance(step, AppendElement):
+            append(step, linking, making)
+        else:
+            continue
+        linking.watch(linking.units, step)
+    if making.pending:
+        classes = linking.base.classes
+
+        def kind(joint: Node) -> str:
+            return joint_type(joint, classes)
+
+        settle_joints(making, kind)
+        linking.watch(linking.units, settle_joints)
+    check_names(linking, making)
+    linking.watch(linking.units, check_names)
+    for part in plan.parts:
+        check_joints(part, linking, making)
+    for node, attribute, name in making.files:
+        add_file(linking, making.folder_of(node, attribute), node, attribute, name)
+    if making.files:
+        linking.watch(linking.units, add_file)
+    making.files.clear()

@@ -1,0 +1,108 @@
+"""What the controls and activations of actuators are, where these move hinges: angles, angular velocities, or neither.
+
+The control of a position servo is a position, that of a velocity servo a velocity, of whatever the servo moves;
+`engine/units.py` answers the same of a compiled model. Only a joint says whether that is an angle: a fixed tendon adds
+up hinges by coefficients, and MJCF gives its `range` no unit either. A gear other than 1 and -1 scales the number, so
+that it is not an angle of the joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from composer.compose.actuator_model import Law, laws_of
+from composer.diagnostics.sink import Sink
+from composer.grammar import GRAMMAR
+from composer.link import numbers
+from composer.link.linking import Linking
+from composer.tree.classes import DefaultClass
+from composer.tree.effective import text_in_effect
+from composer.tree.kinds import kind_of
+
+_POSITION, _VELOCITY, _RATE = "position", "velocity", "rate of position"
+_ANGLES = {_POSITION: "an angle", _VELOCITY: "an angular velocity", _RATE: "an angular velocity"}
+_BY_TAG = {"position": _POSITION, "velocity": _VELOCITY, "intvelocity": _RATE}
+_UNLIKE = ("plugin", "motor", "damper", "cylinder", "muscle", "adhesion", "dcmotor", "orientation")
+"""Those whose controls are never positions or velocities of a joint, whatever their gains."""
+_GENERAL = ("gaintype", "biastype", "dyntype", "gainprm", "biasprm")
+
+
+class Meant(NamedTuple):
+    """What each control and the activation of an actuator is, in words; None where it is a plain number."""
+
+    controls: tuple[str | None, ...] = ()
+    activation: str | None = None
+
+
+@dataclass
+class ControlUnits:
+    """Answers for the actuators of a model that is complete but for its keys. `joints` are the types by name.
+
+    `in_doubt`: there were errors before, and MuJoCo may not read the model.
+    """
+
+    linking: Linking
+    sink: Sink
+    joints: Mapping[str, str]
+    in_doubt: bool = False
+    known: dict[Node, Meant] = field(default_factory=dict)
+
+    def of(self, actuator: Node) -> Meant:
+        if actuator not in self.known:
+            self.known[actuator] = self._found(actuator)
+        return self.known[actuator]
+
+    def _found(self, actuator: Node) -> Meant:
+        joint = actuator.get("joint") or actuator.get("jointinparent")
+        if actuator.tag in _UNLIKE or self.joints.get(str(joint)) != "hinge":
+            return Meant()
+        gear = self._effective(actuator, "gear")
+        if gear and abs(numbers.read(gear)[0]) != 1:
+            return Meant()
+        control = self._control(actuator)
+        if control is None:
+            if self.in_doubt:  # MuJoCo would only repeat what is wrong
+                return Meant()
+            control = self._laws[actuator].control if actuator in self._laws else "other"
+        # What the activation is the integral of, or a filter for, is what the gain is for.
+        held = control.removeprefix("rate of ")
+        return Meant(tuple(map(_ANGLES.get, control.split("+"))), _ANGLES.get(held))
+
+    @cached_property
+    def _laws(self) -> Mapping[Node, Law]:
+        """What MuJoCo makes of all actuators that may be servos: it is asked once."""
+        found = [each for each in self.linking.base.root.iterfind("actuator/*") if each.tag not in _UNLIKE]
+        return laws_of(self.linking, self.sink, found) or {}
+
+    def _control(self, actuator: Node) -> str | None:
+        """What its control is, as far as the tree says it: all actuators share what classes set, in MuJoCo too."""
+        tag, found = str(actuator.tag), self._class(actuator)
+        given = {each for each in GRAMMAR.section("actuator").children if found.sets(each)}
+        if tag == "intvelocity":
+            return _BY_TAG[tag]
+        if tag in _BY_TAG:  # their gains are their own; dynamics may come from a class
+            dynamic = found.lookup("general", "dyntype") or given - {
+                "general",
+                "position",
+                "velocity",
+                "motor",
+            }
+            return None if dynamic else _BY_TAG[tag]
+        if tag != "general" or given - {"general"}:
+            return None
+        words = {name: self._effective(actuator, name) or "" for name in _GENERAL}
+        if words["gaintype"] not in ("", "fixed") or words["biastype"] not in ("", "none", "affine"):
+            return "other"
+        gain, bias = ((*numbers.read(words[name]), *[0.0] * 10)[:10] for name in ("gainprm", "biasprm"))
+        return Law("fixed", words["biastype"] or "none", words["dyntype"] or "none", gain, bias).control
+
+    def _class(self, actuator: Node) -> DefaultClass:
+        return self.linking.base.classes.get(str(actuator.get("class") or "") or None)
+
+    def _effective(self, actuator: Node, name: str) -> str | None:
+        return text_in_effect(actuator, kind_of(actuator), name, self.linking.base.classes)

@@ -1,0 +1,380 @@
+"""Verb `convert`: an actuator becomes one of another kind that does the same, or it is told what is lost.
+
+What an actuator does is asked of MuJoCo, which knows how its attributes and classes add up: a gain, a bias and the
+dynamics of an activation. That is what the attributes of the new kind are written from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.compose.actuator_model import INPUTS, Law, laws_of
+from composer.compose.edit_values import Unusable, Values
+from composer.compose.editing import Editing
+from composer.diagnostics.diagnostic import Note
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.grammar.format import to_text
+from composer.link import numbers
+from composer.link.multiplied import element_of
+from composer.link.part_keys import part_keys
+from composer.recipe.edit_values import FROM
+from composer.recipe.fault import Fault, Path
+from composer.recipe.value import read_value
+from composer.tree.effective import levels
+from composer.tree.key_number import texts
+
+_PARAMETERS = ("gainprm", "biasprm", "dynprm")
+# What a control of an actuator is, in words. An integrator makes of a rate what the gain is for.
+_CONTROL = {"position": "a position", "velocity": "a velocity", "force": "a force"}
+_CONTROL |= {f"rate of {form}": f"the rate of {words}" for form, words in _CONTROL.items()}
+_PLAIN = {
+    "gaintype": "fixed", "biastype": "none", "dyntype": "none", "gainprm": "1", "biasprm": "0", "dynprm": "1",
+}  # fmt: skip
+_GAINS = {"position": "kp", "pid": "kp", "velocity": "kv"}
+_INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritrange", "posrange")}
+# What no attribute of another kind says: it is lost where that has none of the same name.
+_UNSAID = ("actrange", "actearly", "actdim")
+
+
+def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
+    """Make each an actuator of the kind `to`, with the attributes that are given."""
+    to = str(written["to"])
+    laws = laws_of(editing.linking, editing.sink, found)
+    if laws is None:
+        raise Unusable
+    lost: dict[str, list[str]] = {}
+    for index, node in enumerate(found):
+        law = laws.get(node)
+        if law is None:
+            editing.sink.error(
+                "not-supported",
+                f"{editing.called(node)} cannot be converted: MuJoCo does not tell what it does",
+                editing.span(at),
+                notes=(Note("it is written here", editing.span_of(node)),),
+            )
+            raise Unusable
+        given = _given(editing, node, index, to, written, at)
+        was = editing.called(node)
+        for loss in _converted(editing, node, to, law, given, at):
+            lost.setdefault(loss, []).append(was)
+    if lost:
+        _tell(editing, to, lost, at)
+
+
+def _given(
+    editing: Editing, node: Node, index: int, to: str, written: Mapping[str, Any], at: Path
+) -> dict[str, str]:
+    """The attributes that the entry gives, as text."""
+    kind = GRAMMAR.element(f"actuator/{to}")
+    values = Values(editing, node, index, at)
+    found: dict[str, str] = {}
+    for name, item in written.items():
+        path = (*at, name)
+        if name == "to":
+            continue
+        attribute = kind.attributes[name]
+        if isinstance(item, str) and item.startswith(FROM):
+            source = item.removeprefix(FROM)
+            text = editing.effective(node, source)
+            if not text or not any(numbers.read(text)):
+                _fault(editing, node, Fault("missing-key", f"{editing.called(node)} has no `{source}`", path,
+                                            help=f"write `{name}: …` with its values"))  # fmt: skip
+            found[name] = str(text)
+            continue
+        old = GRAMMAR.element(f"actuator/{node.tag}").attributes.get(name)
+        now = values.now(old) if old is not None else None
+        faults: list[Fault] = []
+        read = read_value(attribute, values.of(item, path, now), path, editing.called(node), faults)
+        for fault in faults[:1]:
+            _fault(editing, node, fault)
+        found[name] = _text(attribute, read)
+    return found
+
+
+def _text(attribute: Attribute, value: Any) -> str:
+    from composer.compose.elements import plain
+
+    if attribute.is_number:
+        return numbers.text(plain(each) for each in (value if isinstance(value, tuple) else (value,)))
+    return to_text(attribute, value)
+
+
+def _converted(
+    editing: Editing, node: Node, to: str, law: Law, given: Mapping[str, str], at: Path
+) -> list[str]:
+    """Change one actuator; gives what is lost, in words."""
+    old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
+    made, lost = ({}, []) if old == to else _written_for(editing, node, to, law, given, at)
+    before = after = law.control
+    if old != to or "input" in given:
+        after = _control_of(to, law, {**made, **given})
+    keeps = before == after
+    if not keeps:
+        is_now, was = _in_words(after, "another thing"), _in_words(before, "what it was")
+        lost.append(f"the control is {is_now} now, not {was}")
+    limits: dict[str, str] | None = {}
+    if old != to or "ctrlrange" in given:
+        limits = _limits(
+            editing, node, to, law, before.split("+")[0] == after.split("+")[0], {**made, **given}
+        )
+    if limits is None:
+        lost.append("`ctrlrange`, which limits another thing")
+        limits = {"ctrllimited": "false"}
+        node.attrib.pop("ctrlrange", "")
+    wrong = [name for name in map(str, node.keys()) if name not in kind.attributes]
+    transmission = [name for name in wrong if name in ("body", "orientation")]
+    if transmission:
+        message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
+        _fault(editing, node, Fault("wrong-type", message, at))
+    lost += [f"`{name}`" for name in wrong if name in _UNSAID and (law.act_limited or name != "actrange")]
+    if to not in ("general", "pid"):
+        lost += [f"`{name}range`" for name in law.limited[1:] if name]
+    if law.gain == "so3" and to != "general":
+        lost.append("that it acts about all three axes: it acts along its `gear` now")
+    if old != to and not _keeps_activation(to, {**made, **given}):
+        _refuse_actrange(editing, node, to, at)
+    editing.forget(node)
+    for name in {*wrong, *_replaced({**limits, **made, **given})}:
+        node.attrib.pop(name, "")
+    node.tag = to
+    for name, text in {**limits, **made, **given}.items():
+        node.set(name, text)
+        if name in given and kind.attributes[name].is_interval:
+            editing.making.intervals[node, name] = editing.span((*at, name))
+    editing.write(
+        node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given}
+    )
+    editing.note(node)
+    if not keeps:
+        lost += _lost_in_keys(editing, node)
+        editing.linking.emptied.add(node)
+    return lost
+
+
+def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
+    """What keys say of a control, or of its activation, that means another thing from now on."""
+    found = [key for part in part_keys(editing.linking).values() for key in part.keys]
+    for vector in ("ctrl", "act"):
+        names = {
+            f"`{key.name}`" if key.name else "without a name": None
+            for key in found
+            for holder, row in key.values.get(vector, {}).items()
+            if element_of(holder) is node and any(numbers.read(" ".join(texts(row))))
+        }
+        if names:
+            keys = f"the key{'s' * (len(names) > 1)} {', '.join(names)}"
+            yield f"its `{vector}` in {keys}: it is zero now"
+
+
+def _keeps_activation(to: str, written: Mapping[str, str]) -> bool:
+    """Whether the new kind has an activation, which an `actrange` can limit."""
+    with_activation = {"position": ("timeconst",), "pid": ("ki", "slewmax")}.get(to, ())
+    return to == "general" or any(any(numbers.read(written.get(name, "0"))) for name in with_activation)
+
+
+def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
+    """MuJoCo refuses an `actrange` without an activation, and nothing on the actuator undoes that of its class."""
+    kind = GRAMMAR.element("actuator/general")
+    found = levels(node, kind, kind.attributes["actrange"], editing.classes)
+    level = next((each for each in found if each.kind == "class" and each.text), None)
+    if level is not None and any(numbers.read(str(level.text))):
+        message = (
+            f"a `{to}` cannot have the `actrange` that the class `{level.name}` gives {editing.called(node)}"
+        )
+        help = "write the `actrange` on the actuators, or `unset` it in the class"
+        _fault(editing, node, Fault("wrong-type", message, at, help=help))
+
+
+def _replaced(written: Mapping[str, str]) -> Iterator[str]:
+    """Attributes that cannot stand beside what is written."""
+    for name, others in _INSTEAD.items():
+        if name in written:
+            yield from (other for other in others if other not in written)
+
+
+def _written_for(
+    editing: Editing, node: Node, to: str, law: Law, given: Mapping[str, str], at: Path
+) -> tuple[dict[str, str], list[str]]:
+    """The attributes by which the new kind does what the law says, and what of it cannot be said."""
+    lost: list[str] = []
+    if to == "general":
+        return _general(editing, law), lost
+    is_pid = law.gain == "pid"
+    dynamics = law.dynamics if law.dynamics != "none" else ""
+    if is_pid or (to == "position" and law.dynamics == "filterexact"):
+        dynamics = ""
+    if dynamics:
+        lost.append(f"its dynamics, `{dynamics}`")
+    if is_pid and to != "pid":
+        ki, slewmax = law.gainprm[0], law.slewmax
+        lost += [f"its integral gain, {ki:g}"] if ki else []
+        lost += [f"its slew rate, {slewmax:g}"] if slewmax else []
+    if to == "motor":
+        if law.form != "force" or law.kp or law.kv:
+            lost.append(_of_law(law))
+        elif law.gainprm[0] != 1 and not is_pid:
+            lost.append(f"its gain of {law.gainprm[0]:g}")
+        return {}, lost
+    gain = _GAINS[to]
+    made: dict[str, str] = {}
+    if to in ("position", "pid"):
+        if "kp" not in given:
+            may_be_none = to == "pid" and (is_pid or law.form == "velocity")
+            if may_be_none or ((law.is_affine or is_pid) and law.kp > 0):
+                made["kp"] = numbers.text([law.kp])
+            else:
+                _needs(editing, node, to, gain, at)
+        if "kv" not in given and "dampratio" not in given:
+            made["kv"] = numbers.text([max(law.kv, 0.0)])
+        if to == "position" and "timeconst" not in given:
+            made["timeconst"] = numbers.text(law.dynprm[:1]) if law.dynamics == "filterexact" else "0"
+        if to == "pid" and "input" not in given and (is_pid or law.form in ("position", "velocity")):
+            made["input"] = " ".join(law.inputs) or ("pos" if law.form == "position" else "vel")
+        if made.get("timeconst") == "0" and not _in_classes(editing):
+            del made["timeconst"]
+        if to == "pid" and is_pid:
+            made |= _integral(editing, law)
+        if law.form not in ("position", "velocity", "force") and not is_pid:
+            lost.append(_of_law(law))
+        return made, lost
+    if "kv" not in given:
+        if not (law.is_affine or is_pid) or law.kv <= 0:
+            _needs(editing, node, to, gain, at)
+        made["kv"] = numbers.text([law.kv])
+    if law.kp:
+        lost.append(f"its position gain, {law.kp:g}")
+    elif law.form == "other":
+        lost.append(_of_law(law))
+    return made, lost
+
+
+def _integral(editing: Editing, law: Law) -> dict[str, str]:
+    """What a pid has besides its gains; zeros where classes may give something else."""
+    imax = law.dynprm[0] if law.dynamics == "pid" else 0.0
+    found = {"ki": law.gainprm[0], "imax": imax, "slewmax": law.slewmax}
+    whole = _in_classes(editing)
+    return {name: numbers.text([value]) for name, value in found.items() if value or whole}
+
+
+def _in_classes(editing: Editing) -> bool:
+    """Whether a class may give something to an actuator: all of them share what classes set."""
+    tags = tuple(GRAMMAR.section("actuator").children)
+    return any(True for section in editing.root.iterchildren("default") for _ in section.iter(*tags))
+
+
+def _general(editing: Editing, law: Law) -> dict[str, str]:
+    """All of the law; every number where classes may give some, else without the zeros at the end."""
+    whole = _in_classes(editing)
+    made = {"gaintype": law.gain, "biastype": law.bias, "dyntype": law.dynamics}
+    for name in _PARAMETERS:
+        values = list(getattr(law, name))
+        while not whole and len(values) > 1 and values[-1] == 0:
+            values.pop()
+        made[name] = numbers.text(values)
+    if not whole:
+        made = {name: text for name, text in made.items() if _PLAIN[name] != text}
+    if law.act_early:
+        made["actearly"] = "true"
+    if law.act_limited:
+        made |= {"actlimited": "true", "actrange": numbers.text(law.actrange)}
+    return made
+
+
+def _limits(
+    editing: Editing, node: Node, to: str, law: Law, keeps: bool, written: Mapping[str, str]
+) -> dict[str, str] | None:
+    """What limits the control from now on; None where the old limits are for another thing and have to go.
+
+    `written` are the attributes of the new kind, those that the entry gives included.
+    """
+    inherits = editing.effective(node, "inheritrange") not in (None, "") and to in ("position", "pid")
+    of_range = {"inheritrange": "0"} if inherits and _in_classes(editing) else {}
+    limited = editing.effective(node, "ctrllimited")
+    if "ctrlrange" in written:
+        return of_range | ({} if limited in (None, "auto", "true") else {"ctrllimited": "true"})
+    inputs = written.get("input", "").split() if to == "pid" else law.inputs if to == "general" else ()
+    by_input = bool(inputs) and inputs[0] != "pos"  # MuJoCo reads `ctrlrange` for positions only
+    if by_input and law.inputs[:1] == tuple(inputs[:1]):
+        return {}  # `velrange` and `ffrange` say it already
+    if not law.ctrl_limited:
+        return _unlimited(editing, node, to, limited)
+    if not keeps:
+        return None
+    node.attrib.pop("inheritrange", "")
+    if by_input:
+        for name in ("ctrlrange", "ctrllimited"):
+            node.attrib.pop(name, "")
+        # With no range of its own MuJoCo refuses a `ctrllimited` of a class, and `velrange` limits in any case.
+        by_class = {"ctrllimited": "false"} if editing.effective(node, "ctrllimited") == "true" else {}
+        return of_range | by_class | {f"{inputs[0]}range": numbers.text(law.ctrlrange)}
+    limits = of_range
+    range_now = editing.effective(node, "ctrlrange")
+    if not range_now or numbers.read(range_now) != list(law.ctrlrange):
+        limits["ctrlrange"] = numbers.text(law.ctrlrange)  # it came from the range of its joint
+    if limited != "true" and editing.linking.flat().settings.autolimits == "false":
+        limits["ctrllimited"] = "true"
+    return limits
+
+
+def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> dict[str, str]:
+    """What keeps an actuator without limits of its control from getting some: ranges that its old kind did not read."""
+    found: dict[str, str] = {}
+    inherits = editing.effective(node, "inheritrange")
+    if to in ("position", "pid") and inherits and any(numbers.read(inherits)):
+        node.attrib.pop("inheritrange", "")
+        found |= {"inheritrange": "0"} if _in_classes(editing) else {}
+    if limited != "false" and editing.effective(node, "ctrlrange"):
+        node.attrib.pop("ctrlrange", "")
+        found |= {"ctrllimited": "false"} if _in_classes(editing) else {}
+    return found
+
+
+def _control_of(to: str, law: Law, written: Mapping[str, str]) -> str:
+    if to == "general":
+        return law.control
+    if to == "pid":
+        return "+".join(INPUTS[each] for each in written.get("input", "pos vel").split())
+    return "force" if to == "motor" else to
+
+
+def _in_words(control: str, otherwise: str) -> str:
+    return " and ".join(_CONTROL[each] for each in control.split("+")) if control != "other" else otherwise
+
+
+def _of_law(law: Law) -> str:
+    """The gains in words."""
+    if law.form == "position" or law.gain == "pid":
+        return f"its gains, kp {law.kp:g} and kv {law.kv:g}"
+    if law.form == "velocity":
+        return f"its gain, kv {law.kv:g}"
+    return f"its own gain and bias (`{law.gain}`, `{law.bias}`)"
+
+
+def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
+    what = "position gain" if gain == "kp" else "velocity gain"
+    message = f"{editing.called(node)} has no {what} that a `{to}` could take over"
+    _fault(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
+
+
+def _tell(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:
+    count = len({each for names in lost.values() for each in names})
+    what = next(iter(lost.values()))[0] if count == 1 else f"{count} actuators"
+    notes = [
+        Note(f"lost: {loss}{'' if len(names) == count else _few(names)}") for loss, names in lost.items()
+    ]
+    message = f"{what} cannot do all that {'it' if count == 1 else 'they'} did as `{to}`"
+    editing.sink.warning("convert-loss", message, editing.span(at), notes=notes)
+
+
+def _few(names: list[str], shown: int = 8) -> str:
+    return f" ({', '.join(names[:shown])}{', …' if len(names) > shown else ''})"
+
+
+def _fault(editing: Editing, node: Node, fault: Fault) -> None:
+    note = Note(f"{editing.called(node)} is written here", editing.span_of(node))
+    editing.sink.error(fault.code, fault.message, editing.span(fault.at), notes=(note,), help=fault.help)
+    raise Unusable

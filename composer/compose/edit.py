@@ -1,0 +1,362 @@
+"""Step: an entry of `edit` is carried out on a model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.compose.convert import convert
+from composer.compose.edit_values import POLYNOMIALS, Unusable, Values
+from composer.compose.editing import Editing, is_angular
+from composer.compose.elements import settle_joints, update
+from composer.compose.mass import Masses
+from composer.compose.move import move
+from composer.compose.reference_check import not_there
+from composer.compose.remove import remove
+from composer.compose.rename import rename
+from composer.compose.select import counted
+from composer.compose.unset import missed, tell_missed, unset
+from composer.diagnostics.diagnostic import Note
+from composer.expr.angle import Angle
+from composer.grammar.attribute import Attribute
+from composer.grammar.check import check_python
+from composer.grammar.degrees import is_in_degrees
+from composer.grammar.element import ElementType
+from composer.grammar.format import to_text
+from composer.link import numbers
+from composer.link.files import add_file
+from composer.link.layout import joint_type
+from composer.link.names import may_be_generated
+from composer.plan.plan import DrawValues, EditElements
+from composer.recipe.angles import bare_angle
+from composer.recipe.edit_values import MASS
+from composer.recipe.element import Element
+from composer.recipe.fault import Fault, Path
+from composer.recipe.select import unknown_attribute
+from composer.recipe.subscript import attribute_and_index
+from composer.recipe.value import read_value
+from composer.tree.classes import MAIN, ORIENTATIONS
+from composer.tree.effective import levels
+from composer.tree.kinds import kind_of, section_of
+from composer.tree.names import WORLD, references
+from composer.tree.selector import paths_of
+
+
+def edit(step: EditElements, editing: Editing) -> None:
+    """Do to every element that is selected what the entry says; what is wrong is told, once an entry."""
+    entry = step.edit
+    found = counted(
+        editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, (*entry.at, "expect")
+    )
+    if not found:
+        return
+    if entry.remove is not None:
+        remove(editing, found, cascade=entry.remove == "cascade", at=(*entry.at, "remove"))
+        return
+    try:
+        _carry_out(step, editing, found)
+    except Unusable:
+        return
+
+
+def is_of_keys(step: EditElements | DrawValues) -> bool:
+    """Whether it is about keys, which waits until they are laid out."""
+    select = step.edit.select if isinstance(step, EditElements) else step.field.select
+    return select is not None and "keyframe/key" in paths_of(select.tag)
+
+
+def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
+    entry = step.edit
+    names = () if isinstance(entry.unset, Mapping) else tuple(entry.unset)
+    lacked = {node: missed(editing, node) for node in found} if names else {}
+    if entry.unset:
+        unset(editing, found, entry.unset, (*entry.at, "unset"))
+    masses = Masses(editing, found)
+    for verb in ("set", "scale", "offset"):
+        written: Mapping[str, Any] = getattr(entry, verb)
+        if written:
+            for index, node in enumerate(found):
+                Change(editing, verb, masses).carry_out(node, index, written, (*entry.at, verb))
+    if entry.convert is not None:
+        convert(editing, found, entry.convert, (*entry.at, "convert"))
+    if entry.move is not None:
+        for index, node in enumerate(found):
+            move(editing, node, index, entry.move, (*entry.at, "move"))
+            pose = {name: value for name, value in entry.move.items() if name != "to"}
+            if pose:
+                Change(editing, "set", masses).carry_out(node, index, pose, (*entry.at, "move"))
+    tell_missed(editing, lacked, names, (*entry.at, "unset"))
+    if entry.rename is not None:
+        rename(editing, found, entry.rename, (*entry.at, "rename"))
+
+
+class Change:
+    """New values for the attributes of elements, by one of the verbs `set`, `scale`, `offset`."""
+
+    def __init__(self, editing: Editing, verb: str, masses: Masses) -> None:
+        self.editing, self.verb, self.masses = editing, verb, masses
+
+    def carry_out(self, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
+        kind = kind_of(node)
+        values = Values(self.editing, node, index, at)
+        for key, item in written.items():
+            path = (*at, key)
+            if isinstance(item, dict):
+                self._below(node, index, key, item, path)
+                continue
+            name, subscript = attribute_and_index(key)
+            if kind.path == "body" and name == MASS:
+                self._mass(values, item, path)
+                continue
+            attribute = kind.attributes.get(name)
+            if attribute is None:
+                self._fault(unknown_attribute(name, kind.tag, (kind,), path), node)
+            assert attribute is not None
+            if self.verb == "set" and subscript is None:
+                if kind.path == "joint" and name == "type":
+                    wanted = str(values.of(item, path, values.now(attribute)))
+                    self._check_units(node, kind, wanted, written, path)
+                self._set(values, attribute, item, path)
+            else:
+                self._reckon(values, attribute, subscript, item, path)
+
+    def _below(self, node: Node, index: int, tag: str, written: Mapping[str, Any], at: Path) -> None:
+        """What stands in the element of that tag, which is made if need be: of a class, or of a section."""
+        child_kind = kind_of(node).children.get(tag)
+        if child_kind is None:
+            self._fault(unknown_attribute(tag, str(node.tag), (kind_of(node),), at), node)
+        child = next(node.iterchildren(tag, reversed=True), None)
+        if child is None:
+            child = node.makeelement(tag)
+            # A class's own settings come before the classes nested in it.
+            node.insert(len(node) - len(list(node.iterchildren("default"))), child)
+            self.editing.making.origins.own(child, self.editing.span(at, key=True))
+            self.editing.linking.base.forget_classes()
+        self.carry_out(child, index, written, at)
+
+    # -- the verbs ---------------------------------------------------------------------------------------------
+
+    def _set(self, values: Values, attribute: Attribute, written: Any, at: Path) -> None:
+        editing, node = self.editing, values.node
+        given = values.of(written, at, values.now(attribute))
+        faults: list[Fault] = []
+        read = read_value(attribute, given, at, editing.called(node), faults)
+        joint = joint_type(node, editing.classes) if attribute.angle == "joint" else None
+        silent = editing.making.readings.at(at).angle is None
+        if read is not None and silent and attribute.angle is not None:
+            bare = bare_angle(attribute, read, joint, at, editing.called(node))
+            faults += [bare] if bare is not None else []
+        for fault in faults[:1]:
+            self._fault(fault, node)
+        assert read is not None
+        if attribute.name in ("pos", *ORIENTATIONS):
+            self._without_ends(node, attribute.name, at)
+        editing.forget(node)
+        if attribute.name in ORIENTATIONS or attribute.name == "fromto":
+            for other in ORIENTATIONS:
+                node.attrib.pop(other, "")
+        element = Element(str(node.tag), {attribute.name: read}, at=at[:-1])
+        making = editing.making
+        making.made[node] = element
+        update(node, element, kind_of(node), making)
+        settle_joints(making, lambda each: joint_type(each, editing.classes))
+        editing.note(node)
+        _take_files(editing)
+        if attribute.is_reference or attribute.refers_by is not None:
+            _check_references(editing, node, attribute, at)
+
+    def _check_units(
+        self, joint: Node, kind: ElementType, wanted: str, written: Mapping[str, Any], at: Path
+    ) -> None:
+        """A number of a joint that would be metres and was an angle, or the other way round, is to be written anew."""
+        editing = self.editing
+        now = joint_type(joint, editing.classes)
+        for attribute in kind.attributes.values():
+            turns = is_angular(attribute, now)
+            if turns == is_angular(attribute, wanted) or attribute.name in written:
+                continue
+            text = editing.effective(joint, attribute.name)
+            if not text or not any(numbers.read(text)):
+                continue
+            was, would = ("an angle", "a length") if turns else ("a length", "an angle")
+            message = (
+                f"`{attribute.name}` of {editing.called(joint)} is {was}, and would be {would} for a {wanted}"
+            )
+            self._fault(
+                Fault("bare-angle", message, at, help=f"write `{attribute.name}` beside `type`"), joint
+            )
+
+    def _without_ends(self, node: Node, name: str, at: Path) -> None:
+        """`fromto` says where an element is, whatever else is written."""
+        ends = self.editing.effective(node, "fromto")
+        if ends and "nan" not in ends.lower():
+            self._fault(
+                Fault(
+                    "wrong-type",
+                    f"`{name}` of {self.editing.called(node)} has no effect: `fromto` says where it is",
+                    at,
+                    help="set `fromto` instead",
+                ),
+                node,
+            )
+
+    def _reckon(
+        self, values: Values, attribute: Attribute, subscript: int | None, written: Any, at: Path
+    ) -> None:
+        """Numbers that depend on what is there: one of several, a multiple, a sum."""
+        editing, node = self.editing, values.node
+        text = editing.effective(node, attribute.name)
+        if not attribute.is_number or not text or not text.split():
+            self._no_number(values, attribute, at)
+        assert text is not None
+        have = numbers.read(text)
+        if subscript is not None and subscript >= len(have):
+            message = f"`{at[-1]}` of {editing.called(node)} does not exist: it has {len(have)} numbers"
+            self._fault(Fault("wrong-length", message, at, key=True), node)
+        now = values.now(attribute, subscript)
+        given = values.of(written, at, now)
+        if isinstance(given, list) and len(given) > len(have):
+            message = (
+                f"`{attribute.name}` of {editing.called(node)} has {len(have)} numbers, got {len(given)}"
+            )
+            self._fault(Fault("wrong-length", message, at), node)
+        places = [subscript] if subscript is not None else list(range(len(have)))
+        if self.verb == "offset" and attribute.name in POLYNOMIALS and not isinstance(given, list):
+            places = places[:1]  # one number is the linear coefficient, as in MJCF
+        items = given if isinstance(given, list) else [given] * len(places)
+        angles = set(values.angles(attribute, len(have)))
+        if angles and attribute.angle != "joint" and attribute.name == "euler":
+            self._same_sequence(node, at)
+        for place, item in zip(places, items, strict=False):
+            number = self._number(item, attribute, place in angles, at, node)
+            if self.verb == "scale":
+                have[place] *= number
+            elif self.verb == "offset":
+                have[place] += number
+            else:
+                have[place] = number
+        have = self._without_defaults(node, attribute, have)
+        result: list[Any] = [
+            int(each) if attribute.type == "int" and each == int(each) else each for each in have
+        ]
+        answer = check_python(attribute, result if attribute.max_length != 1 else result[0])
+        if answer is not None:
+            self._fault(
+                Fault("out-of-range", f"`{attribute.name}` of {editing.called(node)} {answer}", at), node
+            )
+        if attribute.name in ("pos", *ORIENTATIONS):
+            self._without_ends(node, attribute.name, at)
+        if attribute.is_interval:
+            editing.making.intervals[node, attribute.name] = editing.span(at)
+        editing.forget(node)
+        editing.write(node, {attribute.name: at})
+        if attribute.name in ORIENTATIONS:
+            for other in ORIENTATIONS:
+                node.attrib.pop(other, "")
+        node.set(attribute.name, to_text(attribute, result))
+        editing.note(node)
+
+    def _without_defaults(self, node: Node, attribute: Attribute, have: list[float]) -> list[float]:
+        """The numbers up to the last that is not MuJoCo's own default anyway: an older MuJoCo may know fewer."""
+        steps = levels(node, kind_of(node), attribute, self.editing.classes)
+        said = max((step.taken.stop for step in steps if step.kind != "mujoco"), default=0)
+        default = attribute.default if isinstance(attribute.default, tuple) else ()
+        least = max(said, attribute.min_length or 0, 1)
+        while len(have) > least and len(have) <= len(default) and have[-1] == default[len(have) - 1]:
+            have = have[:-1]
+        return have
+
+    def _number(self, item: Any, attribute: Attribute, is_angle: bool, at: Path, node: Node) -> float:
+        """The number that is written, an angle in the model's unit unless it is a factor."""
+        making = self.editing.making
+        given = Angle.read(item) if isinstance(item, str) else item
+        if isinstance(given, bool) or not isinstance(given, int | float | Angle):
+            self._fault(Fault("wrong-type", f"`{at[-1]}` expects a number, got `{item}`", at), node)
+        if self.verb == "scale":
+            if isinstance(given, Angle):
+                self._fault(Fault("wrong-type", "a factor has no unit", at), node)
+            return float(given)  # type: ignore[arg-type]
+        if is_angle:
+            reading = making.readings.at(at)
+            if not isinstance(given, Angle) and given != 0 and reading.angle is None:
+                help = f"write `{given}deg` or `{given}rad`, or `angle: degree` at the top of the recipe"
+                message = (
+                    f"`{attribute.name}` of {self.editing.called(node)} is an angle and {given} has no unit"
+                )
+                self._fault(Fault("bare-angle", message, at, help=help), node)
+            radians = numbers.joint_radians if attribute.angle == "joint" else numbers.orientation_radians
+            return making.turned(given, reading, radians)
+        unit = "deg" if is_in_degrees(str(node.tag), attribute.name) else "rad"
+        return given.in_unit(unit) if isinstance(given, Angle) else float(given)  # type: ignore[arg-type]
+
+    def _same_sequence(self, node: Node, at: Path) -> None:
+        making = self.editing.making
+        sequence = making.readings.at(at).eulerseq
+        if sequence != making.model_eulerseq:
+            sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{sequence}`"
+            message = f"`euler` of {self.editing.called(node)} turns in {sequences}"
+            self._fault(Fault("not-supported", message, at, help="set the whole orientation"), node)
+
+    def _no_number(self, values: Values, attribute: Attribute, at: Path) -> None:
+        editing, node = self.editing, values.node
+        help = None
+        if attribute.name == MASS:
+            help = "its mass comes from its `density`: change that, or the whole mass of its body"
+        message = f"{editing.called(node)} has no `{attribute.name}` that `{self.verb}` could start from"
+        self._fault(Fault("wrong-type", message, at, key=True, help=help), node)
+
+    def _mass(self, values: Values, written: Any, at: Path) -> None:
+        node = values.node
+        needed = self.verb != "scale" or (isinstance(written, str) and "value" in written)
+        now = self.masses.of(node, at) if needed else None
+        given = values.of(written, at, now)
+        if isinstance(given, bool) or not isinstance(given, int | float):
+            self._fault(Fault("wrong-type", f"`{MASS}` expects a number, got `{given}`", at), node)
+        self.masses.change(node, self.verb, float(given), now, at)
+
+    def _fault(self, fault: Fault, node: Node) -> None:
+        """Tell what is wrong with one element, and leave the entry: the others would only say the same."""
+        editing = self.editing
+        notes = [Note(remark.message) for remark in fault.remarks]
+        if fault.code != "bare-angle":
+            notes.append(Note(f"{editing.called(node)} is written here", editing.span_of(node)))
+        editing.sink.error(
+            fault.code, fault.message, editing.span(fault.at, key=fault.key), notes=notes, help=fault.help
+        )
+        raise Unusable
+
+
+def _take_files(editing: Editing) -> None:
+    """A file that an edit names is relative to the recipe."""
+    making, linking = editing.making, editing.linking
+    for node, attribute, name in making.files:
+        folder = making.folder_of(node, attribute)
+        linking.files = [
+            use for use in linking.files if use.element is not node or use.attribute != attribute
+        ]
+        if editing.own:
+            node.set(attribute, (folder / name).resolve().as_posix())
+        else:
+            add_file(linking, folder, node, attribute, name)
+    making.files.clear()
+
+
+def _check_references(editing: Editing, node: Node, attribute: Attribute, at: Path) -> None:
+    """A name that is set must be there."""
+    if attribute.refers == "default" and node.get(attribute.name) == MAIN:
+        if editing.linking.base_class is not None:
+            editing.forget(node)
+            node.set(attribute.name, editing.linking.base_class)
+            editing.note(node)
+        return
+    written = set(str(node.get(attribute.name)).split()) | {str(node.get(attribute.name))}
+    for namespace, name in references(node, section_of(node)):
+        if name not in written or (namespace == "body" and name == WORLD):
+            continue
+        if editing.index.find(namespace, name) is None and not may_be_generated(name, editing.root):
+            not_there(
+                editing.linking, editing.sink, namespace, name, editing.span(at), f"{attribute.name}: NAME"
+            )
+            raise Unusable

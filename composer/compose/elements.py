@@ -1,0 +1,327 @@
+"""Recipe elements to MJCF nodes: numbers in the model's units, references and files in the model's terms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.document.node import Mapping as Located
+from composer.document.node import Scalar, find, locate
+from composer.expr.angle import Angle
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.grammar.degrees import is_in_degrees
+from composer.grammar.element import ElementType
+from composer.grammar.format import to_text
+from composer.link import numbers
+from composer.numerics.pose import quat_from_euler
+from composer.plan.angle_context import Reading, Readings
+from composer.recipe.element import Element, Single, Value
+from composer.recipe.reader import CONFIG
+from composer.tree.classes import MAIN
+from composer.tree.line import line_of
+from composer.tree.origin import Origins
+
+
+@dataclass(slots=True)
+class Making:
+    """What is needed to turn a recipe's elements into nodes of one model, and what has been made so far.
+
+    `readings` say what the recipe's bare angles are in, `model_angle` what the model's are; `folder` is the one that
+    the paths of files in messages count from.
+    `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
+    below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is
+    known; `of_keys` what refers to keys, which waits until these are laid out. `intervals` are the pairs of a lower
+    and an upper end that the recipe writes, each with its place.
+    """
+
+    document: Located
+    file: str
+    sink: Sink
+    readings: Readings
+    model_angle: str
+    model_eulerseq: str
+    folder: Path
+    base_file: str
+    origins: Origins
+    made: dict[Node, Element] = field(default_factory=dict)
+    fragments: dict[Node, int] = field(default_factory=dict)
+    registered: list[tuple[Node, str]] = field(default_factory=list)
+    pending: list[tuple[Node, Element, str]] = field(default_factory=list)
+    of_keys: list[tuple[Node, str, str, str]] = field(default_factory=list)
+    files: list[tuple[Node, str, str]] = field(default_factory=list)
+    intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
+
+    def span(self, element: Element, attribute: str | None = None) -> Span:
+        """Where an element is written: its key, or the value of an attribute if it has that one there."""
+        for name in _written_as(element, attribute):
+            path = (*element.at, name)
+            if find(self.document, path) is not None:
+                return locate(self.document, path)
+        is_value = element.tag == CONFIG and attribute == "value"  # `config: {KEY: VALUE}`
+        return locate(self.document, element.at, key=not is_value)
+
+    def reading_of(self, element: Element, attribute: str) -> Reading:
+        """How an attribute of an element is read; in a fragment, as the fragment is."""
+        path = (*element.at, attribute)
+        written = self.readings.others and find(self.document, path) is not None
+        return self.readings.at(path if written else (*element.at, "xml"))
+
+    def turned(self, value: object, reading: Reading, radians: Callable[[float], float]) -> float:
+        """An angle in the model's unit; `radians` turns one in degrees as MuJoCo does there."""
+        return _in(value, reading, self.model_angle, radians)
+
+    def span_of(self, node: Node, attribute: str | None = None) -> Span:
+        """The same of a node; what stands in a fragment is looked up in its text."""
+        return self._span_of(node, self.made[node], self.fragments.get(node), attribute)
+
+    def _span_of(self, node: Node, element: Element, start: int | None, attribute: str | None) -> Span:
+        if start is None:
+            return self.span(element, attribute)
+        written = {str(name): str(value) for name, value in node.items()}
+        text = self.origins.text(self.file)
+        names = [attribute, "euler"] if attribute == "quat" else [attribute] if attribute else []
+        for line in (start, start - 1) if text is not None else ():  # below the key, or beside it
+            assert text is not None
+            tag = str(node.tag)
+            found = next((at for name in names if (at := text.attribute(tag, line, written, name))), None)
+            if found is None and attribute == "name" and text.element(tag, line, written) is not None:
+                return locate(self.document, element.at, key=True)
+            found = found or text.element(tag, line, written)
+            if found is not None:
+                return Span(self.file, found.line, found.column, found.line, found.end_column)
+        return locate(self.document, (*element.at, "xml"))
+
+    def folder_of(self, node: Node, attribute: str) -> Path:
+        """The folder of the recipe that writes the value of an attribute; files are relative to that."""
+        return (self.folder / self.span_of(node, attribute).file).parent
+
+    def written(self, node: Node) -> Collection[str]:
+        """The attributes of a node that the recipe wrote."""
+        if node in self.fragments:
+            return [str(name) for name in node.keys()]  # noqa: SIM118 (an element is no mapping)
+        made = self.made.get(node)
+        return made.attributes if made is not None else ()
+
+    def place(self, node: Node) -> None:
+        """Note where a new node and all below it come from."""
+        for inner in node.iter("*"):
+            if inner in self.made:
+                # An edit puts another element in `made`: this is where the node comes from all the same.
+                element, start = self.made[inner], self.fragments.get(inner)
+                self.origins.own(inner, partial(self._span_of, inner, element, start))
+
+    def register(self, node: Node, section: str) -> None:
+        """The same, and that the names of the node and all below it are to be checked."""
+        self.place(node)
+        self.registered.append((node, section))
+
+
+def _written_as(element: Element, attribute: str | None) -> tuple[str, ...]:
+    """Under which keys the recipe may have an attribute: `_set_euler` writes an `euler` as a `quat`."""
+    if attribute is None:
+        return ()
+    return (attribute, "euler") if attribute == "quat" and "euler" in element.attributes else (attribute,)
+
+
+def make(element: Element, kind: ElementType, making: Making) -> Node:
+    """The node of a recipe element and its children."""
+    if element.xml is not None:
+        return _parsed(element, kind, making)
+    node = etree.Element(element.tag)
+    making.made[node] = element
+    for name, value in element.attributes.items():
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            continue
+        _set(node, element, attribute, value, making)
+    for child in element.children:
+        child_kind = kind.children.get(child.tag)
+        if child_kind is not None:
+            node.append(make(child, child_kind, making))
+    return node
+
+
+def update(node: Node, element: Element, kind: ElementType, making: Making) -> None:
+    """Write a recipe element's attributes over those of a node that is there; children the same way."""
+    before = making.origins.owner(node, making.base_file)
+
+    def place(attribute: str | None) -> Span:
+        if attribute is None or attribute in element.attributes:
+            return making.span(element, attribute)
+        return making.origins.span_by(before, node, attribute)
+
+    making.origins.own(node, place)
+    for name, value in element.attributes.items():
+        attribute = kind.attributes.get(name)
+        if attribute is not None:
+            _set(node, element, attribute, value, making)
+    for child in element.children:
+        child_kind = kind.children[child.tag]
+        existing = next(node.iterchildren(child.tag), None)
+        if existing is None:
+            made = make(child, child_kind, making)
+            node.append(made)
+            making.place(made)
+        else:
+            update(existing, child, child_kind, making)
+
+
+def _set(node: Node, element: Element, attribute: Attribute, value: object, making: Making) -> None:
+    name = attribute.name
+    if attribute.is_interval:
+        making.intervals[node, name] = making.span(element, name)
+    if attribute.angle == "orientation-euler" or attribute.angle == "replicate":
+        _set_euler(node, element, name, value, making)
+    elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
+        *axis, angle = value
+        inner = making.turned(angle, making.reading_of(element, name), numbers.orientation_radians)
+        node.set(name, numbers.text([*map(float, axis), inner]))
+    elif attribute.angle == "joint":
+        making.pending.append((node, element, name))
+    else:
+        if attribute.type == "file":
+            making.files.append((node, name, str(value)))
+        unit = "degree" if is_in_degrees(str(node.tag), name) else "radian"
+        node.set(name, to_text(attribute, _plain(value, unit)))
+
+
+def _set_euler(node: Node, element: Element, name: str, value: object, making: Making) -> None:
+    assert isinstance(value, tuple)
+    reading = making.reading_of(element, name)
+    if reading.eulerseq != making.model_eulerseq and node.tag != "replicate":
+        radians = [in_radians(angle, reading) for angle in value]
+        node.set("quat", numbers.text(quat_from_euler(radians, reading.eulerseq)))
+        return
+    turned = [making.turned(angle, reading, numbers.orientation_radians) for angle in value]
+    node.set(name, numbers.text(turned))
+
+
+def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
+    """Write ranges and references of joints, now that the type of each is known from its class."""
+    for node, element, name in making.pending:
+        value = element.attributes[name]
+        values = value if isinstance(value, tuple) else (value,)
+        kind = joint_type(node)
+        angular = kind == "hinge" or (kind == "ball" and name in ("range", "springyield"))
+        if not angular:
+            node.set(name, numbers.text([float(_plain(v, "radian")) for v in values]))  # type: ignore[arg-type]
+            continue
+        bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
+        reading = making.reading_of(element, name)
+        if bare and reading.angle is None:
+            number = values[bare[0]]
+            making.sink.error(
+                "bare-angle",
+                f"`{name}` of a {kind} is an angle and {number} has no unit",
+                _item_span(making, node, element, name, bare[0]),
+                help=f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe",
+            )
+        node.set(name, numbers.text([making.turned(v, reading, numbers.joint_radians) for v in values]))
+    making.pending.clear()
+
+
+def _item_span(making: Making, node: Node, element: Element, name: str, index: int) -> Span:
+    path = (*element.at, name, index)
+    return (
+        making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
+    )
+
+
+def joint_attributes(element: Element, making: Making) -> dict[str, str]:
+    """The attributes of a joint between a place and a part; outside all classes unless it names one."""
+    kind = GRAMMAR.element("body").children["joint"]
+    node = etree.Element("joint", {"class": MAIN})
+    making.made[node] = element
+    for name, value in element.attributes.items():
+        if name != "name" and name in kind.attributes:
+            _set(node, element, kind.attributes[name], value, making)
+    settle_joints(making, lambda joint: str(joint.get("type") or "hinge"))
+    return {str(name): str(value) for name, value in node.items()}
+
+
+def in_radians(
+    value: object, reading: Reading, radians: Callable[[float], float] = numbers.orientation_radians
+) -> float:
+    """An angle in radians; `radians` turns one in degrees as MuJoCo does there."""
+    return _in(value, reading, "radian", radians)
+
+
+def _in(value: object, reading: Reading, unit: str, radians: Callable[[float], float]) -> float:
+    """An angle in `unit`; a bare one is in the recipe's unit."""
+    if isinstance(value, Angle):
+        number, written = value.value, "degree" if value.unit == "deg" else "radian"
+    else:
+        number, written = float(value), reading.angle or unit  # type: ignore[arg-type]  # a bare one is 0
+    if written == unit:
+        return number
+    return radians(number) if unit == "radian" else number / numbers.RADIANS_PER_DEGREE
+
+
+def _plain(value: object, unit: str) -> object:
+    """`90deg` on a number that is not a pose: the angle in the unit that MJCF wants there."""
+    if isinstance(value, tuple):
+        return tuple(_plain(item, unit) for item in value)
+    if isinstance(value, Angle):
+        if unit == "degree":
+            return value.value if value.unit == "deg" else value.value / numbers.RADIANS_PER_DEGREE
+        return numbers.joint_radians(value.value) if value.unit == "deg" else value.value
+    return value
+
+
+def plain(value: Single) -> float:
+    """A number of a pose, where an angle with its unit counts in radians."""
+    return float(_plain(value, "radian"))  # type: ignore[arg-type]
+
+
+def _parsed(element: Element, kind: ElementType, making: Making) -> Node:
+    """A fragment of MJCF: its angles are in the recipe's unit, like everything in the recipe."""
+    parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
+    node = etree.fromstring(element.xml or "", parser)
+    for name, value in element.attributes.items():
+        node.set(name, to_text(kind.attributes[name], value))
+    scalar = find(making.document, (*element.at, "xml"))
+    _read_fragment(node, element, kind, making, scalar.span.line if isinstance(scalar, Scalar) else 0)
+    return node
+
+
+def _read_fragment(node: Node, element: Element, kind: ElementType, making: Making, line: int) -> None:
+    """The fragment's numbers go the way of the recipe's own; its other attributes stay as they are written."""
+    values: dict[str, Value] = {}
+    intervals: list[str] = []
+    for key, text in node.items():
+        name = str(key)
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            continue
+        if attribute.angle:
+            read = numbers.read(str(text))
+            values[name] = tuple(read) if attribute.max_length != 1 else read[0]
+        elif attribute.type == "file":
+            values[name] = str(text)
+        if attribute.is_interval:
+            intervals.append(name)
+    own = Element(element.tag, {**element.attributes, **values}, at=element.at)
+    making.made[node] = own
+    making.fragments[node] = line + (line_of(node) or 1)
+    for name, value in values.items():
+        if kind.attributes[name].angle in ("orientation-euler", "replicate"):
+            del node.attrib[name]
+        _set(node, own, kind.attributes[name], value, making)
+    for name in intervals:
+        making.intervals[node, name] = making.span_of(node, name)
+    for child in node.iterchildren("*"):
+        child_kind = kind.children.get(child.tag)
+        if child_kind is not None:
+            _read_fragment(child, element, child_kind, making, line)
+
+
+def default_kind(tag: str) -> ElementType:
+    return GRAMMAR.element(f"default/{tag}")

@@ -1,0 +1,304 @@
+"""Step: keys that the recipe writes, by the names of joints, actuators and mocap bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.compose.control_units import ControlUnits
+from composer.compose.elements import Making, in_radians, plain
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note
+from composer.document.node import find, locate
+from composer.expr.angle import Angle
+from composer.link import numbers
+from composer.link.key_layouts import final_layout
+from composer.link.layout import BLOCK, Layout, Slot
+from composer.link.linking import Linking
+from composer.link.multiplied import Copy
+from composer.link.names import may_be_generated
+from composer.link.part_keys import part_keys
+from composer.plan.parts import parts_of
+from composer.plan.plan import Plan, WriteKeyframe
+from composer.recipe.element import Single
+from composer.recipe.keyframe import FROM, TIME, VECTORS, Entry
+from composer.recipe.shown import shown
+from composer.tree.classes import through_frames
+from composer.tree.key import Key
+from composer.tree.key_number import KeySource, Number, taken
+from composer.tree.names import word
+
+_Holder = tuple[Node, Slot | None]
+"""A joint, an actuator or a mocap body; the slot is None for what always has the same width."""
+_JOINTS = ("joint", "freejoint")
+_MEANT = {
+    ("free", "qpos"): "position and quaternion, `[x, y, z, w, a, b, c]`",
+    ("free", "qvel"): "linear and angular velocity, `[x, y, z, a, b, c]`",
+    ("ball", "qpos"): "a quaternion, `[w, a, b, c]`",
+    ("ball", "qvel"): "an angular velocity, `[a, b, c]`",
+}
+
+
+def write_keyframes(plan: Plan, linking: Linking, making: Making) -> None:
+    """Look up what the keys of the recipe name; the linker lays them out with the keys of the parts."""
+    if not plan.keyframes:
+        return
+    layout = final_layout(linking)
+    if layout is None:
+        return
+    holders: dict[str, dict[str, _Holder]] = {
+        "joint": _joints(layout),
+        "actuator": {
+            _name(node): (node, slot)
+            for node, slot in layout.actuators.items()
+            if not isinstance(node, Copy) and node.tag != "attach" and _name(node)
+        },
+        "mocap body": {
+            _name(node): (node, None) for node in layout.mocaps if node.tag == "body" and _name(node)
+        },
+    }
+    unnamed = [
+        node
+        for node in layout.actuators
+        if not isinstance(node, Copy) and node.tag != "attach" and not _name(node)
+    ]
+    parts = frozenset(parts_of(plan))
+    types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
+    units = ControlUnits(linking, making.sink, types, making.sink.has_errors)
+    for step in plan.keyframes:
+        linking.written_keys.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
+
+
+def _joints(layout: Layout) -> dict[str, _Holder]:
+    """The joints by name; one without a name that is its body's only one goes by the name of the body."""
+    named = {_name(joint) for joint in layout.joints}
+    found: dict[str, _Holder] = {}
+    for joint, slot in layout.joints.items():
+        if slot.kind == BLOCK:
+            continue
+        name = _name(joint)
+        if not name:
+            body = next(joint.iterancestors("body"))
+            name = _name(body)
+            if name in named or [each for each in through_frames(body) if each.tag in _JOINTS] != [joint]:
+                continue
+        found[name] = (joint, slot)
+    return found
+
+
+def _taken(key: Key, span: Span) -> Key:
+    """The key, with a note on each of its numbers that the `from` entry at `span` passes them on."""
+    values = {
+        vector: {holder: taken(row, span) for holder, row in columns.items()}
+        for vector, columns in key.values.items()
+    }
+    time = None if key.time is None else taken([key.time], span)[0]
+    return replace(key, values=values, time=time)
+
+
+def _name(node: Node) -> str:
+    return str(node.get("name") or "")
+
+
+@dataclass(slots=True)
+class _Writing:
+    """One key in the making."""
+
+    step: WriteKeyframe
+    linking: Linking
+    making: Making
+    holders: Mapping[str, Mapping[str, _Holder]]
+    parts: frozenset[str]
+    units: ControlUnits
+    unnamed: Sequence[Node]
+    values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
+
+    def key(self) -> Key:
+        asked, making = self.step.key, self.making
+        element = etree.Element("key")
+        making.origins.own(element, partial(self._written, element))
+        time = None
+        if asked.time is not None:
+            time = Number(numbers.text([asked.time]), KeySource("entry", TIME, span=self._at(TIME)))
+        key = Key(asked.name, time, element, making.file, making.origins, self.values)
+        for source in self._sources():
+            for vector, columns in source.values.items():
+                self.values.setdefault(vector, {}).update(columns)
+            if asked.time is None and source.time is not None:
+                self._take_time(key, source)
+        for vector, entries in asked.values.items():
+            for name, entry in entries.items():
+                self._set(vector, name, entry)
+        return key
+
+    def _written(self, element: Node, attribute: str | None) -> Span:
+        path = (*self.step.key.at, attribute or "")
+        if attribute is None or find(self.making.document, path) is None:
+            return self.step.span
+        return locate(self.making.document, path)
+
+    def _at(self, *path: str, key: bool = False) -> Span:
+        return locate(self.making.document, (*self.step.key.at, *path), key=key)
+
+    def _sources(self) -> list[Key]:
+        """The keys that `from` names, those of parts after those of what the parts are in."""
+        known = part_keys(self.linking)
+        found: list[tuple[int, Key]] = []
+        for part, name in self.step.key.sources.items():
+            there = known.get(part)
+            key = there.named(name) if there is not None else None
+            if there is not None and key is not None:
+                found.append((there.depth, _taken(key, self._at(FROM, part))))
+                continue
+            if part not in self.parts:
+                continue  # the plan tells it
+            names = there.names if there is not None else []
+            self.making.sink.error(
+                "unknown-name",
+                f"`{part}` has no key `{name}`",
+                self._at(FROM, part),
+                notes=(exists_note("key", names, name),),
+                help=did_you_mean(name, names, f"{part}: {{}}"),
+            )
+        return [key for _, key in sorted(found, key=lambda each: each[0])]
+
+    def _take_time(self, key: Key, source: Key) -> None:
+        assert source.time is not None
+        if key.time is None:
+            key.time = source.time
+        elif numbers.read(key.time.text) != numbers.read(source.time.text):
+            self.making.sink.error(
+                "keyframe-conflict",
+                f"the keys that `{key.name}` is made from have different times: {key.time.text} and {source.time.text}",
+                self._at(FROM, key=True),
+                notes=(Note("the second one is here", source.span(TIME)),),
+                help=f"write the time of the key: `{TIME}: {source.time.text}`",
+            )
+
+    def _set(self, vector: str, name: str, entry: Entry) -> None:
+        known = self.holders[VECTORS[vector]].get(name)
+        if known is None:
+            self._unknown(vector, name)
+            return
+        node, slot = known
+        if slot is not None:
+            width = slot.widths[vector in ("qvel", "act")]
+            if len(entry) != width:
+                self._wrong_width(vector, name, slot, entry, width)
+                return
+        meant = self._meant(vector, name, node, slot, len(entry))
+        values = [
+            plain(value) if words is None else self._angle(vector, name, value, words)
+            for value, words in zip(entry, meant, strict=True)
+        ]
+        source = KeySource("entry", vector, span=self._at(vector, name))
+        self.values.setdefault(vector, {})[node] = [
+            Number(text, source, at) for at, text in enumerate(numbers.text(values).split())
+        ]
+
+    def _meant(
+        self, vector: str, name: str, node: Node, slot: Slot | None, width: int
+    ) -> Sequence[str | None]:
+        """In words, what each number of an entry is if it has the unit of an angle."""
+        if slot is not None and slot.kind == "hinge":
+            return [f"`{vector}` of the hinge `{name}` is an angle"]
+        if vector not in ("ctrl", "act"):
+            return [None] * width
+        meant = self.units.of(node)
+        words = meant.controls if vector == "ctrl" else [meant.activation]
+        if len(words) != width:
+            return [None] * width
+        joint = node.get("joint") or node.get("jointinparent")
+        moves = f"`{vector}` of `{name}`, which moves the hinge `{joint}`, is"
+        return [each and f"{moves} {each}" for each in words]
+
+    def _angle(self, vector: str, name: str, value: Single, words: str) -> float:
+        reading = self.making.readings.at((*self.step.key.at, vector, name))
+        if reading.angle is None and not isinstance(value, Angle) and value != 0:
+            self.making.sink.error(
+                "bare-angle",
+                f"{words} and {shown(value)} has no unit",
+                self._at(vector, name),
+                help=f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe",
+            )
+        return in_radians(value, reading, numbers.joint_radians)
+
+    def _wrong_width(self, vector: str, name: str, slot: Slot, entry: Entry, width: int) -> None:
+        kind = "actuator" if slot.kind == "actuator" else f"{slot.kind} joint"
+        count = f"{width} number{'' if width == 1 else 's'}" if width else "no numbers"
+        meant = _MEANT.get((slot.kind, vector))
+        self.making.sink.error(
+            "wrong-length",
+            f"`{vector}` of the {kind} `{name}` has {count}, got {len(entry)}",
+            self._at(vector, name),
+            help=f"write {meant}" if meant else "leave it out" if not width else None,
+        )
+
+    def _unknown(self, vector: str, name: str) -> None:
+        kind, linking, sink = VECTORS[vector], self.linking, self.making.sink
+        span = self._at(vector, name, key=True)
+        names = list(self.holders[kind])
+        declared = linking.names.find(kind, name)
+        if declared is not None and declared.getroottree().getroot() is not linking.base.root:
+            sink.forgive([name])  # it was lost with another fault
+        if kind == "joint" and declared is None and may_be_generated(name, linking.base.root):
+            sink.error(
+                "not-supported",
+                f"`{name}` in `{vector}` may be a joint that MuJoCo makes of a `<replicate>` or the like, "
+                "which a key cannot set yet",
+                span,
+                notes=(exists_note(kind, names, name),),
+                help="attach the part as often as it is needed: `replicate` in `attach`",
+            )
+            return
+        near = closest(name, names)
+        help = f"did you mean `{near[0]}`?" if near else None
+        notes = [exists_note(kind, names, name)]
+        others = [each for each in linking.names.kinds_of(name) if each != kind]
+        if others and not near:
+            notes.insert(0, Note(f"`{name}` is {word(others[0], article=True)}"))
+            drives = [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]
+            if drives:
+                named = " and ".join(f"`{each}`" for each in drives)
+                verb = "is the" if len(drives) == 1 else "are"
+                help = f"{named} {verb} {kind}{'s' * (len(drives) > 1)} of that {others[0]}"
+        if kind == "actuator" and self.unnamed:
+            notes.append(Note(f"{_count(len(self.unnamed))} no name, and a key goes by names"))
+            help = help or _naming(self.unnamed, name)
+        sink.error(
+            "unknown-name", f"there is no {kind} `{name}` to set `{vector}` of", span, notes=notes, help=help
+        )
+
+
+def _count(actuators: int) -> str:
+    return "one actuator has" if actuators == 1 else f"{actuators} actuators have"
+
+
+def _naming(actuators: Sequence[Node], name: str) -> str:
+    """How to give names to those actuators, or to those of them that act on what has the name."""
+    ends = [
+        (each, str(attribute))
+        for each in actuators
+        for attribute, value in each.items()
+        if attribute in _TRANSMISSIONS and value == name
+    ]
+    if not ends:
+        common = [end for end in _TRANSMISSIONS if all(each.get(end) for each in actuators)]
+        new = f"${{{common[0]}}}" if common else "a${index}"
+        return (
+            f"""name them: `edit: [{{select: {{actuator: "**", where: {{name: ""}}}}, rename: "{new}"}}]`"""
+        )
+    (actuator, end), *more = ends
+    tag = actuator.tag if all(each.tag == actuator.tag for each, _ in more) else "actuator"
+    new = f'"{name}_${{index}}"' if more else name
+    which = "those that act on it have" if more else f"the `{tag}` that acts on it has"
+    select = f'{tag}: "**", where: {{{end}: {name}, name: ""}}'
+    return f"{which} no name; give one: `edit: [{{select: {{{select}}}, rename: {new}}}]`"
+
+
+_TRANSMISSIONS = ("joint", "jointinparent", "tendon", "site", "body", "cranksite", "slidersite")

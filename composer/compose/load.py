@@ -1,0 +1,78 @@
+"""Step: a source becomes a unit. Each file is read once and copied for every further use."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.context import Context
+from composer.diagnostics.span import Span
+from composer.sources.source import Source
+from composer.tree.parse import parse_file
+from composer.tree.unit import Unit
+from composer.tree.watch import Watch, nobody
+
+if TYPE_CHECKING:
+    from composer.engine import Session
+
+_Key = tuple[Path, tuple[tuple[str, Path], ...], bool]
+
+
+Library = dict[_Key, Unit]
+"""Units as their files have them, for all that are composed with it."""
+
+
+@dataclass(slots=True)
+class Loader:
+    """The units of source files. `expect` says before how often one is needed: the last use needs no copy.
+
+    What is in the `library` is not read again, and what is read goes there.
+    """
+
+    context: Context
+    session: Session | None = None
+    watch: Watch = nobody
+    library: Library | None = None
+    parsed: dict[_Key, Unit | None] = field(default_factory=dict)
+    uses: Counter[_Key] = field(default_factory=Counter)
+
+    def expect(self, model: Source, stands: bool) -> None:
+        self.uses[_key(model, stands)] += 1
+
+    def unit(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+        """The unit of a source, None where it has faults; `stands` says that it is fixed in the world."""
+        key = _key(model, stands)
+        if key not in self.parsed:
+            refused = self.parsed.get((*key[:2], not key[2]), ...) is None  # one fault of a file is told once
+            self.parsed[key] = None if refused else self._known(key) or self._read(model, span, stands)
+        unit = self.parsed[key]
+        self.uses[key] -= 1
+        if unit is not None and self.uses[key] > 0:
+            unit = unit.copied()
+        if unit is not None:
+            self.watch([unit], model)
+        return unit
+
+    def _known(self, key: _Key) -> Unit | None:
+        unit = self.library.get(key) if self.library is not None else None
+        return None if unit is None else unit.copied()
+
+    def _read(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+        unit = self._new(model, span, stands)
+        if unit is not None and self.library is not None:
+            self.library[_key(model, stands)] = unit.copied()
+        return unit
+
+    def _new(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+        if model.format == "urdf":
+            from composer.compose.urdf import urdf_unit  # few recipes need it
+
+            return urdf_unit(model, self.context, self.session, span, stands=stands)
+        return parse_file(model.path, self.context.sink, file=self.context.shown(model.path), span=span)
+
+
+def _key(model: Source, stands: bool) -> _Key:
+    """What sources that read the same have in common; of MJCF it does not matter where it stands."""
+    return model.path, model.packages, stands or model.format != "urdf"

@@ -1,0 +1,89 @@
+"""A joint of the recipe that moves nothing with mass. MuJoCo refuses that, and names a body that stands in no file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lxml.etree import _Element as Node
+
+from composer.compose.elements import Making
+from composer.diagnostics.diagnostic import Note
+from composer.document.node import locate
+from composer.link import numbers
+from composer.link.inertia import MEASURED, has_mass, own
+from composer.link.linking import Linking, Part
+from composer.plan.plan import AttachPart
+from composer.tree.settings import Settings
+
+# What MuJoCo expands may bring mass.
+_OPAQUE = ("attach", "composite", "flexcomp")
+_TOO_LITTLE = 1e-15  # mjMINVAL
+_SHOWN = 3
+_RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
+
+
+def check_mass(step: AttachPart, part: Part, linking: Linking, making: Making) -> None:
+    """Report the bodies without mass; nothing where only MuJoCo can tell.
+
+    MuJoCo asks for mass of what moves with the joint: the body itself, or a body that is fixed to it.
+    """
+    settings, default = linking.base.settings, Settings()
+    if not part.joints or any(getattr(settings, name) != getattr(default, name) for name in _RULES):
+        return
+    if part.content is None or (body := part.content.getparent()) is None or body.tag != "body":
+        return
+    fixed = list(_fixed(body))
+    if any(_may_have_mass(each, linking) for each in fixed):
+        return
+    notes = list(_reasons(fixed, linking))[:_SHOWN]
+    give = f"`add: [{{to: {part.prefix}, geom: {{type: sphere, size: [0.01], mass: 1}}}}]`"
+    making.sink.error(
+        "mujoco-rejects",
+        f"`joint` moves `{part.called}`, but nothing that is fixed to the joint has mass",
+        locate(making.document, (*step.at, "joint"), key=True),
+        notes=notes,
+        help=f"give it mass, for example {give}, or leave `joint` out"
+        if part.prefix
+        else "give a body in it mass",
+    )
+
+
+def _reasons(fixed: list[Node], linking: Linking) -> Iterator[Note]:
+    """Which bodies lack mass, and which have a joint of their own, so that their mass does not count."""
+    for body in fixed[1:]:
+        inertial = next(iter(own(body, "inertial")), None)
+        why = "has no mass" if inertial is None else "has no mass, or no inertia"
+        yield Note(
+            f"{_called(body)} {why}", linking.span(linking.base, body if inertial is None else inertial)
+        )
+    for body in fixed:
+        for child in own(body, "body"):
+            for joint in own(child, "joint", "freejoint")[:1]:
+                message = f"{_called(child)} moves by a joint of its own, so that its mass does not count"
+                yield Note(message, linking.span(linking.base, joint))
+
+
+def _called(body: Node) -> str:
+    return f"the body `{body.get('name')}`" if body.get("name") else "this body"
+
+
+def _fixed(body: Node) -> Iterator[Node]:
+    """The body and those below that no joint moves against it."""
+    yield body
+    for child in own(body, "body"):
+        if not own(child, "joint", "freejoint"):
+            yield from _fixed(child)
+
+
+def _may_have_mass(body: Node, linking: Linking) -> bool:
+    if own(body, *_OPAQUE):
+        return True
+    inertials = own(body, "inertial")
+    if not inertials:
+        return any(has_mass(geom, linking.base.classes) for geom in own(body, "geom"))
+    values = [
+        number
+        for name in ("mass", "diaginertia")
+        for number in numbers.read(str(inertials[0].get(name) or ""))
+    ]
+    return inertials[0].get("fullinertia") is not None or all(number >= _TOO_LITTLE for number in values)

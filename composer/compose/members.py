@@ -1,0 +1,191 @@
+"""The sources of a composition with what became of each: the basis for comparing them with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from lxml.etree import _Element as Node
+
+from composer.compiled.affected_arrays import arrays_of
+from composer.compose.part_provenance import reaches, with_edits
+from composer.compose.subtree import Wanted
+from composer.link.linking import Part
+from composer.link.placing import read_pose
+from composer.numerics.pose import Pose
+from composer.plan.drawn_arrays import arrays_of_draw
+from composer.plan.part_record import IN_PLACE, Member, of_part
+from composer.plan.parts import BASE, called
+from composer.plan.plan import DrawValues, Plan, SetDefault, SetSingleton
+from composer.recipe.checks.unchanged import Unchanged
+from composer.sources.source import Source
+from composer.tree.classes import MAIN
+from composer.tree.settings import read_settings
+
+_MASSES = frozenset({"boundmass", "boundinertia", "settotalmass"})
+_RESHAPING = frozenset({"fusestatic", "discardvisual"})
+# What `drop` leaves out of a part without making it another: settings, of which a model has one, and its keys.
+_WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size", "keyframe"})
+
+
+@dataclass(frozen=True, slots=True)
+class Hung:
+    """A member whose place is still an element of the tree; None is the world."""
+
+    member: Member
+    content: Node | None
+
+
+def hung(
+    plan: Plan, wanted: Iterable[Wanted], parts: Iterable[Part], inner: Sequence[list[Hung]]
+) -> list[Hung]:
+    """The members of a plan: its own sources and those of the recipes in it, in the order of a manifest.
+
+    `wanted` and `inner`, the members of each that is a recipe itself, have the base first and then the parts.
+    """
+    base, *others = wanted
+    found = [_own(each, base) for each in _of_base(plan, base, inner[0])]
+    for step, each, part, below in zip(plan.parts, others, parts, inner[1:], strict=True):
+        name = called(step, plan.separator)
+        if isinstance(each.model, Plan):
+            moved = [_moved(member, name, part, plan.separator, _cut(each)) for member in below]
+            found += [_own(member, each) for member in moved]
+        elif each.model is not None:
+            keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
+            member = Member(
+                name, part.prefix, each.model,
+                keys=keys, welded=part.weld, stands=each.stands, obscure=_cut_urdf(each), subtree=each.body,
+            )  # fmt: skip
+            found.append(_own(Hung(member, part.content), each))
+    return _changed(plan, found)
+
+
+def _own(each: Hung, wanted: Wanted) -> Hung:
+    """With what the edits of a part, and what is left out of it, change in its members."""
+    member = with_edits(each.member, wanted.edit)
+    dropped = {each.section for each in wanted.drop}
+    if "keyframe" in dropped:
+        member = replace(member, keys=None)
+    if not dropped <= _WITHOUT_ELEMENTS:
+        member = replace(member, reduced="the recipe leaves out elements")
+    return Hung(member, each.content)
+
+
+def _cut(wanted: Wanted) -> str | None:
+    return None if wanted.body is None else f"only its body `{wanted.body}` was taken"
+
+
+def _cut_urdf(wanted: Wanted) -> str | None:
+    return _cut(wanted) if isinstance(wanted.model, Source) and wanted.model.format == "urdf" else None
+
+
+def placed(found: Iterable[Hung], root: Node) -> tuple[Member, ...]:
+    """The members with their places read from the finished model."""
+    settings = read_settings(root)
+    degrees, sequence = settings.angle == "degree", settings.eulerseq
+    return tuple(_place(each, degrees, sequence) for each in found)
+
+
+def _of_base(plan: Plan, base: Wanted, inner: list[Hung]) -> Iterator[Hung]:
+    without_keys = base.keyframes == "none"
+    if isinstance(base.model, Plan):
+        for each in inner:
+            member = replace(
+                each.member,
+                part=f"{BASE}{plan.separator}{each.member.part}",
+                keys=None if without_keys else each.member.keys,
+                obscure=each.member.obscure or _cut(base),
+            )
+            yield Hung(member, each.content)
+    elif base.model is not None:
+        keys = None if without_keys else ""
+        member = Member(
+            BASE, "", base.model, keys=keys, stands=base.stands, obscure=_cut_urdf(base), subtree=base.body
+        )
+        yield Hung(member, None)
+
+
+def _moved(each: Hung, name: str, part: Part, separator: str, cut: str | None) -> Hung:
+    """A member of a nested recipe, as it is in the recipe around that."""
+    member = each.member
+    keys = member.keys
+    outer = part.prefix if part.keyframes == "prefix" else ""
+    if part.keyframes == "none" or keys is None:
+        keys = None
+    elif part.keyframes == "prefix":
+        keys = outer + keys
+    member = replace(
+        member,
+        part=f"{name}{separator}{member.part}",
+        prefix=part.prefix + member.prefix,
+        keys=keys,
+        replaced_keys=tuple(outer + name for name in member.replaced_keys),
+        welded=member.welded or part.weld,
+        obscure=member.obscure or cut,
+    )
+    return Hung(member, part.content if each.content is None else each.content)
+
+
+def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
+    """With what the recipe's own settings change in its members."""
+    for step in plan.steps:
+        if isinstance(step, SetDefault):
+            owner = "" if step.name == MAIN else _longest(step.name, [each.member.prefix for each in found])
+            rows = [(row.tag, name) for row in step.element.children for name in row.attributes]
+            arrays = [array for tag, name in rows for array in arrays_of(name, tag)]
+            found = [_with(each, arrays) if each.member.prefix == owner else each for each in found]
+        elif isinstance(step, DrawValues) and step.sample:
+            found = [_with(each, arrays_of_draw(step)) for each in found]
+        elif isinstance(step, SetSingleton) and step.section == "compiler":
+            written = step.element.attributes
+            if not _MASSES.isdisjoint(written):
+                found = [_with(each, arrays_of("mass")) for each in found]
+            if "lengthrange" in {child.tag for child in step.element.children}:
+                found = [_with(each, arrays_of("lengthrange")) for each in found]
+            for name in sorted(_RESHAPING & written.keys()):
+                reason = f"the recipe sets `compiler.{name}`, which takes elements away"
+                found = [Hung(replace(each.member, obscure=reason), each.content) for each in found]
+    written_keys = tuple(step.key.name for step in plan.keyframes)
+    found = [
+        Hung(replace(each.member, replaced_keys=(*each.member.replaced_keys, *written_keys)), each.content)
+        for each in found
+    ]
+    prefixes = {each.member.prefix for each in found}
+    for each_edit in (step.edit for step in plan.edits):
+        found = [
+            Hung(with_edits(each.member, [each_edit]), each.content)
+            if reaches(each_edit.select, each.member.prefix, prefixes)
+            else each
+            for each in found
+        ]
+    for check in plan.checks:
+        if not isinstance(check, Unchanged):
+            continue
+        meant = of_part([each.member for each in found], check.part, plan.separator)
+        arrays = [array for name in check.excepted for array in arrays_of(name)]
+        found = [_with(each, arrays) if each.member in meant else each for each in found]
+    return found
+
+
+def _longest(name: str, prefixes: Iterable[str]) -> str:
+    return max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
+
+
+def _with(each: Hung, arrays: Iterable[str]) -> Hung:
+    changed = tuple(sorted({*each.member.changed, *arrays}))
+    return Hung(replace(each.member, changed=changed), each.content)
+
+
+def _place(each: Hung, degrees: bool, sequence: str) -> Member:
+    pose: Pose | None = IN_PLACE
+    node = each.content
+    while node is not None and node.tag in ("frame", "replicate"):
+        known = pose if node.tag == "frame" else None
+        pose = None if known is None else read_pose(node, degrees, sequence) @ known
+        node = node.getparent()
+    if node is None or node.tag != "body":
+        return replace(each.member, pose=pose)
+    name = node.get("name")
+    if not name:
+        return replace(each.member, pose=pose, obscure="it hangs on a body without a name")
+    return replace(each.member, body=str(name), pose=pose)

@@ -1,0 +1,162 @@
+"""The edits and draws of a whole recipe, in two rounds: all but those of keys, then these, when keys are laid out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.compose.edit import edit, is_of_keys
+from composer.compose.editing import Editing
+from composer.compose.elements import Making
+from composer.compose.randomize import draw_values
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.document.node import Mapping as Located
+from composer.document.node import texts
+from composer.link.key_layouts import keys_of
+from composer.link.keyframes import lay_out_replaced
+from composer.link.linking import Linking
+from composer.plan.drawn import Drawn, Tabled
+from composer.plan.plan import EditElements, Plan
+
+_CERTAIN = ("selector", "unknown-name", "unknown-attribute")
+_SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """What a recipe changes in its model; `drawn` and `tabled` grow with what was drawn."""
+
+    plan: Plan
+    linking: Linking
+    making: Making
+    parts: Mapping[Node, str]
+    drawn: list[Drawn] = field(default_factory=list)
+    tabled: list[Tabled] = field(default_factory=list)
+
+    def of_elements(self) -> None:
+        """All but those of keys."""
+        self._edit(of_keys=False)
+        self._draw(of_keys=False)
+
+    def in_doubt(self) -> bool:
+        """Edits of a model that lacks what is at fault elsewhere: those of one name, and what is wrong in any case.
+
+        Whether the elements have the names then that keys call them by.
+        """
+        making, told = self.making, self.making.sink
+        making.sink = self.linking.sink = aside = told.fork()
+        aside.forgive(_declared(self.plan.document))
+        try:
+            return self._edit_by_name(aside)
+        finally:
+            making.sink = self.linking.sink = told
+            for each in aside.errors:
+                if each.code in _CERTAIN:
+                    told.add(each)
+
+    def _edit_by_name(self, sink: Sink) -> bool:
+        editing = self._editing()
+        for step in self.plan.edits:
+            before, selector = sink.error_count, step.edit.select
+            is_certain = selector.is_one_name and not sink.forgives(selector.pattern)
+            if is_certain and not is_of_keys(step):
+                edit(step, editing)
+            if step.edit.rename is not None and (not is_certain or sink.error_count > before):
+                return False
+        return True
+
+    def of_keys(self) -> None:
+        """Those of keys; edits come before the keys that the recipe writes itself."""
+        if any(is_of_keys(step) for step in self.plan.edits):
+            places = self._taken_out()
+            self._edit(of_keys=True)
+            self._put_back(places)
+        self._draw(of_keys=True)
+
+    def _edit(self, of_keys: bool) -> None:
+        editing = self._editing()
+        replaced = lay_out_replaced(self.linking) if of_keys else []
+        for step in self.plan.edits:
+            if is_of_keys(step) == of_keys:
+                # What else is done to a key that the recipe writes anew would be lost.
+                stand_ins = replaced if step.edit.remove or step.edit.rename is not None else []
+                replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
+                if not stand_ins:
+                    edit(step, editing)
+                self.linking.watch(self.linking.units, step)
+
+    def _draw(self, of_keys: bool) -> None:
+        """On what is there after all edits."""
+        editing = self._editing()
+        for step in self.plan.draws:
+            if is_of_keys(step) == of_keys:
+                values, rows = draw_values(step, editing)
+                self.drawn.extend(values)
+                self.tabled.extend(rows)
+                self.linking.watch(self.linking.units, step)
+
+    def _editing(self) -> Editing:
+        return Editing(self.linking, self.making, self.plan.scope, self.parts)
+
+    def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
+        """Carry out an edit with keys in the model that are replaced afterwards; gives those that still are."""
+        names = [str(key.get("name")) for key in keys]
+        self.linking.base.section("keyframe").extend(keys)
+        for key in keys:
+            editing.note(key)
+        edit(step, editing)
+        left = [
+            key
+            for key, name in zip(keys, names, strict=True)
+            if key.getparent() is not None and key.get("name") == name
+        ]
+        for key in left:
+            editing.forget(key)
+            _section(key).remove(key)
+        return left
+
+    def _taken_out(self) -> list[tuple[Node, Node]]:
+        """The keys that the recipe writes, taken out of the model, each with what stands in its place."""
+        names = {key.name for key in self.linking.written_keys}
+        places: list[tuple[Node, Node]] = []
+        for key in keys_of(self.linking.base):
+            if key.get("name") in names:
+                place = etree.Comment("")
+                _section(key).replace(key, place)
+                places.append((key, place))
+        return places
+
+    def _put_back(self, places: list[tuple[Node, Node]]) -> None:
+        base = self.linking.base
+        others = {key.get("name"): key for key in keys_of(base)}
+        for key, place in places:
+            section = place.getparent()
+            if section is None or section.getparent() is not base.root:
+                base.section("keyframe").append(key)
+            else:
+                section.replace(place, key)
+            if (other := others.get(key.get("name"))) is not None:
+                self.making.sink.error(
+                    "name-clash",
+                    f"a key cannot be called `{key.get('name')}`: the recipe writes a key of that name",
+                    base.origins.span(other, base.file, "name"),
+                    notes=(Note("the other one", base.origins.span(key, base.file)),),
+                    help="choose another name",
+                )
+
+
+def _section(key: Node) -> Node:
+    section = key.getparent()
+    assert section is not None
+    return section
+
+
+def _declared(document: Located) -> Iterator[str]:
+    """Every text in a recipe that may be the name of something which is not there for another fault."""
+    for section, (_, value) in document.entries.items():
+        if section not in _SECTIONS_WITHOUT_NAMES:
+            yield from texts(value)

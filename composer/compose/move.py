@@ -1,0 +1,103 @@
+"""Verb `move`: an element comes to stand in another body or frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.compose.edit_values import Unusable, Values
+from composer.compose.editing import Editing
+from composer.compose.reference_check import not_there
+from composer.diagnostics.diagnostic import Note
+from composer.link.layout import JOINTS
+from composer.recipe.fault import Path
+from composer.tree.classes import MAIN, NESTED, childclass_of, through_frames
+from composer.tree.kinds import kind_of
+from composer.tree.names import WORLD
+
+
+def move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
+    """Put a node last into its new place; it keeps its class, and its pose there is the one it is written with."""
+    target = _target(editing, node, index, written["to"], (*at, "to"))
+    span = editing.span((*at, "to"))
+    if node is target or node in list(target.iterancestors()):
+        editing.sink.error("wrong-type", f"{editing.called(node)} cannot be moved into itself", span)
+        raise Unusable
+    kind = kind_of(target)
+    if str(node.tag) not in kind.children:
+        editing.sink.error(
+            "unknown-element",
+            f"{editing.called(node)} cannot stand in {editing.called(target)}",
+            span,
+            notes=(Note("it is written here", editing.span_of(node)),),
+        )
+        raise Unusable
+    _check_free(editing, node, target, at)
+    _keep_class(editing, node, target)
+    origins = editing.making.origins
+    owner = origins.owner(node, editing.making.base_file)
+    for joint in node.iter(*JOINTS):
+        editing.linking.reshaped.add(joint)
+    target.append(node)
+    origins.owners.setdefault(node, owner)
+
+
+def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) -> Node:
+    kind = "body"
+    if isinstance(written, dict):
+        kind, written, at = "frame", written["frame"], (*at, "frame")
+    name = str(Values(editing, node, index, at).of(written, at))
+    if kind == "body" and name == WORLD:
+        return editing.linking.base.section("worldbody")
+    found = editing.index.find(kind, name)
+    if found is None:
+        shown = "to: NAME" if kind == "body" else "to: {frame: NAME}"
+        not_there(editing.linking, editing.sink, kind, name, editing.span(at), shown, purpose=" to move to")
+        raise Unusable
+    return found
+
+
+def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
+    """What floats can only stand in the world."""
+    outer: Node | None = target
+    while outer is not None and outer.tag in ("frame", "replicate"):
+        outer = outer.getparent()
+    if outer is None or outer.tag == "worldbody" or node.tag != "body":
+        return
+    is_mocap = node.get("mocap") == "true"
+    floats = any(
+        child.tag == "freejoint" or (child.tag == "joint" and editing.effective(child, "type") == "free")
+        for child in through_frames(node)
+    )
+    if not (is_mocap or floats):
+        return
+    what = "is a mocap body" if is_mocap else "has a free joint"
+    editing.sink.error(
+        "mocap-on-body" if is_mocap else "freejoint-on-body",
+        f"{editing.called(node)} {what} and cannot stand below {editing.called(outer)}",
+        editing.span((*at, "to")),
+        notes=(Note("it is written here", editing.span_of(node)),),
+        help="set `mocap: false` first"
+        if is_mocap
+        else "remove its free joint first, or move it to the world",
+    )
+    raise Unusable
+
+
+def _keep_class(editing: Editing, node: Node, target: Node) -> None:
+    """The class in force at the old place is written where the new place has another."""
+    before = childclass_of(node)
+    after = str(target.get("childclass") or "") or childclass_of(target)
+    if before == after:
+        return
+    if node.tag in NESTED:
+        if not node.get("childclass"):
+            editing.forget(node)
+            node.set("childclass", before or MAIN)
+            editing.note(node)
+    elif kind_of(node).takes_class and not node.get("class"):
+        editing.forget(node)
+        node.set("class", before or MAIN)
+        editing.note(node)

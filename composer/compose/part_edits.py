@@ -1,0 +1,92 @@
+"""Step: `drop` and `edit` of a base or a part, carried out on it alone, in its own names, before it meets others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, replace
+
+from lxml.etree import _Element as Node
+
+from composer.compose.drop import drop
+from composer.compose.edit import edit, is_of_keys
+from composer.compose.editing import Editing
+from composer.compose.elements import Making
+from composer.compose.intervals import check_intervals
+from composer.compose.subtree import Wanted
+from composer.context import Context
+from composer.document.node import locate
+from composer.link.key_layouts import layouts, remove_keys
+from composer.link.keyframes import keyframes
+from composer.link.linking import Linking, Measure
+from composer.link.multiplied import element_of
+from composer.link.subtree import Left
+from composer.plan.plan import DropElements, EditElements, Plan
+from composer.tree.key import Key, PartKeys
+from composer.tree.unit import Unit
+from composer.tree.watch import Watch
+
+
+@dataclass(slots=True)
+class OwnEdits:
+    """Edits a unit. Keys follow: what has been changed in them by hand comes after they are laid out anew."""
+
+    plan: Plan
+    wanted: Wanted
+    unit: Unit
+    context: Context
+    measure: Measure | None
+    watch: Watch
+
+    def carry_out(self) -> tuple[Left, ...] | None:
+        """Drop and edit; gives what was dropped, or None where something was wrong, which is told."""
+        before = self.context.sink.error_count
+        if self.wanted.keyframes == "none":
+            remove_keys(self.unit)
+        linking = Linking(self.unit, [], self.context.sink, self.plan.separator, measure=self.measure)
+        layouts(linking)
+        editing = self._editing(linking)
+        gone = self._dropped(editing) if self.wanted.drop else []
+        steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
+        self._edited([step for step in steps if not is_of_keys(step)], editing)
+        if self.context.sink.error_count == before:
+            inner = _still_meant(self.unit.part_keys, linking.emptied)
+            keyframes(linking)
+            self.watch([self.unit], keyframes)
+            self.unit.part_keys = inner
+            self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
+        self.unit.forget_classes()
+        return tuple(gone) if self.context.sink.error_count == before else None
+
+    def _editing(self, linking: Linking) -> Editing:
+        plan, unit = self.plan, self.unit
+        unit.origins.texts[plan.file] = plan.path
+        making = Making(
+            plan.document, plan.file, self.context.sink, plan.readings,
+            unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
+        )  # fmt: skip
+        return Editing(linking, making, plan.scope, own=True)
+
+    def _dropped(self, editing: Editing) -> list[Left]:
+        at = (*self.wanted.at, "drop")
+        gone = drop(self.wanted.drop, editing, at)
+        self.watch([self.unit], DropElements(self.wanted.drop, locate(self.plan.document, at)))
+        return gone
+
+    def _edited(self, steps: list[EditElements], editing: Editing) -> None:
+        for step in steps:
+            edit(step, editing)
+            self.watch([self.unit], step)
+        check_intervals(editing.making)
+
+
+def _still_meant(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
+    """The keys of the parts of a nested recipe, by the same paths, without the numbers that mean nothing any more."""
+
+    def kept(key: Key) -> Key:
+        values = {
+            vector: {holder: row for holder, row in columns.items() if element_of(holder) not in emptied}
+            for vector, columns in key.values.items()
+        }
+        return replace(key, values=values)
+
+    return {path: PartKeys(depth, tuple(map(kept, found))) for path, (depth, found) in keys.items()}

@@ -1,0 +1,52 @@
+"""What the edits of a recipe change in the sources that are in it, on purpose."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
+
+from composer.compiled.affected_arrays import arrays_of
+from composer.plan.part_record import Member
+from composer.recipe.edit import Edit
+from composer.recipe.subscript import attribute_and_index
+from composer.tree.selector import XPATH, Selector
+
+_REBUILDING = ("convert", "move", "remove")
+_HEAD = re.compile(r"[^*?{\[]*")
+
+
+def with_edits(member: Member, edits: Iterable[Edit]) -> Member:
+    """The member with the arrays that edits change in it, or why it is not what its source is at all."""
+    changed, reduced = set(member.changed), member.reduced
+    for edit in edits:
+        if any(getattr(edit, verb) for verb in _REBUILDING):
+            reduced = reduced or "the recipe takes away, moves or converts elements"
+        changed |= {array for tag, name in _attributes(edit) for array in arrays_of(name, tag)}
+    return replace(member, changed=tuple(sorted(changed)), reduced=reduced)
+
+
+def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
+    """Whether what is selected may be of the member with that prefix, as far as the beginning of names tells."""
+    if selector.tag == XPATH or selector.pattern.startswith("/"):
+        return True
+    found = _HEAD.match(selector.pattern)
+    head = found[0] if found is not None else ""
+    if head != selector.pattern and prefix.startswith(head):
+        return True
+    return prefix == max((each for each in prefixes if head.startswith(each)), key=len, default=prefix)
+
+
+def _attributes(edit: Edit) -> Iterator[tuple[str | None, str]]:
+    """What is set, scaled, offset and unset: the tag, where it is known, and the attribute."""
+    tag = None if "/" in edit.select.tag or edit.select.tag == XPATH else edit.select.tag
+    for values in (edit.set, edit.scale, edit.offset):
+        for name, value in values.items():
+            if isinstance(value, Mapping):  # of a class or of a section
+                yield from ((name, attribute_and_index(inner)[0]) for inner in value)
+            else:
+                yield tag, attribute_and_index(name)[0]
+    if isinstance(edit.unset, Mapping):
+        yield from ((tag, name) for tag, names in edit.unset.items() for name in names)
+    else:
+        yield from ((tag, name) for name in edit.unset)

@@ -1,0 +1,299 @@
+"""Step: the values of a field of `randomize` are drawn for a sample and written into a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import zip_longest
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.compose.edit import Change
+from composer.compose.edit_values import Unusable, Values
+from composer.compose.editing import Editing
+from composer.compose.mass import Masses
+from composer.compose.select import counted
+from composer.diagnostics.diagnostic import Note
+from composer.expr.angle import Angle
+from composer.expr.value import Value
+from composer.grammar.degrees import is_in_degrees
+from composer.numerics.stream import bits
+from composer.plan.angle_context import Reading
+from composer.plan.drawn import Drawn, Tabled
+from composer.plan.plan import DrawValues
+from composer.recipe.distribution import CHOICE
+from composer.recipe.draw_field import must_not_be_negative
+from composer.recipe.edit_values import MASS
+from composer.recipe.subscript import attribute_and_index
+from composer.tree.kinds import kind_of
+from composer.tree.select import name_of, parent_of
+from composer.tree.selector import XPATH
+
+
+def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[Tabled]]:
+    """Give every selected element what is drawn for it. What cannot be is told, once a field.
+
+    For sample 0 nothing is written: the draws of all others are looked at, so that a fault is known before they are
+    built, and given where a table is made of them.
+    """
+    entry = step.field
+    assert entry.select is not None
+    at = (*entry.at, "expect")
+    found = counted(editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at)
+    drawing = _Draws(step, editing, Masses(editing, found))
+    drawn: list[Drawn] = []
+    tabled: list[Tabled] = []
+    try:
+        for index, node in enumerate(found):
+            if step.sample:
+                drawn.append(drawing.write(node, index))
+                continue
+            drawing.check(node, range(1, step.samples + 1))
+            if step.tabled:
+                tabled.append(drawing.tabled(node))
+    except Unusable:
+        return [], []
+    return drawn, tabled
+
+
+@dataclass(slots=True)
+class _Draws:
+    """The draws of one field in one model."""
+
+    step: DrawValues
+    editing: Editing
+    masses: Masses
+    numbers: dict[Node, dict[Node, int]] = field(default_factory=dict)
+
+    def write(self, node: Node, index: int) -> Drawn:
+        """Change an element as the sample's draw says."""
+        step, entry = self.step, self.step.field
+        self.check(node, (step.sample,))
+        drawn = self._drawn(node, step.sample)
+        at = (*entry.at, "attr")
+        written = self._with_unit(node, drawn)
+        self.editing.linking.drawn.setdefault(node, {})[entry.name] = written
+        Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
+        return self._told(node, drawn)
+
+    def _with_unit(self, node: Node, drawn: Any) -> Any:
+        """The draw as it would be written beside the attribute, of whose file bare angles need not be."""
+        entry = self.step.field
+        unit: str | None = entry.drawing.unit
+        items = drawn if isinstance(drawn, list) else [drawn]
+        turned = [True] * len(items)
+        if unit is None and entry.operation != "scale":
+            unit, turned = (
+                {"degree": "deg", "radian": "rad"}.get(self._reading.angle or ""),
+                self._angles(node),
+            )
+        written = [
+            f"{each!r}{unit}" if unit and is_angle and isinstance(each, int | float) else each
+            for each, is_angle in zip_longest(items, turned[: len(items)])
+        ]
+        return written if isinstance(drawn, list) else written[0]
+
+    def tabled(self, node: Node) -> Tabled:
+        """The draws of all samples for an element."""
+        step = self.step
+        draws = [self._told(node, self._drawn(node, sample)) for sample in range(1, step.samples + 1)]
+        angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
+        kind = kind_of(node)
+        return Tabled(
+            draws[0], step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
+            tuple(each.value for each in draws), angles, self._reading.angle,
+        )  # fmt: skip
+
+    def _told(self, node: Node, drawn: Any) -> Drawn:
+        entry = self.step.field
+        name, subscript = attribute_and_index(entry.attr)
+        return Drawn(
+            entry.name, self.identity(node), name, entry.operation, self._in_radians(node, drawn),
+            entry.per == "sample", subscript or 0,
+        )  # fmt: skip
+
+    def identity(self, node: Node) -> str:
+        """What an element's draws go by: its name, or else what it stands in and its number there.
+
+        Of those without a name only such as have none either are counted.
+        """
+        name = name_of(node)
+        if name:
+            select = self.step.field.select
+            return f"{node.tag} {name}" if select is not None and select.tag == XPATH else name
+        parent = parent_of(node)
+        if parent is None:
+            return str(node.tag)
+        if parent not in self.numbers:
+            unnamed: dict[str, list[Node]] = {}
+            for each in parent.iterdescendants(str(node.tag)):
+                if not name_of(each) and parent_of(each) is parent:
+                    unnamed.setdefault(str(each.tag), []).append(each)
+            self.numbers[parent] = {each: n for nodes in unnamed.values() for n, each in enumerate(nodes)}
+        number = self.numbers[parent].get(node, 0)
+        return f"{self.identity(parent) if parent.tag != 'worldbody' else 'world'} {node.tag}#{number}"
+
+    @property
+    def _reading(self) -> Reading:
+        return self.editing.making.readings.at(self.step.field.drawn_at)
+
+    def _values(self, node: Node) -> Values:
+        return Values(self.editing, node, 0, self.step.field.drawn_at)
+
+    # -- what is drawn -----------------------------------------------------------------------------------------
+
+    def _drawn(self, node: Node, sample: int) -> Any:
+        """A number, a list with one for each component, or what was chosen; in the recipe's unit."""
+        entry, step = self.step.field, self.step
+        _, subscript = attribute_and_index(entry.attr)
+        element = "" if entry.per == "sample" else self.identity(node)
+
+        def one(component: int) -> Any:
+            found = bits(step.seed, sample, entry.name, element, component)
+            return entry.drawing.draw(found, component if subscript is None else 0)
+
+        if entry.drawing.is_whole or subscript is not None:
+            return one(subscript or 0)
+        count = self._count(node)
+        return one(0) if count is None else [one(component) for component in range(count)]
+
+    def _count(self, node: Node) -> int | None:
+        """How many numbers the attribute has; None for one alone."""
+        entry, kind = self.step.field, kind_of(node)
+        attribute = kind.attributes.get(entry.attr)
+        if attribute is None or not attribute.is_number or attribute.max_length == 1:
+            return None  # what no such element has is told where it is written
+        now = self._values(node).now(attribute)
+        wanted = entry.drawing.components
+        have = len(now) if isinstance(now, tuple) else None
+        if now is None:
+            have = wanted or (attribute.max_length if attribute.max_length == attribute.min_length else None)
+        if have is None and now is None:
+            message = f"{self.editing.called(node)} has no `{entry.attr}`: how many numbers are to be drawn?"
+            self._fault(
+                "wrong-length",
+                message,
+                node,
+                help=f'draw one, `attr: "{entry.attr}[0]"`, or a list of bounds',
+            )
+        if wanted is not None and wanted != have:
+            numbers = "1 number" if have is None else f"{have} numbers"
+            message = f"`{entry.attr}` of {self.editing.called(node)} has {numbers}, `{entry.drawing.kind}` {wanted}"
+            self._fault("wrong-length", message, node)
+        return have
+
+    # -- whether it can be ---------------------------------------------------------------------------------------
+
+    def check(self, node: Node, samples: Iterable[int]) -> None:
+        """Tell the first of the samples whose draw makes a number that has no meaning; raises `Unusable`."""
+        entry = self.step.field
+        name, subscript = attribute_and_index(entry.attr)
+        kind = kind_of(node)
+        attribute = kind.attributes.get(name)
+        is_mass = kind.path == "body" and name == MASS
+        self._check_unit(node)
+        values = self._values(node)
+        now = values.now(attribute, subscript) if attribute is not None and not is_mass else None
+        if attribute is not None and now is None and entry.operation != "set" and not is_mass:
+            message = (
+                f"{self.editing.called(node)} has no `{entry.attr}` that `{entry.operation}` could start from"
+            )
+            self._fault("wrong-type", message, node)
+        drawing = entry.drawing
+        if drawing.is_whole or (not is_mass and (attribute is None or not attribute.is_number)):
+            return
+        count = None if is_mass or subscript is not None else self._count(node)
+        bases = now if isinstance(now, tuple) else (now,)
+        for component in range(count or 1):
+            place = component if subscript is None else subscript
+            if not must_not_be_negative(name, place):
+                continue
+            if entry.operation != "offset" and min(drawing.extremes(component), default=0.0) >= 0:
+                continue
+            base = self.masses.of(node, entry.drawn_at) if is_mass else bases[component]
+            self._check_numbers(node, samples, component, base)
+
+    def _check_numbers(self, node: Node, samples: Iterable[int], component: int, base: Any) -> None:
+        entry = self.step.field
+        for sample in samples:
+            drawn = self._drawn(node, sample)
+            one = drawn[component] if isinstance(drawn, list) else drawn
+            number = (
+                one if entry.operation == "set" else one * base if entry.operation == "scale" else one + base
+            )
+            if number < 0:
+                called = self.editing.called(node)
+                message = (
+                    f"sample {sample} of field `{entry.name}` gives {called} the {entry.attr} {number:.6g}"
+                )
+                help = "draw from what has a bound: `truncnormal: {mean: …, std: …, min: 0, max: …}`"
+                self._fault("out-of-range", message, node, help=help)
+
+    def _check_unit(self, node: Node) -> None:
+        """An angle is drawn in a unit."""
+        entry = self.step.field
+        drawing = entry.drawing
+        if entry.operation == "scale" or drawing.unit is not None or self._reading.angle is not None:
+            return
+        if not any(self._angles(node)) or drawing.is_whole:
+            return
+        if drawing.kind == CHOICE:
+            bare = any(not isinstance(each, str) and each != 0 for each in drawing.values)
+        else:
+            bare = any(each != 0 for items in drawing.parameters.values() for each in items)
+        if bare:
+            message = (
+                f"`{entry.attr}` of {self.editing.called(node)} is an angle, and `{drawing.kind}` has no unit"
+            )
+            help = "write the unit behind the numbers (`5deg`, `0.1rad`), or `angle: degree` at the top of the recipe"
+            self._fault("bare-angle", message, node, help=help)
+
+    def _angles(self, node: Node) -> list[bool]:
+        """Which of the numbers that are drawn are angles."""
+        name, subscript = attribute_and_index(self.step.field.attr)
+        attribute = kind_of(node).attributes.get(name)
+        if attribute is None or attribute.angle is None:
+            return []
+        count = max(attribute.max_length or 4, 1 + (subscript or 0))
+        angles = set(self._values(node).angles(attribute, count))
+        return [n in angles for n in (range(count) if subscript is None else (subscript,))]
+
+    def _in_radians(self, node: Node, drawn: Any) -> Value:
+        """The draw as the manifest has it: angles in radians, but for what MuJoCo has in degrees."""
+        if not isinstance(drawn, list):
+            return self._one_in_radians(node, drawn, any(self._angles(node)[:1]))
+        turned = [*self._angles(node), *[False] * len(drawn)]
+        return tuple(self._one_in_radians(node, each, turned[n]) for n, each in enumerate(drawn))
+
+    def _one_in_radians(self, node: Node, drawn: Value, is_angle: bool) -> Value:
+        entry = self.step.field
+        own = "deg" if is_in_degrees(str(node.tag), attribute_and_index(entry.attr)[0]) else "rad"
+        if isinstance(drawn, str):
+            angle = Angle.read(drawn)
+            return drawn if angle is None else angle.in_unit(own)
+        unit = entry.drawing.unit
+        if unit is None and is_angle and entry.operation != "scale":
+            unit = "deg" if self._reading.angle == "degree" else "rad"
+        if unit is None or isinstance(drawn, tuple):
+            return drawn
+        return Angle(drawn, unit).in_unit(own)
+
+    def _fault(self, code: str, message: str, node: Node, help: str | None = None) -> None:
+        editing = self.editing
+        notes = (Note(f"{editing.called(node)} is written here", editing.span_of(node)),)
+        editing.sink.error(code, message, editing.span(self.step.field.drawn_at), notes=notes, help=help)
+        raise Unusable
+
+
+def _place(node: Node) -> tuple[str, int, int] | None:
+    """Of an element in a body: the body, which one of its elements of that tag it is, and how many there are."""
+    body = parent_of(node)
+    if body is None or body.tag not in ("body", "worldbody"):
+        return None
+    name = "world" if body.tag == "worldbody" else name_of(body)
+    if name is None:
+        return None
+    tags = ("joint", "freejoint") if node.tag in ("joint", "freejoint") else (str(node.tag),)
+    alike = [each for each in body.iterdescendants(*tags) if parent_of(each) is body]
+    return name, alike.index(node), len(alike)

@@ -1,0 +1,119 @@
+"""Verb `remove`: elements are taken out, alone or with all that refers to them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lxml.etree import _Element as Node
+
+from composer.compose.editing import Editing
+from composer.diagnostics.diagnostic import Note
+from composer.link.subtree import Left
+from composer.recipe.fault import Path
+from composer.tree.kinds import kind_of, naming_attribute, section_of
+from composer.tree.name_index import is_list
+from composer.tree.names import declaration, word
+from composer.tree.removal import can_do_without, is_section, referrers, whole
+
+_SHOWN = 20
+
+
+def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[Left]:
+    """Take the nodes out; gives all that has gone. Without `cascade` it is told who refers to them, and all stays."""
+    going = _outermost(nodes)
+    using = referrers(editing.index, going)
+    if not cascade and using:
+        _still_needed(editing, going, using, at)
+        return []
+    while falling := [
+        whole(node) for (node, _), namespace, _ in using if not can_do_without(node, namespace)
+    ]:
+        going = _outermost([*going, *falling])
+        using = referrers(editing.index, going)
+    for (node, attribute), _, _ in using:
+        editing.forget(node)
+        node.attrib.pop(attribute, "")
+        editing.note(node)
+    gone: list[Left] = []
+    for node in going:
+        gone += _named(node)
+        _take_out(editing, node)
+    linking = editing.linking
+    linking.files = [use for use in linking.files if _stands(use.element, editing.root)]
+    return gone
+
+
+def _stands(node: Node, root: Node) -> bool:
+    return node.getroottree().getroot() is root
+
+
+def _outermost(nodes: Iterable[Node]) -> list[Node]:
+    """Each node once, none that is inside another."""
+    wanted = dict.fromkeys(nodes)
+    return [node for node in wanted if not any(above in wanted for above in node.iterancestors())]
+
+
+def _take_out(editing: Editing, node: Node) -> None:
+    for each in node.iter("*"):
+        if not is_section(each) and each is not editing.root:
+            editing.forget(each)
+    if section_of(node) == "default":
+        editing.reshaped(node)
+    parent = node.getparent()
+    assert parent is not None
+    parent.remove(node)
+    editing.linking.base.forget_classes()
+
+
+def _named(node: Node) -> list[Left]:
+    """What goes, as it is listed: everything in the body tree, elsewhere the element as a whole."""
+    section = section_of(node)
+    inside = node.iter("*") if section in ("worldbody", "default") else [node]
+    found = []
+    for each in inside:
+        if each.tag in ("frame", "replicate") or is_section(each):
+            continue
+        declared = declaration(each, section)
+        naming = naming_attribute(kind_of(each))
+        if declared is None and naming is None and each is not node:
+            continue
+        found.append(Left(_what(each, section), declared[1] if declared else ""))
+    return found
+
+
+def _what(node: Node, section: str) -> str:
+    if section in ("tendon", "equality", "actuator", "sensor"):
+        return section
+    return "joint" if node.tag == "freejoint" else word(str(node.tag))
+
+
+def _still_needed(
+    editing: Editing, going: list[Node], using: list[tuple[tuple[Node, str], str, str]], at: Path
+) -> None:
+    notes = []
+    seen: set[Node] = set()
+    for (node, attribute), namespace, name in using:
+        user = whole(node)
+        if user in seen:
+            continue
+        seen.add(user)
+        if len(seen) <= _SHOWN:
+            notes.append(
+                Note(
+                    f"{editing.called(user)} refers to the {word(namespace)} `{name}` by `{attribute}`",
+                    editing.span_of(
+                        node, attribute if not is_list(node, attribute, section_of(node)) else None
+                    ),
+                )
+            )
+    if len(seen) > _SHOWN:
+        notes.append(Note(f"and {len(seen) - _SHOWN} more"))
+    what = editing.called(going[0]) if len(going) == 1 else f"{len(going)} elements"
+    alone = len(going) == 1
+    editing.sink.error(
+        "still-referred-to",
+        f"{what} cannot be removed alone: {'it is' if alone else 'they are'} referred to",
+        editing.span(at),
+        notes=notes,
+        help="write `remove: cascade` to take along what refers to it",
+    )

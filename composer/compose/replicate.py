@@ -1,0 +1,19 @@
+"""Where the copies of a part are, as MuJoCo's `<replicate>` has it."""
+
+from __future__ import annotations
+
+from composer.compose.elements import Making, in_radians, plain
+from composer.link.replicate_poses import row
+from composer.numerics.pose import Pose
+from composer.plan.plan import AttachPart
+
+
+def copy_pose(step: AttachPart, making: Making) -> Pose:
+    """The pose of a copy in the frame of the first one; each axis stands in the frame of the one before it."""
+    pose = Pose()
+    reading = making.readings.at((*step.at, "replicate"))
+    for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
+        x, y, z = (plain(value) for value in axis.offset)
+        angles = tuple(in_radians(angle, reading) for angle in axis.euler)
+        pose = pose @ row(axis.count, (x, y, z), angles, reading.eulerseq)[number]
+    return pose

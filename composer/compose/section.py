@@ -1,0 +1,93 @@
+"""Steps: what the recipe writes in MJCF's sections."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from composer.compose.elements import Making, default_kind, make, update
+from composer.compose.reference_check import not_there
+from composer.diagnostics.diagnostic import Note
+from composer.grammar import GRAMMAR
+from composer.link.linking import Linking
+from composer.plan.plan import AppendElement, SetDefault, SetSingleton
+from composer.tree.classes import MAIN
+
+
+def set_singleton(step: SetSingleton, linking: Linking, making: Making) -> None:
+    """`option`, `visual` and the like: what the recipe says is written last, so that it holds."""
+    node = linking.base.section(step.section)
+    update(node, step.element, GRAMMAR.section(step.section), making)
+
+
+def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
+    """Set a class, creating it where there is none; `main` is the base's own top class."""
+    name = (linking.base_class or MAIN) if step.name == MAIN else step.name
+    found = linking.names.find("default", name)
+    if found is None and name in (MAIN, linking.base_class):
+        found = linking.base.section("default") if name == MAIN else _class_node(linking, name)
+    if found is None:
+        parent = _parent(step, linking, making)
+        found = etree.Element("default", {"class": name})
+        if parent is not None:  # else that was told, and the class counts as declared all the same
+            parent.append(found)
+        linking.names.declared.setdefault("default", {})[name] = found
+        making.origins.own(found, step.span)
+    elif step.parent is not None:
+        making.sink.error(
+            "class-clash",
+            f"the default class `{step.name}` is there already, and `parent` is for a new one",
+            making.span(step.element, "parent"),
+            notes=(Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),),
+            help="leave `parent` out to change the class, or choose another name",
+        )
+        return
+    for child in step.element.children:
+        kind = default_kind(child.tag)
+        existing = next(found.iterchildren(child.tag), None)
+        if existing is None:
+            # A class's own settings come before the classes nested in it.
+            node = make(child, kind, making)
+            found.insert(len(found) - len(list(found.iterchildren("default"))), node)
+            making.register(node, "default")
+        else:
+            update(existing, child, kind, making)
+            making.made[existing] = child
+            making.registered.append((existing, "default"))
+
+
+def _parent(step: SetDefault, linking: Linking, making: Making) -> etree._Element | None:
+    if step.parent is None or step.parent == MAIN:
+        return (
+            _class_node(linking, linking.base_class)
+            if linking.base_class
+            else linking.base.section("default")
+        )
+    found = linking.names.find("default", step.parent)
+    if found is None:
+        span = making.span(step.element, "parent")
+        not_there(linking, making.sink, "default", step.parent, span, "parent: NAME")
+    return found
+
+
+def _class_node(linking: Linking, name: str) -> etree._Element:
+    return next(node for node in linking.base.root.iter("default") if node.get("class") == name)
+
+
+def append(step: AppendElement, linking: Linking, making: Making) -> None:
+    """An element of a section in which elements follow one another."""
+    section = linking.base.section(step.section)
+    kind = GRAMMAR.section(step.section)
+    node = make(step.element, kind.children[step.element.tag], making)
+    if step.section == "extension":
+        existing = next((plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None)
+        if existing is not None:
+            existing.extend(list(node))
+            for instance in existing:
+                if instance in making.made:
+                    making.register(instance, step.section)
+            return
+    takes_class = "class" in kind.children[step.element.tag].attributes
+    if takes_class and linking.base_class is not None and node.get("class") is None:
+        node.set("class", linking.base_class)
+    section.append(node)
+    making.register(node, step.section)

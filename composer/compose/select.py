@@ -1,0 +1,217 @@
+"""What the selector of an edit finds, with what is told when that is nothing or too much."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache, lru_cache
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.compose.edit_values import Unusable, Values, attributes_scope, equal
+from composer.compose.editing import Editing
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import closest, exists_note
+from composer.expr.angle import Angle
+from composer.expr.error import ExpressionError
+from composer.expr.template import Template
+from composer.expr.value import Value
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.grammar.degrees import is_in_degrees
+from composer.recipe.fault import Path
+from composer.recipe.subscript import attribute_and_index
+from composer.tree.glob import is_glob, matcher
+from composer.tree.kinds import kind_of
+from composer.tree.pattern import SlowPattern
+from composer.tree.select import BadXPath, Selection
+from composer.tree.selector import XPATH, Selector, paths_of
+
+_SHOWN = 12
+
+
+def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | None:
+    """The elements, or None where the selector itself is at fault, which is told; nothing is told of none."""
+    selection = _selection(editing)
+    try:
+        return selection.of(selector)
+    except SlowPattern as slow:
+        editing.sink.error("selector", slow.message, editing.span(path), help=slow.help)
+    except BadXPath as error:
+        editing.sink.error(
+            "selector",
+            f"`{selector.pattern}` is not an XPath for elements: {error}",
+            editing.span((*path, XPATH)),
+        )
+    except Unusable:
+        pass
+    return None
+
+
+def counted(
+    editing: Editing, selector: Selector, path: Path, expect: int | None, optional: bool, counted_at: Path
+) -> list[Node]:
+    """The elements, if there are as many as there must be; that there are not is told."""
+    found = select(editing, selector, path)
+    if found is None:
+        return []
+    if expect is not None and len(found) != expect:
+        notes = [Note(f"it selects {_names(editing, found)}")] if found else [*_existing(editing, selector)]
+        editing.sink.error(
+            "selector",
+            f"`{selector}` selects {_count(len(found))}, expected {expect}",
+            editing.span(counted_at),
+            notes=notes,
+            help=None if not found else f"write `expect: {len(found)}` if that is right",
+        )
+        return []
+    if not found and not optional and expect is None:
+        _nothing(editing, selector, path)
+    return found
+
+
+def _selection(editing: Editing) -> Selection:
+    def holds(node: Node, selector: Selector) -> bool:
+        return _holds(editing, node, selector)
+
+    return Selection(
+        editing.root,
+        editing.classes,
+        editing.linking.separator,
+        editing.parts,
+        editing.linking.base_class,
+        holds,
+    )
+
+
+def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
+    at = (*selector.at, "where")
+    values = Values(editing, node, 0, at)
+    if isinstance(selector.where, str):
+        scope = {**values.scope, **attributes_scope(values)}
+        scope["name"] = values.scope["name"]
+        if _is_of_others(node, selector, scope):
+            return False
+        found = values.evaluated(selector.where, at, scope)
+        if isinstance(found, bool):
+            return found
+        editing.sink.error("wrong-type", "`where` needs `true` or `false`", editing.span(at))
+        raise Unusable
+    kind = kind_of(node)
+    for key, wanted in (selector.where or {}).items():
+        name, index = attribute_and_index(key)
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            return False
+        if name == "name":
+            have = values.scope["name"]
+        else:
+            now = values.now(attribute, index)
+            if now is None:
+                return False
+            have = now
+        meant = values.of(wanted, (*at, key), have)
+        if attribute.is_number:
+            meant = _in_its_unit(values, attribute, index, meant)
+        if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_glob(meant):
+            if not matcher(meant, editing.linking.separator)(str(have)):
+                return False
+        elif not equal(attribute, have, meant):
+            return False
+    return True
+
+
+def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) -> bool:
+    """Whether the condition is about an attribute that other elements of the family have, and this one cannot."""
+    missing = _names_in(str(selector.where)) - scope.keys() - kind_of(node).attributes.keys()
+    return bool(missing) and not missing.isdisjoint(_attributes_of(selector.tag))
+
+
+@lru_cache(maxsize=64)
+def _names_in(condition: str) -> frozenset[str]:
+    """The names in a condition; what is wrong with it is told where it is evaluated."""
+    try:
+        return frozenset(each.name for each in Template.parse(condition).names())
+    except ExpressionError:
+        return frozenset()
+
+
+@cache
+def _attributes_of(family: str) -> frozenset[str]:
+    """What any element of a family has."""
+    return frozenset(name for path in paths_of(family) for name in GRAMMAR.element(path).attributes)
+
+
+def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant: Any) -> Any:
+    """What is asked for, angles with a unit in that in which the element's value is looked at."""
+    if isinstance(meant, list):
+        return [_in_its_unit(values, attribute, n, each) for n, each in enumerate(meant)]
+    angle = Angle.read(meant) if isinstance(meant, str) else None
+    if angle is None:
+        return meant
+    place = index or 0
+    in_degrees = is_in_degrees(str(values.node.tag), attribute.name)
+    if place in values.angles(attribute, place + 1):
+        in_degrees = values.editing.making.readings.at(values.at).angle == "degree"
+    return angle.in_unit("deg" if in_degrees else "rad")
+
+
+def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
+    """Tell that nothing is meant, and which part of the selector it is that nothing fits."""
+    help = None
+    if selector.tag != XPATH:
+        names = _selection(editing).names(selector)
+        near = [] if is_glob(selector.pattern) else closest(selector.pattern, names)
+        if near:
+            help = f"did you mean `{selector.tag}: {near[0]}`?"
+        elif is_glob(selector.pattern) and not selector.pattern.startswith("**"):
+            separator = editing.linking.separator
+            deeper = f"**{separator}{selector.pattern}"
+            if any(map(matcher(deeper, separator), names)):
+                help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
+    editing.sink.error(
+        "selector",
+        f"`{selector}` selects nothing",
+        editing.span(path),
+        notes=_existing(editing, selector),
+        help=help or "write `optional: true` if that is not a fault",
+    )
+
+
+def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
+    """What there is of the tag; or if the names fit, that it is the rest of the selector that does not."""
+    if selector.tag == XPATH:
+        return ()
+    selection = _selection(editing)
+    narrowed = any((selector.parent, selector.inside, selector.part, selector.dclass, selector.where))
+    wide = Selector(selector.tag, selector.pattern)
+    if narrowed and (found := selection.of(wide)):
+        notes = [Note(f"`{wide}` alone selects {_names(editing, found)}")]
+        for word, outer in (("parent", selector.parent), ("in", selector.inside)):
+            if outer is not None and not selection.of(outer):
+                names = selection.names(outer)
+                notes.append(Note(f"`{word}: {outer}` selects nothing"))
+                notes.append(exists_note(outer.tag, names, outer.pattern))
+        if selector.part is not None:
+            here = (editing.parts.get(node, "base") for node in editing.root.iter("*"))
+            parts = sorted({"base", *(part.replace("/", editing.linking.separator) for part in here)})
+            notes.append(exists_note("part", parts, selector.part))
+        if selector.dclass is not None:
+            notes.append(exists_note("class", sorted(editing.classes.by_name), selector.dclass))
+        return notes
+    names = selection.names(selector)
+    unnamed = sum(1 for _ in selection.of_kind(selector)) - len(names)
+    notes = [exists_note(selector.tag, names, selector.pattern)]
+    if unnamed and not names:
+        notes.append(Note(f"{unnamed} without a name, which only `**` selects"))
+    return notes
+
+
+def _names(editing: Editing, found: list[Node]) -> str:
+    words = [editing.called(node) for node in found[:_SHOWN]]
+    rest = len(found) - len(words)
+    return ", ".join(words) + (f" and {rest} more" if rest else "")
+
+
+def _count(number: int) -> str:
+    return "nothing" if number == 0 else f"{number} element{'s' * (number != 1)}"

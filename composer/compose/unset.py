@@ -1,0 +1,81 @@
+"""Verb `unset`: attributes are no longer written; what an element cannot do without is told when its entry is done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.compose.edit_values import Unusable
+from composer.compose.editing import Editing
+from composer.diagnostics.diagnostic import Note
+from composer.recipe.fault import Fault, Path
+from composer.recipe.presence import absent, clashing
+from composer.tree.effective import chain
+from composer.tree.kinds import kind_of
+
+# An actuator must have one of these.
+_MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
+
+
+def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
+    """Take attributes away; one that no selected element writes is told."""
+    if isinstance(names, Mapping):
+        for tag, inner in names.items():
+            below = [child for node in found for child in node.iterchildren(tag)]
+            unset(editing, below, inner, (*at, tag))
+        return
+    for position, name in enumerate(names):
+        writing = [node for node in found if node.get(name) is not None]
+        if not writing:
+            given = next((node for node in found if editing.effective(node, name) is not None), None)
+            by_class = given is not None and kind_of(given).takes_class and _by_class(editing, given, name)
+            help = "its class gives it: change it there, `select: {default: CLASS}`" if by_class else None
+            editing.sink.error(
+                "unknown-attribute",
+                f"`{name}` is written on none of the selected elements",
+                editing.span((*at, position)),
+                help=help,
+            )
+            raise Unusable
+        for node in writing:
+            editing.forget(node)
+            editing.write(node, {name: (*at, position)})
+            del node.attrib[name]
+            editing.note(node)
+
+
+def missed(editing: Editing, node: Node) -> list[Fault]:
+    """What an element lacks of the attributes that it cannot be without."""
+    kind = kind_of(node)
+    present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is no mapping)
+    if kind.takes_class:
+        present += [name for name in kind.attributes if _by_class(editing, node, name)]
+    faults: list[Fault] = []
+    absent(kind, present, editing.called(node), (), faults)
+    clashing(kind.constraints, present, editing.called(node), (), faults)
+    if kind.family == "actuator" and not any(name in present for name in _MOVED):
+        faults.append(Fault("missing-key", f"{editing.called(node)} lacks what it moves"))
+    return faults
+
+
+def tell_missed(
+    editing: Editing, before: Mapping[Node, list[Fault]], names: tuple[str, ...], at: Path
+) -> None:
+    """Tell the first element that lacks something now which it had `before`."""
+    for node, lacked in before.items():
+        for fault in missed(editing, node):
+            if fault in lacked:
+                continue
+            meant = [n for n, name in enumerate(names) if f"`{name}`" in fault.message or name in _MOVED]
+            place = meant[0] if meant else 0
+            notes = [Note(remark.message) for remark in fault.remarks]
+            notes.append(Note("it is written here", editing.span_of(node)))
+            help = f"leave `{names[place]}` where it is, or set what takes its place in the same entry"
+            editing.sink.error(fault.code, fault.message, editing.span((*at, place)), notes=notes, help=help)
+            raise Unusable
+
+
+def _by_class(editing: Editing, node: Node, name: str) -> bool:
+    return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))

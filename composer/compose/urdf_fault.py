@@ -1,0 +1,175 @@
+"""What MuJoCo says of URDF, at the element it lies in and with the advice that its author needs."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.tree.files import stem
+from composer.tree.line import line_of
+from composer.verify.compiles import Fault
+from composer.verify.mujoco_errors import told
+
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
+_MISSING = re.compile(r"missing element: '(?P<tag>[^']*)'|attribute missing: '(?P<name>[^']*)'")
+_ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'")
+_QUOTED = re.compile(r"'([^'\n]+)'")
+_NO_SIZE = re.compile(r"^size \d must be positive")
+_SIZES = "sizes are greater than zero"
+_ADVICE = (
+    (r"A \+ B >= C", 'correct it, or write `<mujoco><compiler balanceinertia="true"/></mujoco>` into the URDF'),
+    (r"mass and inertia of moving bodies", "give the link an `<inertial>`"),
+    (r"no decoder found", "MuJoCo reads meshes as STL, OBJ and MSH: convert the file"),
+    (_NO_SIZE.pattern, _SIZES),
+    (r"geometry specification", "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`"),
+)  # fmt: skip
+_ELSE = "MuJoCo must be able to load the file by itself: mend it there"
+
+
+@dataclass(frozen=True, slots=True)
+class UrdfFault:
+    """A fault in the words of its author; `attribute` is the one of `element` that it lies in."""
+
+    message: str
+    element: Node
+    attribute: str | None = None
+    notes: tuple[Note, ...] = ()
+    help: str = _ELSE
+
+
+def explain(fault: Fault, robot: Node) -> UrdfFault:
+    """What to tell where MuJoCo refuses the URDF whose root is `robot`."""
+    said = " ".join(fault.message.split())
+    element = _element(fault, robot)
+    for known in (_repeated, _ring, _two_parents, _no_link, _joint_type, _no_size):
+        if (found := known(said, element, robot)) is not None:
+            return found
+    advice = next((advice for pattern, advice in _ADVICE if re.search(pattern, said)), None)
+    if missing := _MISSING.search(said):
+        advice = f'write `{missing["name"]}="…"`' if missing["name"] else f"write `<{missing['tag']}>` in it"
+    attribute = _ATTRIBUTE.search(said)
+    return UrdfFault(
+        f"MuJoCo rejects the URDF: {said}",
+        element,
+        attribute["name"] if attribute else None,
+        help=advice or told(said, None).help or _ELSE,
+    )
+
+
+def named_in(said: str, robot: Node) -> Node:
+    """The link or joint that a message names; the robot where it names none."""
+    for name in _QUOTED.findall(said):
+        for each in robot.iterchildren("joint", "link"):
+            if each.get("name") == name:
+                return each
+    return robot
+
+
+def _element(fault: Fault, robot: Node) -> Node:
+    """The element that MuJoCo speaks of, by its line or by its name."""
+    if fault.line is not None:
+        tags = (fault.element,) if fault.element else ("*",)
+        after = (each for each in robot.iter(*tags) if (line_of(each) or 0) >= fault.line)
+        return next(after, robot)
+    for each in robot.iter("link", "joint", "mesh", "visual", "collision") if fault.name else ():
+        name = stem(str(each.get("filename"))) if each.tag == "mesh" else each.get("name")
+        if name == fault.name:
+            return each
+    return robot
+
+
+def _repeated(said: str, element: Node, robot: Node) -> UrdfFault | None:
+    seen: set[str | None] = set()
+    for link in robot.iterchildren("link") if said.startswith("repeated URDF name") else ():
+        name = link.get("name")
+        if name in seen:
+            return UrdfFault(
+                f"two links are called `{name}`", link, "name", help="give one of them another name"
+            )
+        seen.add(name)
+    return None
+
+
+def _ring(said: str, element: Node, robot: Node) -> UrdfFault | None:
+    """MuJoCo builds from the links that hang on nothing, and does not find those it has not come to."""
+    if said != "URDF body not found":
+        return None
+    above = {_end(joint, "child"): _end(joint, "parent") for joint in robot.iterchildren("joint")}
+    ring = [str(element.get("name"))]
+    while (parent := above.get(ring[-1])) is not None and parent not in ring:
+        ring.append(parent)
+    names = ", which hangs on ".join(f"`{name}`" for name in [*ring, parent or ring[0]])
+    return UrdfFault(
+        f"links hang on one another in a ring: {names}", element, "name",
+        help="one of them must hang on nothing: take out its joint",
+    )  # fmt: skip
+
+
+def _two_parents(said: str, element: Node, robot: Node) -> UrdfFault | None:
+    if "has multiple parents" not in said:
+        return None
+    name = _end(element, "child")
+    joints = [str(j.get("name")) for j in robot.iterchildren("joint") if _end(j, "child") == name]
+    told = " and ".join(f"`{joint}`" for joint in joints)
+    return UrdfFault(
+        f"the link `{name}` hangs on several joints: {told}",
+        element,
+        help="a link hangs on one joint at most",
+    )
+
+
+def _no_link(said: str, element: Node, robot: Node) -> UrdfFault | None:
+    if said != "URDF joint parent or child missing":
+        return None
+    links = [str(link.get("name")) for link in robot.iterchildren("link")]
+    for end in element.iterchildren("parent", "child"):
+        name = str(end.get("link"))
+        if name not in links:
+            return UrdfFault(
+                f"there is no link `{name}`",
+                end,
+                "link",
+                (exists_note("link", links, name),),
+                did_you_mean(name, links) or "write the link, or take the joint out",
+            )
+    return None
+
+
+def _joint_type(said: str, element: Node, robot: Node) -> UrdfFault | None:
+    if not said.startswith("invalid joint type"):
+        return None
+    word = str(element.get("type"))
+    return UrdfFault(
+        f"URDF has no joint of type `{word}`",
+        element,
+        "type",
+        (exists_note("type", JOINT_TYPES, word),),
+        did_you_mean(word, JOINT_TYPES) or "write one of these types",
+    )
+
+
+def _no_size(said: str, element: Node, robot: Node) -> UrdfFault | None:
+    """MuJoCo does not say which: geoms have no names there."""
+    if not _NO_SIZE.search(said):
+        return None
+    for each in robot.iter("box", "cylinder", "sphere", "capsule"):
+        for name in ("size", "radius", "length"):
+            if any(map(_is_none, str(each.get(name) or "").split())):
+                return UrdfFault(f"`{name}` of `<{each.tag}>` must be positive", each, name, help=_SIZES)
+    return None
+
+
+def _is_none(number: str) -> bool:
+    try:
+        return float(number) <= 0
+    except ValueError:
+        return False
+
+
+def _end(joint: Node, tag: str) -> str | None:
+    end = joint.find(tag)
+    return None if end is None else end.get("link")

@@ -1,0 +1,1 @@
+"""Exact numbers: rotations, and draws that are the same bits on every machine."""

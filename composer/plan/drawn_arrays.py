@@ -1,0 +1,19 @@
+"""The arrays of `mjModel` that may differ between the samples of a recipe."""
+
+from __future__ import annotations
+
+from collections.abc import Set as AbstractSet
+
+from composer.compiled.affected_arrays import arrays_of
+from composer.plan.plan import DrawValues
+from composer.recipe.subscript import attribute_and_index
+from composer.tree.selector import XPATH
+
+
+def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
+    """The arrays that follow from what is drawn."""
+    name, _ = attribute_and_index(step.field.attr)
+    tag = step.field.select.tag if step.field.select is not None else XPATH
+    # Actuators with `inheritrange` take over the range of their joint.
+    following = {"actuator_ctrlrange"} if name == "range" else set()
+    return following.union(arrays_of(name, None if tag == XPATH else tag))

@@ -1,0 +1,162 @@
+"""What MuJoCo says about a bundle, told at the places of the recipe and its sources."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.bundle.bundle import Bundle
+from composer.bundle.output_error import OutputError
+from composer.context import Context
+from composer.diagnostics.diagnostic import Cause
+from composer.grammar import GRAMMAR
+from composer.grammar.version import version_key
+from composer.tree.files import NAMED_AFTER_FILE
+from composer.tree.line import element_at
+from composer.tree.unit import Unit
+from composer.verify.compiles import Fault, crash_help, verify
+from composer.verify.fault_location import culprit
+from composer.verify.ignored_attributes import unread
+from composer.verify.left_behind import left_behind
+from composer.verify.mujoco_errors import Told, kind_of, told, unknown_attribute
+
+_PLUGIN = re.compile(r"failed for plugin id (\d+)")
+# What MuJoCo says of a setting of the whole model, of which it knows no line.
+_SETTINGS = {
+    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
+    "option": re.compile(r"\bintegrator='"),
+}
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from composer.engine import Compiled, Session
+
+
+def judge(
+    bundle: Bundle, model: Unit, context: Context, session: Session, keep: str | None = None
+) -> Compiled | None:
+    """Compile the bundle; faults and warnings go to the sink. None where MuJoCo gave no verdict.
+
+    With `keep` the session keeps the compiled model under that name.
+    """
+    try:
+        verified = verify(bundle, session=session, keep=keep)
+    except OutputError as error:
+        context.sink.error(error.code, error.message, help=error.help)
+        return None
+    for warning in verified.warnings:
+        element = _element(warning, bundle, model)
+        attribute = None if element is None else told(warning.message, element).attribute
+        span = None if element is None else model.origins.span(element, model.file, attribute)
+        said = _with_sources(warning.message, model, context)
+        context.sink.warning(
+            "mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _called(element))
+        )
+    if verified.error is not None and verified.code is not None:
+        fault = verified.error
+        message = _with_sources(fault.message, model, context)
+        if verified.crash:
+            context.sink.error(verified.code, message, help=crash_help(verified.code))
+        else:
+            element = _element(fault, bundle, model)
+            tell(told(message, element), element, model, context)
+        return None
+    version = verified.compiled.mujoco_version
+    if version is None or version_key(version) <= version_key(
+        GRAMMAR.versions[-1]
+    ):  # a newer one may have more attributes
+        for element, name in unread(model.root):
+            _tell_unread(element, name, model, context)
+    for flex in left_behind(model.root, version):
+        context.sink.warning(
+            "not-supported",
+            f"MuJoCo {version} leaves the flex `{flex.get('name')}` where it would be without the frame around it",
+            model.origins.span(flex, model.file),
+            help="build with MuJoCo 4.0, which moves it, or put it into a body",
+            cause=Cause("left behind", _called(flex)),
+        )
+    return verified.compiled
+
+
+def _called(element: Node | None) -> str:
+    if element is None:
+        return "the model"
+    name = element.get("name")
+    return f"`<{element.tag}>` `{name}`" if name else f"`<{element.tag}>`"
+
+
+def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> None:
+    """A typing error, most likely; a warning where models are known to write it, though it means nothing."""
+    kind = kind_of(element)
+    if kind is None or name not in kind.ignored:
+        cause = Cause(f"{element.tag} {name}", _called(element))
+        tell(unknown_attribute(element, name), element, model, context, cause)
+        return
+    context.sink.warning(
+        "unknown-attribute",
+        f"MuJoCo ignores `{name}` of `<{kind.tag}>`, which has no effect",
+        model.origins.span(element, model.file, name, key=True),
+        help=f"remove `{name}`",
+    )
+
+
+def tell(said: Told, element: Node | None, model: Unit, context: Context, cause: Cause | None = None) -> None:
+    """An error at the element, or at the attribute that it lies in."""
+    if element is None:
+        context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
+        return
+    found = culprit(said, element, model)
+    notes = (*found.notes, *said.notes)
+    context.sink.error(said.code, said.message, found.span, notes=notes, help=said.help, cause=cause)
+
+
+def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
+    """The element on that line of `model.xml`, the plugin's instance, the only one of that name, a setting."""
+    if fault.line is not None:
+        found = element_at(model.root, bundle.files[bundle.model], fault.line)
+        return _attaching(fault, model.root) if _is_another(found, fault) else found
+    if (failed := _PLUGIN.search(fault.message)) is not None:
+        instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
+        number = int(failed[1])
+        return instances[number] if number < len(instances) else None
+    named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
+    named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
+    for tag, said in _SETTINGS.items():
+        if not named and said.search(fault.message):
+            named = model.root.findall(tag)
+    return named[0] if len(named) == 1 else None
+
+
+def _is_copy(name: str | None, element: Node) -> bool:
+    """Whether MuJoCo calls one of the copies of the element so."""
+    own = element.get("name")
+    return bool(name and own and name.startswith(own) and name.removeprefix(own)[-1:].isdigit())
+
+
+def _is_another(found: Node | None, fault: Fault) -> bool:
+    """Whether what MuJoCo speaks of has another name than what stands there: the line is one of another file."""
+    if found is None or not fault.name:
+        return False
+    if found.get("name"):
+        return not fault.name.startswith(str(found.get("name")))
+    around = [str(each.get("name")) for each in found.iterancestors() if each.get("name")]
+    if any(map(fault.name.startswith, around)) or found.tag in NAMED_AFTER_FILE:
+        return False
+    return _attaching(fault, found.getroottree().getroot()) is not None
+
+
+def _attaching(fault: Fault, root: Node) -> Node | None:
+    """The `<attach>` that brings what MuJoCo speaks of, as far as its prefix tells."""
+    prefixes = {each: str(each.get("prefix") or "") for each in root.iter("attach")}
+    fitting = [each for each, prefix in prefixes.items() if str(fault.name).startswith(prefix)]
+    return max(fitting, key=lambda each: len(prefixes[each]), default=None)
+
+
+def _with_sources(message: str, model: Unit, context: Context) -> str:
+    """The message with files called what the user calls them, and on one line."""
+    for path, where in model.contents.items():
+        if path in message:
+            message = message.replace(path, context.shown(where) if isinstance(where, Path) else path)
+    return " ".join(" ".join(dict.fromkeys(message.splitlines())).split())

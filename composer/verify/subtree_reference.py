@@ -1,0 +1,68 @@
+"""A source of which one body was taken: that body as a model of its own, and the whole source to hold it against."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from composer import engine
+from composer.compose.measure import folder_of, measure_with
+from composer.context import Context
+from composer.diagnostics.sink import Sink
+from composer.link.linking import KeyPolicy
+from composer.link.subtree import take_subtree
+from composer.plan.part_record import Member
+from composer.tree.parse import parse_file
+from composer.tree.write import write
+from composer.verify.parts import refused
+
+_NAMELESS = "a body around what was taken, "
+
+
+class Taken(NamedTuple):
+    """`above` are the bodies of the whole around what was taken, the nearest first, and None for the world.
+
+    The first one stands for the world of what was taken, or one further up that `fusestatic` has made it one with.
+    """
+
+    above: tuple[str | None, ...] = (None,)
+    fault: str | None = None
+
+
+def keep_taken(member: Member, session: engine.Session, taken: str, whole: str) -> Taken:
+    """Compile both and keep them in the session under these names; a sentence where that cannot be."""
+    assert member.subtree is not None
+    sink = Sink()
+    path = member.source.path
+    unit = parse_file(path, sink)
+    if unit is None:
+        return Taken(fault=_said(sink))
+    bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
+    body = next((each for each in bodies if each.get("name") == member.subtree), None)
+    around = [] if body is None else list(body.iterancestors("body"))
+    nameless = [each for each in around if not each.get("name")]
+    for number, each in enumerate(nameless):
+        each.set("name", f"{_NAMELESS}{number}")
+    with folder_of(unit) as folder:
+        fault = _keep(session, folder, path, write(unit.root) if nameless else None, whole)
+    if fault is not None:
+        return Taken(fault=fault)
+    above = (*(str(each.get("name")) for each in around), None)
+    measure = measure_with(Context(sink=sink, environment={}, folder=path.parent), session=session)
+    keyframes: KeyPolicy = "none" if member.keys is None else "merge"
+    if take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure) is None:
+        return Taken(fault=_said(sink))
+    with folder_of(unit) as folder:
+        return Taken(above, _keep(session, folder, path, write(unit.root), taken))
+
+
+def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> str | None:
+    given = None if text is None else text.decode()
+    compiled = engine.compile(
+        folder if given else path.parent, path.name, text=given, keep=name, session=session
+    )
+    return None if compiled.ok else refused(compiled.error or compiled.crash)
+
+
+def _said(sink: Sink) -> str:
+    return f"its source cannot be read: {sink.errors[0].message}"

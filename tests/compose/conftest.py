@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from composer.context import Context
+from composer.stages import build
+
+Compose = Callable[..., etree._Element | list[str]]
+
+ROBOT = """\
+<mujoco model="robot">
+  <compiler angle="{angle}"/>
+  <worldbody>
+    <body name="base">
+      <joint name="hinge"/>
+      <geom name="geom" size="0.1"/>
+      <site name="flange"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.fixture
+def compose(tmp_path: Path) -> Compose:
+    """The model of a recipe, or where it is wrong `LINE:COLUMN CODE` of every fault, as the text stands in the file.
+
+    `robot.xml` is there, in the given unit of angles; other files are given with `__` for the dot.
+    """
+
+    def compose(recipe: str, angle: str = "radian", **files: str) -> etree._Element | list[str]:
+        (tmp_path / "robot.xml").write_text(ROBOT.format(angle=angle))
+        for name, text in files.items():
+            (tmp_path / name.replace("__", ".")).write_text(text)
+        (tmp_path / "recipe.yaml").write_text(recipe)
+        context = Context(environment={}, folder=tmp_path)
+        built = build(tmp_path / "recipe.yaml", context, verified=False)
+        if built is None:
+            return [
+                f"{each.span.file.removesuffix('.yaml').replace('recipe', '')}{each.span.line}:{each.span.column} {each.code}"
+                for each in context.sink.sorted()
+                if each.span is not None
+            ]
+        return etree.fromstring(built.bundle.files["model.xml"])
+
+    return compose

@@ -1,0 +1,198 @@
+"""Where parts hang and what stands between, each compared with the model that a person would write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from composer.context import Context
+from composer.stages import build
+
+PART = """
+<mujoco model="part"><compiler angle="radian"/><worldbody>
+  <frame name="grasp" pos=".1 .2 0" quat="1 0 .5 0"><site name="in" pos="0 0 .3"/></frame>
+  <body name="b" pos=".3 .2 .1" quat="1 .3 0 0"><geom size=".1"/>
+    <frame name="tip" pos="0 0 .5" quat="1 0 0 .4"/></body>
+  <geom name="g" size=".05"/>
+</worldbody></mujoco>
+"""
+BASE = """
+<mujoco model="base"><compiler angle="radian"/><worldbody>
+  <body name="arm" pos="0 0 1" quat="1 .1 .2 .3"><joint name="j"/><geom size=".1"/>
+    <site name="flange" pos=".1 0 .2" quat="1 0 0 1"/><frame name="mount" pos="0 .4 0" quat="1 1 0 0"/>
+    <body name="tool" pos="0 0 .3"><geom size=".1"/></body></body>
+</worldbody></mujoco>
+"""
+INSIDE = PART.split("<worldbody>")[1].split("</worldbody>")[0]
+
+
+def composed(folder: Path, recipe: str, **files: str) -> mujoco.MjModel:
+    for name, text in {
+        "part.xml": PART,
+        "base.xml": BASE,
+        "recipe.yaml": "recipe: 1\n" + recipe,
+        **files,
+    }.items():
+        (folder / name.replace("__", ".")).write_text(text)
+    context = Context(environment={}, folder=folder)
+    built = build(folder / "recipe.yaml", context, verified=False)
+    assert built is not None, [each.message for each in context.sink.diagnostics]
+    return mujoco.MjModel.from_xml_string(built.bundle.files["model.xml"].decode())
+
+
+def by_hand(place: str, inside: str) -> mujoco.MjModel:
+    """The base with the part's world in a frame or a body at a place."""
+    prefixed = inside.replace('name="', 'name="p/')
+    return mujoco.MjModel.from_xml_string(BASE.replace(place, f"{place}{prefixed}"))
+
+
+def places(model: mujoco.MjModel) -> dict[str, np.ndarray]:
+    """Where every named body, geom and site is, the joints somewhere."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.qpos0
+    for at in range(model.njnt):
+        if model.jnt_type[at] in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
+            data.qpos[model.jnt_qposadr[at]] = 0.3
+    mujoco.mj_forward(model, data)
+    found = {}
+    for kind in ("body", "geom", "site"):
+        for at in range(getattr(model, f"n{kind}")):
+            name = getattr(model, kind)(at).name
+            if name:
+                view = getattr(data, kind)(at)
+                found[f"{kind} {name}"] = np.concatenate([view.xpos, view.xmat])
+    return found
+
+
+def assert_same(ours: mujoco.MjModel, theirs: mujoco.MjModel) -> None:
+    one, other = places(ours), places(theirs)
+    assert one.keys() == other.keys()
+    for name in one:
+        np.testing.assert_allclose(one[name], other[name], atol=1e-12, err_msg=name)
+
+
+SITE = '<site name="flange" pos=".1 0 .2" quat="1 0 0 1"/>'
+ON_SITE, ON_MOUNT = '<frame pos=".1 0 .2" quat="1 0 0 1">', '<frame pos="0 .4 0" quat="1 1 0 0">'
+OFFSET = 'pos="1 2 3" quat="1 0 0 .5"'
+WRITTEN = "pos: [1, 2, 3], quat: [1, 0, 0, 0.5]"
+
+
+@pytest.mark.parametrize(
+    ("asked", "opened"),
+    [
+        ("site: flange", f"{ON_SITE}<frame>{{}}</frame></frame>"),
+        (f"site: flange, {WRITTEN}", f"{ON_SITE}<frame {OFFSET}>{{}}</frame></frame>"),
+        ("body: arm", "<frame>{}</frame>"),
+        (f"body: arm, {WRITTEN}", f"<frame {OFFSET}>{{}}</frame>"),
+        ("frame: mount", f"{ON_MOUNT}{{}}</frame>"),
+        (f"frame: mount, {WRITTEN}", f"{ON_MOUNT}<frame {OFFSET}>{{}}</frame></frame>"),
+        (
+            "frame: mount, joint: {type: hinge, axis: [0, 1, 0]}",
+            f'{ON_MOUNT}<body name=""><joint name="" axis="0 1 0"/>{{}}</body></frame>',
+        ),
+        (
+            f"site: flange, {WRITTEN}, joint: {{type: slide, axis: [1, 0, 0]}}",
+            f'{ON_SITE}<body name="" {OFFSET}><joint name="" type="slide" axis="1 0 0"/>{{}}</body></frame>',
+        ),
+        (
+            f"body: arm, {WRITTEN}, joint: ball",
+            f'<body name="" {OFFSET}><joint name="" type="ball"/>{{}}</body>',
+        ),
+        (
+            "site: flange, joint: [{name: x, type: slide, axis: [1, 0, 0]}, {name: turn, axis: [0, 0, 1]}]",
+            (
+                f'{ON_SITE}<body name=""><joint name="x" type="slide" axis="1 0 0"/>'
+                '<joint name="turn" axis="0 0 1"/>{}</body></frame>'
+            ),
+        ),
+    ],
+)
+def test_places_and_joints(tmp_path: Path, asked: str, opened: str) -> None:
+    ours = composed(tmp_path, f"base: ./base.xml\nattach: {{p: {{model: ./part.xml, {asked}}}}}\n")
+    theirs = by_hand(SITE, opened.format(INSIDE))
+    assert_same(ours, theirs)
+    assert [ours.joint(at).name for at in range(ours.njnt)] == [
+        theirs.joint(at).name for at in range(theirs.njnt)
+    ]
+
+
+@pytest.mark.parametrize("joint", ["free", "mocap"])
+@pytest.mark.parametrize("place", ["site: flange", "frame: mount", "body: tool"])
+def test_what_floats_is_at_the_place_in_the_reference(tmp_path: Path, joint: str, place: str) -> None:
+    recipe = f"base: ./base.xml\nattach: {{p: {{model: ./part.xml, {place}, {WRITTEN}, joint: JOINT}}}}\n"
+    ours = composed(tmp_path, recipe.replace("JOINT", joint))
+    body = ours.body("p/")
+    assert body.parentid[0] == 0
+    assert bool(body.mocapid[0] >= 0) == (joint == "mocap")
+    welded = composed(tmp_path, recipe.replace("JOINT", "{type: slide, axis: [1, 0, 0]}"))
+    found = []
+    for model in (ours, welded):
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        found.append(np.concatenate([data.body("p/b").xpos, data.body("p/b").xmat]))
+    np.testing.assert_allclose(found[0], found[1], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("mate", "kind"), [("in", "site"), ("b", "body"), ("grasp", "frame"), ("tip", "frame")]
+)
+def test_mate_lies_on_the_place(tmp_path: Path, mate: str, kind: str) -> None:
+    """What is called so, marked with a site of its own, comes to lie on the place with its offset."""
+    marked = PART
+    if kind == "body":
+        marked = PART.replace('<geom size=".1"/>', '<geom size=".1"/><site name="mark"/>')
+    elif mate == "grasp":
+        marked = PART.replace('<site name="in"', '<site name="mark"/><site name="in"')
+    elif mate == "tip":
+        marked = PART.replace('quat="1 0 0 .4"/>', 'quat="1 0 0 .4"><site name="mark"/></frame>')
+    ours = composed(
+        tmp_path,
+        f"base: ./base.xml\nattach: {{p: {{model: ./part.xml, site: flange, mate: {mate}, {WRITTEN}}}}}\n",
+        part__xml=marked,
+    )
+    theirs = by_hand(SITE, f'<frame pos=".1 0 .2" quat="1 0 0 1"><site name="mark" {OFFSET}/></frame>')
+    mark = "site p/in" if kind == "site" else "site p/mark"
+    np.testing.assert_allclose(places(ours)[mark], places(theirs)["site p/mark"], atol=1e-12)
+
+
+def test_fused_links_of_urdf_can_be_mated(tmp_path: Path) -> None:
+    if not hasattr(mujoco.MjSpec, "fuse_static"):
+        pytest.skip("an older MuJoCo leaves no frame of a fused link")
+    urdf = """<robot name="r"><link name="root"/><link name="body"><inertial><mass value="1"/>
+      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><link name="tip"/>
+      <joint name="j" type="revolute"><parent link="root"/><child link="body"/><axis xyz="0 0 1"/>
+      <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+      <joint name="f" type="fixed"><parent link="body"/><child link="tip"/><origin xyz="0 0 .5"/></joint></robot>"""
+    ours = composed(
+        tmp_path,
+        "base: ./base.xml\nattach: {p: {model: ./part.urdf, site: flange, mate: tip}}\n"
+        "add: [{to: {frame: p/tip}, site: {name: mark}}]\n",
+        part__urdf=urdf,
+    )
+    data = mujoco.MjData(ours)
+    mujoco.mj_forward(ours, data)
+    np.testing.assert_allclose(data.site("mark").xpos, data.site("flange").xpos, atol=1e-12)
+
+
+def test_siblings_stand_in_the_order_of_the_file(tmp_path: Path) -> None:
+    """The base's own, then the parts, then `add`; also where a part waits for the one that it hangs on."""
+    part = '<mujoco><worldbody><body name="b"><geom size="1"/><site name="s"/></body></worldbody></mujoco>'
+    ours = composed(
+        tmp_path,
+        "base: ./base.xml\nattach:\n"
+        "  one: {model: ./part.xml, body: late/b, joint: free}\n"
+        "  two: {model: ./part.xml, site: late/s}\n"
+        "  three: {model: ./part.xml}\n"
+        "  late: {model: ./part.xml}\n"
+        "  four: {model: ./part.xml, site: late/s}\n"
+        "  first: {model: ./part.xml, before: one}\n"
+        "  third: {model: ./part.xml, after: first}\n"
+        "add: [{to: world, body: {name: added, geom: {size: [1]}}}]\n",
+        part__xml=part,
+    )
+    assert [ours.body(at).name for at in range(1, ours.nbody)] == [
+        "arm", "tool", "first/b", "third/b", "one/", "one/b", "three/b", "late/b", "two/b", "four/b", "added",
+    ]  # fmt: skip

@@ -1,0 +1,205 @@
+"""Conversions of every kind of actuator to every kind that there is: what MuJoCo makes of them before and after."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from composer.context import Context
+from composer.diagnostics.diagnostic import Diagnostic
+from composer.stages import build
+
+pytestmark = pytest.mark.mujoco4("it has no pid")
+
+COMMON = 'joint="j" gear="2" group="2" user="1 2"'
+LIMITED = 'forcerange="-90 90" '
+# Name: kind, attributes, and the kinds to which nothing is lost but the name.
+ACTUATORS = {
+    "g_motor": ("general", 'gainprm="3" ctrlrange="-1 2" damping=".3" armature=".1"', "general"),
+    "g_affine": ("general", 'gaintype="affine" gainprm="1 2 0" biastype="affine" biasprm="1 2 3"', "general"),
+    "g_filter": ("general", 'dyntype="filter" dynprm=".1" gainprm="3"', "general"),
+    "g_velocity": ("general", 'gainprm="4" biastype="affine" biasprm="0 0 -4" ctrlrange="-2 2"', "general velocity pid"),
+    "g_position": ("general", 'gainprm="4" biastype="affine" biasprm="0 -4 0" ctrlrange="-2 2"', "general position pid"),
+    "g_inherits": ("general", 'gainprm="4" biastype="affine" biasprm="0 -4 -1" inheritrange="1"', "general position pid"),
+    "g_unlimited": ("general", 'gainprm="4" ctrllimited="false" ctrlrange="-1 1"', "general"),
+    "motor": ("motor", 'ctrlrange="-1 2"', "general motor"),
+    "slow": ("motor", 'nsample="3" delay=".004" interp="linear" ctrlrange="-1 1"', "general motor"),
+    "position": ("position", 'kp="4" kv="1" ctrlrange="-1 2"', "general position pid"),
+    "inherits": ("position", 'kp="4" inheritrange="1"', "general position pid"),
+    "filtered": ("position", 'kp="4" timeconst=".1" ctrlrange="-1 1"', "general position"),
+    "unlimited": ("position", 'kp="4" ctrllimited="false" ctrlrange="-1 1"', "general position pid"),
+    "velocity": ("velocity", 'kv="4" ctrlrange="-2 2"', "general velocity pid"),
+    "v_limited": ("velocity", 'kv="4" ctrllimited="true" ctrlrange="-2 2"', "general velocity pid"),
+    "v_unlimited": ("velocity", 'kv="4" ctrllimited="false" ctrlrange="-1 1"', "general velocity pid"),
+    "rate": ("intvelocity", 'kp="4" kv="1" actrange="-1 1" ctrlrange="-2 2"', "general"),
+    "r_inherits": ("intvelocity", 'kp="4" inheritrange="1"', "general"),
+    "damper": ("damper", 'kv="4" ctrlrange="0 2"', "general"),
+    "cylinder": ("cylinder", 'timeconst=".1" area="2" bias="1 2 3" ctrlrange="-1 1"', "general"),
+    "muscle": ("muscle", 'timeconst=".01 .04" force="5" lengthrange=".1 .3" ctrlrange="0 1"', "general"),
+    "dcmotor": ("dcmotor", 'motorconst=".05 .05" resistance="1" ctrlrange="-1 1"', "general"),
+    "coil": ("dcmotor", 'motorconst=".05" resistance="2" inductance=".1"', "general"),
+    "pid": ("pid", 'kp="3" kv="1" posrange="-2 2" velrange="-3 3"', "general pid"),
+    "p_only": ("pid", 'kp="3" kv="1" input="pos" posrange="-1 1"', "general position pid"),
+    "v_only": ("pid", 'kp="0" kv="1" input="vel" velrange="-1 1"', "general velocity pid"),
+    "f_only": ("pid", 'kp="0" kv="0" input="ff" ffrange="-1 1"', "general motor pid"),
+    "three": ("pid", 'kp="3" kv="2" input="pos vel ff" ctrlrange="-1 1" velrange="-2 2" ffrange="-3 3"', "general pid"),
+    "unread": ("pid", 'kp="3" kv="2" input="vel" ctrlrange="-1 1"', "general pid"),
+}  # fmt: skip
+LAW = ("gear", "trntype", "trnid", "group", "user", "forcelimited", "forcerange", "cranklength", "damping", "armature",
+       "lengthrange", "delay", "history")  # fmt: skip
+# Of a class, which has no `lengthrange`.
+NOT_BY_CLASS = {"muscle"}
+
+
+@pytest.fixture(autouse=True)
+def quiet() -> Iterator[None]:
+    """MuJoCo warns of actuators of one joint that add up to more than is sensible."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+def arm(names: Iterable[str], by_class: bool) -> str:
+    """The actuators, beside another one, and a key that says what their controls are."""
+    classes, actuators = "", ""
+    for name in names:
+        kind, attributes, _ = ACTUATORS[name]
+        own = f"{COMMON} {'' if kind == 'dcmotor' else LIMITED}"
+        if by_class:
+            classes += f'<default class="{name}"><{kind} {attributes}/></default>'
+            attributes = f'class="{name}"'
+        actuators += f'<{kind} name="{name}" {own} {attributes}/>'
+    xml = f"""
+    <mujoco><compiler angle="radian"/><default>{classes}</default>
+      <worldbody><body>
+        <joint name="j" range="-3 3"/><joint name="k" axis="0 1 0"/><geom size=".1" pos=".1 .1 0" mass="99"/>
+      </body></worldbody>
+      <actuator><motor name="other" joint="k" ctrlrange="-5 5"/>{actuators}</actuator>
+      KEYS
+    </mujoco>"""
+    model = mujoco.MjModel.from_xml_string(xml.replace("KEYS", ""))
+    ctrl = " ".join(f"{number / 100}" for number in range(1, model.nu + 1))
+    key = f'<key name="home" ctrl="{ctrl}" act="{" ".join([".1"] * model.na)}"/>'
+    return xml.replace("KEYS", f"<keyframe>{key}</keyframe>")
+
+
+def converted(
+    folder: Path, xml: str, names: Iterable[str], to: str
+) -> tuple[mujoco.MjModel | None, list[Diagnostic]]:
+    (folder / "arm.xml").write_text(xml)
+    edits = "".join(f"  - {{select: {{actuator: {name}}}, convert: {{to: {to}}}}}\n" for name in names)
+    (folder / "recipe.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nedit:\n{edits}")
+    context = Context(environment={}, folder=folder)
+    built = build(folder / "recipe.yaml", context, verified=False)
+    found = list(context.sink.diagnostics)
+    if built is None:
+        return None, found
+    return mujoco.MjModel.from_xml_string(built.bundle.files["model.xml"].decode()), found
+
+
+def limits(model: mujoco.MjModel, name: str) -> list[list[float] | None]:
+    """Of each control of the actuator."""
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
+    first = int(model.actuator_ctrladr[index])
+    return [
+        model.actuator_ctrlrange[row].tolist() if model.actuator_ctrllimited[row] else None
+        for row in range(first, first + int(model.actuator_ctrlnum[index]))
+    ]
+
+
+def behaviour(model: mujoco.MjModel, seed: int) -> list[float]:
+    rng = np.random.default_rng(seed)
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = rng.normal(size=model.nq), rng.normal(size=model.nv)
+    data.ctrl[:], data.act[:] = 3 * rng.normal(size=model.nu), rng.normal(size=model.na)
+    mujoco.mj_step(model, data, 3)
+    return [*data.actuator_force, *data.act, *data.qvel]
+
+
+def is_law_kept(before: mujoco.MjModel, after: mujoco.MjModel) -> None:
+    for array in LAW:
+        if hasattr(before, f"actuator_{array}"):
+            is_equal = np.array_equal(
+                getattr(after, f"actuator_{array}"), getattr(before, f"actuator_{array}")
+            )
+            assert is_equal, array
+
+
+CASES = [
+    (to, by_class) for to in ("general", "motor", "position", "velocity", "pid") for by_class in (False, True)
+]
+
+
+@pytest.mark.parametrize(("to", "by_class"), CASES)
+def test_what_is_kept_is_kept(tmp_path: Path, to: str, by_class: bool) -> None:
+    names = [name for name, (_, _, lossless) in ACTUATORS.items() if to in lossless.split()]
+    if by_class:
+        names = [name for name in names if name not in NOT_BY_CLASS]
+    xml = arm(names, by_class)
+    before = mujoco.MjModel.from_xml_string(xml)
+    after, told = converted(tmp_path, xml, names, to)
+    assert after is not None and not told
+    for name in names:
+        assert limits(after, name) == limits(before, name), name
+    assert np.array_equal(after.key_ctrl, before.key_ctrl) and np.array_equal(after.key_act, before.key_act)
+    for seed in range(3):
+        assert behaviour(after, seed) == pytest.approx(behaviour(before, seed), abs=1e-9)
+    is_law_kept(before, after)
+
+
+LOSSY = {
+    "motor": "g_affine g_filter g_velocity g_inherits position inherits unlimited velocity v_limited damper cylinder"
+    " pid p_only v_only unread",
+    "position": "pid three unread",
+    "velocity": "position pid three unread",
+}
+FIRST_CONTROL_STAYS = {
+    ("position", "pid"),
+    ("position", "three"),
+    ("velocity", "unread"),
+    ("motor", "g_filter"),
+}
+
+
+@pytest.mark.parametrize("by_class", [False, True], ids=["own", "class"])
+@pytest.mark.parametrize("to", ["motor", "position", "velocity"])
+def test_limits_of_another_control_go(tmp_path: Path, to: str, by_class: bool) -> None:
+    """Of what loses something, each is reported; a limit of what is no longer its control would limit something else."""
+    names = LOSSY[to].split()
+    xml = arm(names, by_class)
+    before = mujoco.MjModel.from_xml_string(xml)
+    after, told = converted(tmp_path, xml, names, to)
+    assert after is not None, told
+    assert [each.code for each in told] == ["convert-loss"] * len(names)
+    for name in names:
+        expected = limits(before, name)[0] if (to, name) in FIRST_CONTROL_STAYS else None
+        assert limits(after, name) == [expected], name
+    is_law_kept(before, after)
+
+
+def test_what_a_class_limits_beside_the_first_control_is_reported(tmp_path: Path) -> None:
+    _, (loss,) = converted(tmp_path, arm(["pid"], True), ["pid"], "position")
+    assert "lost: `velrange`" in [note.message for note in loss.notes]
+
+
+def test_an_actrange_of_a_class_is_in_the_way(tmp_path: Path) -> None:
+    """MuJoCo 4.0 refuses it without an activation, and nothing that the actuator writes undoes it."""
+    after, (fault,) = converted(tmp_path, arm(["rate"], True), ["rate"], "position")
+    assert after is None and fault.code == "wrong-type"
+    assert (
+        fault.message
+        == "a `position` cannot have the `actrange` that the class `rate` gives intvelocity `rate`"
+    )
+
+
+def test_what_turns_about_three_axes_does_not_as_a_motor(tmp_path: Path) -> None:
+    xml = """
+    <mujoco><worldbody><body><joint name="j" type="ball"/><geom size=".1"/></body></worldbody>
+      <actuator><orientation name="x" joint="j" kp="3"/></actuator></mujoco>"""
+    _, (loss,) = converted(tmp_path, xml, ["x"], "motor")
+    assert any("all three axes" in note.message for note in loss.notes)

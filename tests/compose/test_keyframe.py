@@ -1,0 +1,396 @@
+"""Keys of a recipe: what MuJoCo puts into each joint, actuator and mocap body when it is reset to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from lxml import etree
+
+from composer.context import Context
+from composer.stages import build
+
+Compose = Callable[..., etree._Element | list[str]]
+Built = Callable[..., mujoco.MjModel]
+
+ARM = """
+<mujoco model="arm"><worldbody>
+  <body name="upper"><joint name="shoulder" ref="10"/><geom size=".1"/><site name="flange" pos="0 0 1"/>
+    <body name="lower" pos="0 0 1"><joint name="slide" type="slide"/><geom size=".1"/></body></body>
+  <body name="hip" pos="3 0 0"><joint name="hip" type="ball"/><geom size=".1"/></body></worldbody>
+  <actuator><motor name="shoulder" joint="shoulder"/><general name="slide" joint="slide" dyntype="filter"/></actuator>
+  <keyframe><key name="home" time="2" qpos=".1 .2 1 0 0 0" ctrl="5 6" act="7"/><key name="up" qpos="1 2 1 0 0 0"/></keyframe>
+</mujoco>
+"""
+HAND = """
+<mujoco model="hand"><worldbody><geom size=".02"/><body name="palm"><joint name="finger"/><geom size=".1"/></body></worldbody>
+  <keyframe><key name="open" qpos=".5"/><key name="home" time="2" qpos=".7"/></keyframe></mujoco>
+"""
+LOOSE = """
+<mujoco model="loose"><worldbody><body name="cube" pos="0 0 .2"><freejoint/><geom size=".1"/></body>
+  <body name="goal" mocap="true" pos="0 0 .4"/></worldbody></mujoco>
+"""
+NESTED = """
+recipe: 1
+base: ./arm.xml
+attach: {gripper: {model: ./hand.xml, site: flange}}
+"""
+SOURCES = {"arm.xml": ARM, "hand.xml": HAND, "loose.xml": LOOSE, "arm.yaml": NESTED}
+
+
+class Reset:
+    """A model reset to one of its keys; what it then has, by name."""
+
+    def __init__(self, model: mujoco.MjModel, key: str) -> None:
+        self.model, self.data = model, mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, self.data, model.key(key).id)
+
+    def qpos(self, joint: str) -> list[float]:
+        return [*map(float, self.data.joint(joint).qpos)]
+
+    def qvel(self, joint: str) -> list[float]:
+        return [*map(float, self.data.joint(joint).qvel)]
+
+
+@pytest.fixture
+def built(tmp_path: Path) -> Built:
+    def built(recipe: str, **files: str) -> mujoco.MjModel:
+        for name, text in {**SOURCES, **files, "recipe.yaml": "recipe: 1\n" + recipe}.items():
+            (tmp_path / name.replace("__", ".")).write_text(text)
+        context = Context(environment={}, folder=tmp_path)
+        done = build(tmp_path / "recipe.yaml", context, verified=False)
+        assert done is not None, [each.message for each in context.sink.diagnostics]
+        for name, content in done.bundle.files.items():
+            (tmp_path / "out" / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / "out" / name).write_bytes(content)
+        return mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
+
+    return built
+
+
+def names(model: mujoco.MjModel) -> list[str]:
+    return [model.key(at).name for at in range(model.nkey)]
+
+
+def test_every_vector_by_name(built: Built) -> None:
+    model = built(
+        "angle: degree\nbase: ./arm.xml\nattach:\n  loose: {model: ./loose.xml, pos: [1, 0, 0]}\n"
+        "  cube: {model: ./hand.xml, joint: free}\n"
+        "keyframe:\n  mine:\n    time: 3.5\n"
+        "    qpos: {shoulder: 90, slide: 0.3, hip: [0, 1, 0, 0], loose/cube: [1, 2, 3, 0, 0, 0, 1], cube/: [4, 5, 6, 1, 0, 0, 0]}\n"
+        "    qvel: {shoulder: -45, slide: 2, hip: [1, 2, 3], loose/cube: [1, 2, 3, 4, 5, 6]}\n"
+        "    ctrl: {shoulder: 90deg, slide: 4}\n    act: {slide: 0.25}\n"
+        "    mpos: {loose/goal: [7, 8, 9]}\n    mquat: {loose/goal: [0, 0, 1, 0]}\n"
+    )
+    key = Reset(model, "mine")
+    assert key.data.time == 3.5
+    assert key.qpos("shoulder") == [np.pi / 2]
+    assert key.qpos("slide") == [0.3]
+    assert key.qpos("hip") == [0, 1, 0, 0]
+    assert key.qpos("cube/") == [4, 5, 6, 1, 0, 0, 0]
+    cube = model.body("loose/cube").jntadr[0]
+    at, dof = model.jnt_qposadr[cube], model.jnt_dofadr[cube]
+    assert key.data.qpos[at : at + 7].tolist() == [1, 2, 3, 0, 0, 0, 1]
+    assert key.data.qvel[dof : dof + 6].tolist() == [1, 2, 3, 4, 5, 6]
+    assert key.qvel("shoulder") == [-np.pi / 4]
+    assert key.qvel("slide") == [2]
+    assert key.qvel("hip") == [1, 2, 3]
+    assert key.data.actuator("shoulder").ctrl[0] == np.pi / 2
+    assert key.data.actuator("slide").ctrl[0] == 4
+    assert key.data.act.tolist() == [0.25]
+    assert key.data.mocap_pos.tolist() == [[7, 8, 9]]
+    assert key.data.mocap_quat.tolist() == [[0, 0, 1, 0]]
+
+
+def test_what_a_key_says_nothing_about_is_at_its_reference(built: Built) -> None:
+    model = built(
+        "base: ./arm.xml\nattach: {loose: {model: ./loose.xml, pos: [1, 0, 0], euler: [0, 0, 90deg]}}\n"
+        "keyframe:\n  nothing: {}\n  some: {qpos: {slide: 1}, mpos: {loose/goal: [0, 0, 0]}}\n"
+    )
+    assert names(model) == ["home", "up", "nothing", "some"]
+    nothing, some = Reset(model, "nothing").data, Reset(model, "some").data
+    assert nothing.qpos.tolist() == model.qpos0.tolist()
+    expected = model.qpos0.copy()
+    expected[model.joint("slide").qposadr[0]] = 1
+    assert some.qpos.tolist() == expected.tolist()
+    assert some.mocap_quat.tolist() == nothing.mocap_quat.tolist()
+    assert nothing.mocap_pos.tolist() == [[1, 0, 0.4]]
+    assert not some.ctrl.any() and not some.qvel.any()
+
+
+def test_keys_of_parts_and_of_their_parts_the_deepest_wins(built: Built) -> None:
+    model = built(
+        "base: ./arm.xml\nattach:\n  left: {model: ./arm.yaml, pos: [0, 1, 0]}\n  right: {model: ./arm.yaml}\n"
+        "keyframe:\n  ready:\n    time: 0\n"
+        "    from: {left/gripper: open, left: home, base: up, right/base: up, right/gripper: home}\n"
+        "    qpos: {right/slide: 9}\n"
+    )
+    key = Reset(model, "ready")
+    assert key.qpos("left/shoulder") == [0.1]
+    assert key.qpos("left/gripper/finger") == [0.5]
+    assert key.qpos("shoulder") == [1]
+    assert key.qpos("slide") == [2]
+    assert key.qpos("right/shoulder") == [1]
+    assert key.qpos("right/slide") == [9]
+    assert key.qpos("right/gripper/finger") == [0.7]
+    assert key.data.act.tolist() == [0, 7, 0]
+    assert key.data.actuator("right/slide").ctrl[0] == 0
+
+
+def test_keys_that_are_left_out_may_be_used(built: Built) -> None:
+    model = built(
+        "base: {model: ./arm.xml, keyframes: none}\nattach:\n"
+        "  hand: {model: ./hand.xml, site: flange, keyframes: none}\n"
+        "  other: {model: ./arm.yaml, keyframes: none}\n"
+        "keyframe: {mine: {from: {base: up, hand: open, other/gripper: open}}}\n"
+    )
+    assert names(model) == ["mine"]
+    key = Reset(model, "mine")
+    assert (key.qpos("slide"), key.qpos("hand/finger")) == ([2], [0.5])
+    assert key.qpos("other/gripper/finger") == [0.5]
+    assert key.qpos("other/slide") == [0]
+
+
+def test_keys_that_are_left_out_and_not_asked_for_are_gone(built: Built) -> None:
+    model = built("base: {model: ./arm.xml, keyframes: none}\nkeyframe: {mine: {qpos: {slide: 3}}}\n")
+    assert names(model) == ["mine"]
+    assert Reset(model, "mine").qpos("slide") == [3]
+
+
+def test_a_written_key_replaces_the_automatic_one_in_its_place(built: Built) -> None:
+    model = built(
+        "base: ./arm.xml\nattach: {hand: {model: ./hand.xml, site: flange, keyframes: prefix}}\n"
+        "keyframe: {home: {from: {base: up}}, hand/home: {qpos: {hand/finger: 0.25rad}}}\n"
+    )
+    assert names(model) == ["home", "up", "hand/open", "hand/home"]
+    assert Reset(model, "home").qpos("shoulder") == [1]
+    assert Reset(model, "hand/home").qpos("hand/finger") == [0.25]
+    assert not Reset(model, "home").data.ctrl.any()
+
+
+def test_a_nested_recipe_hands_on_the_key_that_it_writes(built: Built) -> None:
+    inner = NESTED + "keyframe: {home: {from: {gripper: open}, qpos: {slide: 4}}}\n"
+    model = built(
+        "attach: {left: {model: ./inner.yaml}}\nkeyframe: {also: {from: {left: home}}, old: {from: {left/base: home}}}\n",
+        inner__yaml=inner,
+    )
+    assert Reset(model, "home").qpos("left/slide") == [4]
+    assert Reset(model, "also").data.qpos.tolist() == Reset(model, "home").data.qpos.tolist()
+    assert Reset(model, "old").qpos("left/slide") == [0.2]
+
+
+def test_free_joints_and_mocap_bodies_move_through_two_compositions(built: Built) -> None:
+    keyed = LOOSE.replace(
+        "</mujoco>",
+        '<keyframe><key name="home" qpos="1 0 0 1 0 0 0" mpos="1 0 0"/></keyframe></mujoco>',
+    )
+    inner = "recipe: 1\nattach: {loose: {model: ./keyed.xml, pos: [0, 0, 1], keyframes: prefix}}\n"
+    model = built(
+        "attach: {outer: {model: ./inner.yaml, euler: [0, 0, 90deg]}}\n"
+        "keyframe: {mine: {from: {outer/loose: home}}}\n",
+        keyed__xml=keyed,
+        inner__yaml=inner,
+    )
+    key = Reset(model, "mine")
+    half = np.sqrt(0.5)
+    np.testing.assert_allclose(key.data.qpos, [0, 1, 1, half, 0, 0, half], atol=1e-12)
+    np.testing.assert_allclose(key.data.mocap_pos, [[0, 1, 1]], atol=1e-12)
+
+
+def test_keys_of_a_subtree_of_a_nested_recipe(built: Built) -> None:
+    model = built(
+        "attach: {part: {model: ./arm.yaml, subtree: upper, keyframes: none}}\n"
+        "keyframe: {mine: {from: {part: home, part/gripper: open}}}\n"
+    )
+    key = Reset(model, "mine")
+    assert key.qpos("part/slide") == [0.2]
+    assert key.qpos("part/gripper/finger") == [0.5]
+
+
+def test_times(compose: Compose) -> None:
+    files = {"arm__xml": ARM, "hand__xml": HAND.replace('time="2"', 'time="3"')}
+    parts = "recipe: 1\nattach: {a: {model: ./arm.xml, keyframes: none}, h: {model: ./hand.xml, keyframes: none}}\n"
+    assert compose(parts + "keyframe:\n  k:\n    from: {a: home, h: home}\n", **files) == [
+        "5:5 keyframe-conflict"
+    ]
+    model = compose(parts + "keyframe:\n  k:\n    time: 1\n    from: {a: home, h: home}\n", **files)
+    assert not isinstance(model, list)
+    assert model.xpath("keyframe/key/@time") == ["1"]
+
+
+def test_a_written_key_settles_what_two_parts_do_not_agree_about(compose: Compose) -> None:
+    files = {"arm__xml": ARM, "hand__xml": HAND.replace('time="2"', 'time="3"')}
+    recipe = "recipe: 1\nbase: ./arm.xml\nattach: {hand: {model: ./hand.xml, site: flange}}\n"
+    assert compose(recipe, **files) == ["hand.xml3:64 keyframe-conflict"]
+    model = compose(recipe + "keyframe: {home: {time: 1, from: {base: home, hand: home}}}\n", **files)
+    assert not isinstance(model, list)
+    assert model.xpath("keyframe/key/@name") == ["home", "up", "open"]
+    assert model.xpath("keyframe/key/@time") == ["1"]
+
+
+@pytest.mark.parametrize(
+    ("key", "fault"),
+    [
+        ("{qpos: {elbow: 1}}", "4:14 unknown-name"),
+        ("{qpos: {b: 1}}", "4:14 unknown-name"),
+        ("{qpos: {hip: 1}}", "4:19 wrong-length"),
+        ("{qvel: {hip: [1, 2, 3, 4]}}", "4:19 wrong-length"),
+        ("{qpos: {slide: [1, 2]}}", "4:21 wrong-length"),
+        ("{qpos: {shoulder: 1}}", "4:24 bare-angle"),
+        ("{qvel: {shoulder: 1}}", "4:24 bare-angle"),
+        ("{ctrl: {hip: 1}}", "4:14 unknown-name"),
+        ("{act: {shoulder: 1}}", "4:23 wrong-length"),
+        ("{mpos: {upper: [1, 2, 3]}}", "4:14 unknown-name"),
+        ("{from: {base: hom}}", "4:20 unknown-name"),
+        ("{from: {bas: home}}", "4:14 unknown-name"),
+    ],
+)
+def test_faults(compose: Compose, key: str, fault: str) -> None:
+    assert compose(f"recipe: 1\nbase: ./arm.xml\nkeyframe:\n  k: {key}\n", arm__xml=ARM) == [fault]
+
+
+@pytest.mark.parametrize(
+    "key", ["{qpos: {shoulder: 0}}", "{qpos: {slide: 1}}", "{ctrl: {shoulder: 1}}", "{}"]
+)
+def test_no_unit_is_needed(compose: Compose, key: str) -> None:
+    model = compose(f"recipe: 1\nbase: ./arm.xml\nkeyframe:\n  k: {key}\n", arm__xml=ARM)
+    assert not isinstance(model, list)
+
+
+def test_joints_of_what_mujoco_expands_cannot_be_set(compose: Compose) -> None:
+    base = ARM[: ARM.index("<keyframe>")] + "</mujoco>"
+    base = base.replace('<body name="upper">', '<replicate count="2"><body name="r"><joint name="r"/><geom size="1"/>'
+                       '</body></replicate><body name="upper">')  # fmt: skip
+    assert compose("recipe: 1\nbase: ./arm.xml\nkeyframe: {k: {qpos: {r0: 1}}}\n", arm__xml=base) == [
+        "3:23 not-supported"
+    ]
+
+
+def test_a_key_after_faults_of_others_tells_its_own(compose: Compose) -> None:
+    """What was lost with another fault is no second one."""
+    found = compose(
+        "recipe: 1\nbase: ./arm.xml\nadd:\n  - {to: nowhere, body: {name: x, joint: {name: lost}, geom: {size: [1]}}}\n"
+        "keyframe:\n  k: {qpos: {lost: 1, wrong: 1}}\n",
+        arm__xml=ARM,
+    )
+    assert found == ["4:10 unknown-name", "6:23 unknown-name"]
+
+
+def _is_the_reference(model: mujoco.MjModel, key: str, *but: str) -> None:
+    """What a key says nothing about is where MuJoCo has it."""
+    reset, reference = Reset(model, key), mujoco.MjData(model)
+    own = {int(model.joint(joint).qposadr[0]) for joint in but}
+    others = [at for at in range(model.nq) if at not in own]
+    assert np.allclose(reset.data.qpos[others], reference.qpos[others], atol=1e-12)
+    assert np.allclose(reset.data.mocap_pos, reference.mocap_pos, atol=1e-12)
+
+
+@pytest.mark.mujoco4("MuJoCo 3 refuses keys beside joints in a replicate")
+def test_the_reference_of_what_the_recipe_adds_and_mujoco_expands(built: Built) -> None:
+    model = built(
+        """
+base: ./loose.xml
+add:
+  - {to: world, body: {name: swing, joint: {name: swing}, geom: {size: [0.1]}}}
+  - to: world
+    replicate: {count: 2, offset: [1, 0, 0], body: {name: ball, pos: [0, 0, 1], freejoint: {}, geom: {size: [0.1]}}}
+  - to: world
+    replicate: {count: 2, offset: [1, 0, 0], body: {name: arm, joint: {name: arm, ref: 30deg}, geom: {size: [0.1]}}}
+  - to: world
+    replicate: {count: 2, offset: [1, 0, 0], body: {name: mark, mocap: true, pos: [0, 0, 3]}}
+  - to: world
+    body:
+      name: brick
+      pos: [0, 0, 2]
+      freejoint: {align: true}
+      geom: {type: box, size: [0.1, 0.2, 0.3], pos: [1, 2, 3]}
+keyframe: {k: {qpos: {swing: 0.3rad}, mquat: {goal: [1, 0, 0, 0]}, mpos: {goal: [0, 0, 0.4]}}}
+"""
+    )
+    assert model.nmocap == 3
+    _is_the_reference(model, "k", "swing")
+
+
+@pytest.mark.mujoco4("MuJoCo 3 refuses keys beside joints in a replicate")
+def test_the_reference_of_what_the_recipe_edits_and_mujoco_expands(built: Built) -> None:
+    parts = """
+<mujoco><worldbody><body name="swing"><joint name="swing"/><geom size=".1"/></body>
+  <replicate count="2" offset="1 0 0"><body name="ball" pos="0 0 1"><freejoint/><geom size=".1"/></body></replicate>
+  <replicate count="2" offset="1 0 0"><body name="arm"><joint name="arm" ref="10"/><geom size=".1"/></body></replicate>
+  <replicate count="2" offset="1 0 0"><body name="mark" mocap="true" pos="0 0 3"/></replicate>
+  <body name="brick" pos="0 0 2"><freejoint align="true"/><geom type="box" size=".1 .2 .3" pos="1 2 3"/></body>
+</worldbody><keyframe><key name="home" qpos="0.2"/></keyframe></mujoco>
+"""
+    model = built(
+        """
+base: ./parts.xml
+attach: {two: {model: ./parts.xml, pos: [0, 0, 10]}}
+edit:
+  - {select: {body: "**/{ball,mark,brick}"}, set: {pos: [0, 0, 5]}}
+  - {select: {joint: "**/arm"}, set: {ref: 30deg}}
+keyframe: {k: {qpos: {swing: 0.3rad}, mpos: {}}}
+""",
+        parts__xml=parts,
+    )
+    _is_the_reference(model, "home", "swing", "two/swing")
+    _is_the_reference(model, "k", "swing")
+
+
+def test_a_flex_that_the_recipe_adds(built: Built) -> None:
+    model = built(
+        """
+base: ./arm.xml
+add:
+  - to: world
+    flexcomp: {name: rope, type: grid, count: [3, 1, 1], spacing: [0.1, 0.1, 0.1], dim: 1, radius: 0.01}
+"""
+    )
+    assert Reset(model, "up").qpos("shoulder") == [1.0]
+    _is_the_reference(model, "up", "shoulder", "slide")
+
+
+# -- a free joint of a part inside a part -----------------------------------------------------------------------
+
+SUB = """
+<mujoco model="sub"><worldbody><body name="cube" pos="0 0 1"><freejoint name="free"/><geom size=".1"/></body></worldbody>
+  {}</mujoco>
+"""
+SUB_KEY = '<keyframe><key name="home" qpos="0 0 2 1 0 0 0"/></keyframe>'
+CARRIER = """
+<mujoco model="carrier"><asset><model name="sub" file="sub.xml"/></asset><worldbody><frame pos="0 0 .25">
+  <attach model="sub" body="cube" prefix="s/"/></frame></worldbody>{}</mujoco>
+"""
+HIGHER = "attach: {p: {model: ./carrier.%s, pos: [0, 0, 0.5]}}"
+
+
+def heights(model: mujoco.MjModel) -> dict[str, float]:
+    return {name: float(model.key(name).qpos[2]) for name in names(model)}
+
+
+def test_a_key_moves_with_every_recipe_that_attaches_it(built: Built) -> None:
+    nested = "recipe: 1\nattach: {s: {model: ./sub.xml, pos: [0, 0, 0.25]}}"
+    model = built(HIGHER % "yaml", sub__xml=SUB.format(SUB_KEY), carrier__yaml=nested)
+    assert heights(model) == {"home": 2.75}
+
+
+def test_a_key_is_in_the_world_of_the_model_that_writes_it(built: Built, tmp_path: Path) -> None:
+    own = SUB_KEY.replace("0 0 2", "0 0 3")
+    model = built(HIGHER % "xml", sub__xml=SUB.format(""), carrier__xml=CARRIER.format(own))
+    assert heights(model) == {"home": 3.5}
+    alone = mujoco.MjModel.from_xml_path(str(tmp_path / "carrier.xml"))
+    assert heights(alone) == {"home": 3}  # above the carrier's world, not above the frame
+
+
+def test_keys_that_mujoco_itself_brings_stay_where_it_leaves_them(built: Built, tmp_path: Path) -> None:
+    files = {"sub.xml": SUB.format(SUB_KEY), "carrier.xml": CARRIER.format("")}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    assert heights(mujoco.MjModel.from_xml_path(str(tmp_path / "carrier.xml"))) == {"s/home": 2}
+    (tmp_path / "recipe.yaml").write_text("recipe: 1\n" + HIGHER % "xml")
+    context = Context(environment={}, folder=tmp_path)
+    assert build(tmp_path / "recipe.yaml", context, verified=False) is None
+    (fault,) = context.sink.errors
+    assert fault.code == "not-supported" and "`p/` moves it" in fault.message
