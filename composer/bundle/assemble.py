@@ -36,7 +36,7 @@ from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
 from composer.plan.drawn import Drawn
-from composer.plan.part_record import Member
+from composer.plan.part_record import PartRecord
 from composer.plan.plan import Plan
 from composer.sources.digest import sha256_of
 from composer.sources.origin import Origin as Fetched
@@ -88,7 +88,7 @@ class Making:
     plan: Plan
     model: Unit
     uses: tuple[FileUse, ...]
-    members: tuple[Member, ...]
+    members: tuple[PartRecord, ...]
     compiled: Compiled | None
     merged: Merged
     checks: tuple[Checked, ...] = ()
@@ -177,7 +177,7 @@ def _files_of(plan: Plan) -> Iterator[str]:
             yield from _files_of(model)
 
 
-def _by_licence(inputs: tuple[Input, ...], members: tuple[Member, ...]) -> dict[str, tuple[str, ...]]:
+def _by_licence(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> dict[str, tuple[str, ...]]:
     found: dict[str, list[str]] = {}
     for each, member in zip(inputs, members, strict=False):
         found.setdefault(each.licence or UNKNOWN, []).append(member.part)
@@ -237,7 +237,7 @@ def _path_of(source: Source, portable: Portable) -> str:
     ).as_posix()
 
 
-def _part(member: Member, number: int, renamed: Renamed) -> Part:
+def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:
     pose = member.pose
     return Part(
         part=member.part,

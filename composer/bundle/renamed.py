@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from composer.plan.part_record import Member
+from composer.plan.part_record import PartRecord
 from composer.tree.kinds import kind_of, naming_attribute
 from composer.tree.unit import Unit
 
@@ -12,7 +12,7 @@ Renamed = Mapping[str, Mapping[str, Mapping[str, str]]]
 """By part and kind of name: own names, and those in the model."""
 
 
-def renamed_in(model: Unit, members: Iterable[Member]) -> Renamed:
+def renamed_in(model: Unit, members: Iterable[PartRecord]) -> Renamed:
     """What edits renamed, traced back through prefixes that came later; what was removed since is left out."""
     by_prefix = {member.prefix: member.part for member in reversed(list(members))}
     found: dict[str, dict[str, dict[str, str]]] = {}

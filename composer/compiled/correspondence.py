@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 
-from composer.compiled.kinds import KINDS, Model, Roster
+from composer.compiled.kinds import KINDS, Model, NameTable
 from composer.compiled.links import UNORDERED, Link, World, links
 from composer.compiled.mount import Mount
 from composer.compiled.signature import raw, shape, tells_apart, values
@@ -47,7 +47,7 @@ _SAME_PLACE = 1e-6
 """Metres; nearer things are told apart by their order."""
 
 
-class Matching:
+class Correspondence:
     """For every element of the part alone, the id of its counterpart, or ``ABSENT``.
 
     With ``by_order=False`` elements without a name are paired by likeness even where both models have as many.
@@ -56,8 +56,8 @@ class Matching:
 
     def __init__(
         self,
-        alone: Roster,
-        composed: Roster,
+        alone: NameTable,
+        composed: NameTable,
         *,
         prefix: str,
         mount: Mount,
@@ -301,7 +301,7 @@ def _children(model: Model) -> dict[int, list[int]]:
     return children
 
 
-def _unnamed_by_body(roster: Roster, kind: str) -> dict[int, list[int]]:
+def _unnamed_by_body(roster: NameTable, kind: str) -> dict[int, list[int]]:
     on_body: dict[int, list[int]] = {}
     bodies: Iterable[int] = getattr(roster.model, ON_BODIES[kind]).tolist()
     for index, (body, name) in enumerate(zip(bodies, roster.names[kind], strict=True)):

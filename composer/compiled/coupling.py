@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from composer.compiled.correspondence import ABSENT, Matching
+from composer.compiled.correspondence import ABSENT, Correspondence
 from composer.compiled.mount import Mount
 
 
@@ -15,7 +15,7 @@ class Coupling:
     ``cut`` out of the other model, that is so of all: a tendon may have been left that has an armature.
     """
 
-    def __init__(self, matching: Matching, mount: Mount, *, cut: bool = False) -> None:
+    def __init__(self, matching: Correspondence, mount: Mount, *, cut: bool = False) -> None:
         alone, composed = matching.alone.model, matching.composed.model
         bodies = matching.ids["body"]
         self.in_place = mount.is_in_place and matching.worlds == {0}

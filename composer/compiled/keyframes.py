@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from composer.compiled.correspondence import ABSENT, Matching
+from composer.compiled.correspondence import ABSENT, Correspondence
 from composer.compiled.difference import MISSING, Difference
 from composer.compiled.fields import ROUNDING
 from composer.compiled.kinds import FREE_JOINT, JOINT_POSITIONS, JOINT_VELOCITIES, Model
@@ -35,7 +35,7 @@ class Roots(StrEnum):
 
 
 def key_differences(
-    matching: Matching,
+    matching: Correspondence,
     transform: Pose | None,
     keys: Keys,
     roots: Roots,
@@ -75,7 +75,7 @@ def key_differences(
     return found
 
 
-def _match(matching: Matching, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
+def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
     """Keys of the part and of the composition; unnamed ones by order among those no named key takes."""
     alone, composed = matching.alone, matching.composed
     given = matching.renamed.get("key", {})
@@ -110,7 +110,7 @@ def _match(matching: Matching, keys: Keys, moved: Pose | None) -> Iterator[tuple
         yield index, target
 
 
-def _says_otherwise(matching: Matching, key: int, target: int, moved: Pose | None) -> bool:
+def _says_otherwise(matching: Correspondence, key: int, target: int, moved: Pose | None) -> bool:
     return any(
         mine.shape != theirs.shape or unequal(mine, theirs, bound).any()
         for _, mine, theirs, bound in _entries(matching, key, target, moved)
@@ -118,7 +118,7 @@ def _says_otherwise(matching: Matching, key: int, target: int, moved: Pose | Non
 
 
 def _entries(
-    matching: Matching, key: int, target: int, moved: Pose | None
+    matching: Correspondence, key: int, target: int, moved: Pose | None
 ) -> Iterator[tuple[str, Array, Array, float]]:
     alone, composed = matching.alone.model, matching.composed.model
     for joint, there in enumerate(matching.ids["joint"]):
@@ -194,7 +194,7 @@ def _mocap(model: Model, key: int, body: int) -> Array:
 
 
 def _plastic(
-    matching: Matching, kind: str, arrays: str, key: int, target: int, index: int, there: int
+    matching: Correspondence, kind: str, arrays: str, key: int, target: int, index: int, there: int
 ) -> Iterator[tuple[str, Array, Array, float]]:
     if not hasattr(matching.alone.model, "key_plastic"):
         return

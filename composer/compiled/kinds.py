@@ -91,7 +91,7 @@ JOINT_VELOCITIES = (6, 3, 1, 1)
 FREE_JOINT = 0
 
 
-class Roster:
+class NameTable:
     """The names of one model's elements, by kind and in the order of their ids; unnamed ones are ``""``."""
 
     def __init__(self, model: Model) -> None:

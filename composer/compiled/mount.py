@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from composer.compiled.kinds import Model, Roster
+from composer.compiled.kinds import Model, NameTable
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
 
 AT_ORIGIN = Pose()
@@ -44,13 +44,13 @@ class Mount:
         offset = Pose(pos, normalise(quat))
         if site is None:
             return cls(body, offset)
-        roster = Roster(composed)
+        roster = NameTable(composed)
         index = roster.ids["site"][site]
         place = _pose(composed.site_pos[index], composed.site_quat[index])
         owner = int(composed.site_bodyid[index])
         return cls(owner or None, place @ offset)
 
-    def index(self, roster: Roster) -> int:
+    def index(self, roster: NameTable) -> int:
         """The id of the body in the composition. Raises KeyError for a body the model has not got."""
         if self.body is None:
             return 0

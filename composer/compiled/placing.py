@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from composer.compiled.correspondence import ABSENT, ON_BODIES, Matching
+from composer.compiled.correspondence import ABSENT, ON_BODIES, Correspondence
 from composer.compiled.difference import Difference
 from composer.compiled.fields import ROUNDING
 from composer.compiled.kinds import Model
@@ -21,7 +21,7 @@ class Placing:
     part with nothing at its root.
     """
 
-    def __init__(self, matching: Matching, mount: Mount) -> None:
+    def __init__(self, matching: Correspondence, mount: Mount) -> None:
         self.matching = matching
         self.roots: dict[str, list[int]] = {"body": [], "light": [], **{kind: [] for kind in _POSED}}
         alone = matching.alone.model

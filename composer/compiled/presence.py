@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from composer.compiled.correspondence import ABSENT, ON_BODIES, Matching
+from composer.compiled.correspondence import ABSENT, ON_BODIES, Correspondence
 from composer.compiled.difference import EXTRA, MISSING, Difference
-from composer.compiled.kinds import KINDS, Model, Roster
+from composer.compiled.kinds import KINDS, Model, NameTable
 
 
-def presence_differences(matching: Matching, others: Sequence[tuple[str, Model]] | None) -> list[Difference]:
+def presence_differences(
+    matching: Correspondence, others: Sequence[tuple[str, Model]] | None
+) -> list[Difference]:
     """Missing elements; with ``others``, extra ones as well. Keys are left to ``keyframes``."""
-    rosters = None if others is None else [(prefix, Roster(model)) for prefix, model in others]
+    rosters = None if others is None else [(prefix, NameTable(model)) for prefix, model in others]
     found: list[Difference] = []
     for kind in KINDS:
         if kind == "key":
@@ -22,7 +24,7 @@ def presence_differences(matching: Matching, others: Sequence[tuple[str, Model]]
     return found
 
 
-def _missing(matching: Matching, kind: str) -> list[Difference]:
+def _missing(matching: Correspondence, kind: str) -> list[Difference]:
     """What an unnamed element is on a missing body is not told again."""
     roster, bodies = matching.alone, matching.ids["body"]
     owners = getattr(roster.model, ON_BODIES[kind]).tolist() if kind in ON_BODIES else None
@@ -36,7 +38,7 @@ def _missing(matching: Matching, kind: str) -> list[Difference]:
     return found
 
 
-def _extra(matching: Matching, kind: str, others: Iterable[tuple[str, Roster]]) -> list[Difference]:
+def _extra(matching: Correspondence, kind: str, others: Iterable[tuple[str, NameTable]]) -> list[Difference]:
     prefix = matching.prefix
     theirs = {other + name for other, roster in others for name in roster.names[kind] if name}
     return [

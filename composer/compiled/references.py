@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from composer.compiled.correspondence import Matching
+from composer.compiled.correspondence import Correspondence
 from composer.compiled.difference import Difference, Value
-from composer.compiled.kinds import KINDS, Roster
+from composer.compiled.kinds import KINDS, NameTable
 from composer.compiled.links import UNORDERED, Link, links
 
 
-def reference_differences(matching: Matching) -> list[Difference]:
+def reference_differences(matching: Correspondence) -> list[Difference]:
     """A reference whose target is missing altogether is not told again."""
     found: list[Difference] = []
     for kind in KINDS:
@@ -20,7 +20,7 @@ def reference_differences(matching: Matching) -> list[Difference]:
     return found
 
 
-def _of_one(matching: Matching, kind: str, index: int, target: int) -> list[Difference]:
+def _of_one(matching: Correspondence, kind: str, index: int, target: int) -> list[Difference]:
     mine = links(matching.alone.model, kind, index)
     theirs = links(matching.composed.model, kind, target)
     if kind in UNORDERED:
@@ -36,17 +36,17 @@ def _of_one(matching: Matching, kind: str, index: int, target: int) -> list[Diff
     return found
 
 
-def _in_order_of(matching: Matching, mine: Sequence[Link], theirs: Sequence[Link]) -> list[Link]:
+def _in_order_of(matching: Correspondence, mine: Sequence[Link], theirs: Sequence[Link]) -> list[Link]:
     first, second = theirs
     return [second, first] if second.index in matching.targets(mine[0]) else [first, second]
 
 
-def _expected(matching: Matching, link: Link) -> Value:
+def _expected(matching: Correspondence, link: Link) -> Value:
     name = matching.alone.names[link.kind][link.index] if link.index >= 0 else ""
     if not name or (link.kind == "body" and link.index == 0):
         return _shown(matching.alone, link)
     return matching.name(link.kind, name)
 
 
-def _shown(roster: Roster, link: Link) -> Value:
+def _shown(roster: NameTable, link: Link) -> Value:
     return None if link.index < 0 else roster.describe(link.kind, link.index)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 
-from composer.compiled.correspondence import Matching
+from composer.compiled.correspondence import Correspondence
 from composer.compiled.coupling import Coupling
 from composer.compiled.difference import Difference
 from composer.compiled.keyframes import Keys, Roots, key_differences
-from composer.compiled.kinds import Model, Roster
+from composer.compiled.kinds import Model, NameTable
 from composer.compiled.mount import Mount
 from composer.compiled.placing import Placing
 from composer.compiled.presence import presence_differences
@@ -51,7 +51,9 @@ def compare(
     Raises KeyError if ``hung_on`` names a body the composition has not got.
     """
     mount = hung_on or Mount()
-    matching = Matching(Roster(alone), Roster(composed), prefix=prefix, mount=mount, renamed=renamed or {})
+    matching = Correspondence(
+        NameTable(alone), NameTable(composed), prefix=prefix, mount=mount, renamed=renamed or {}
+    )
     coupling = Coupling(matching, mount, cut=cut)
     placing = Placing(matching, mount)
     found = presence_differences(matching, others)

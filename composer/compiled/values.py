@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from composer.compiled.correspondence import ON_BODIES, Matching
+from composer.compiled.correspondence import ON_BODIES, Correspondence
 from composer.compiled.coupling import Coupling
 from composer.compiled.difference import Difference, Value
 from composer.compiled.fields import (
@@ -29,7 +29,7 @@ _SHOWN = 12
 class Values:
     """Compares every array that belongs to an element, by the rules in ``fields``."""
 
-    def __init__(self, matching: Matching, coupling: Coupling, tolerance: float) -> None:
+    def __init__(self, matching: Correspondence, coupling: Coupling, tolerance: float) -> None:
         self.matching, self.coupling, self.tolerance = matching, coupling, tolerance
         self.alone, self.composed = matching.alone.model, matching.composed.model
 

@@ -24,7 +24,7 @@ INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
 
 
 @dataclass(frozen=True, slots=True)
-class Law:
+class ActuatorModel:
     """What an actuator does: force = gain · control + bias, by MuJoCo's own parameters."""
 
     gain: str
@@ -79,7 +79,7 @@ class Law:
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 
-def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, Law] | None:
+def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
     """What each actuator does, from MuJoCo; None where the model as it is cannot be compiled, which is told."""
     if linking.measure is None:
         sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
@@ -104,7 +104,7 @@ def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, Law] 
                 size.set("nuser_actuator", room)
     if not arrays:
         return None
-    laws: dict[Node, Law] = {}
+    laws: dict[Node, ActuatorModel] = {}
     count = len(arrays["actuator_gaintype"])
     width = len(arrays["actuator_user"]) // count
     general = GRAMMAR.element("actuator/general").attributes
@@ -115,7 +115,9 @@ def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, Law] 
     return laws
 
 
-def _law(arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]) -> Law:
+def _law(
+    arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]
+) -> ActuatorModel:
     def numbers_of(name: str) -> tuple[float, ...]:
         values = arrays[f"actuator_{name}"]
         width = len(values) // count
@@ -129,7 +131,7 @@ def _law(arrays: Mapping[str, list[float]], row: int, count: int, general: Mappi
     ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
     spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
     inputs = tuple(name for bit, name in enumerate(INPUTS) if spec >> bit & 1)
-    return Law(
+    return ActuatorModel(
         word("gaintype"), word("biastype"), word("dyntype"),
         numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
         bool(arrays["actuator_ctrllimited"][first]), (ctrlrange[0], ctrlrange[1]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lxml.etree import _Element as Node
 
-from composer.compose.elements import Making, make
+from composer.compose.elements import ElementBuilder, make
 from composer.compose.reference_check import not_there
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
@@ -14,7 +14,7 @@ from composer.plan.plan import AddElement
 from composer.tree.classes import NESTED
 
 
-def add(step: AddElement, linking: Linking, making: Making) -> None:
+def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     """Append the element; in the world it takes the base's top class, as if it were written in the base."""
     holder: Node | None
     if step.to_kind == "world":
@@ -41,7 +41,7 @@ def add(step: AddElement, linking: Linking, making: Making) -> None:
     _check_mass(step, node, linking, making)
 
 
-def _check_mass(step: AddElement, node: Node, linking: Linking, making: Making) -> None:
+def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementBuilder) -> None:
     """Tell of a geom that adds no mass where it would have, had the rules of its model not to be written out."""
     body: Node | None = node.getparent()
     while body is not None and body.tag in ("frame", "replicate"):
@@ -58,7 +58,7 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: Making) 
         )
 
 
-def _nowhere(step: AddElement, linking: Linking, making: Making) -> None:
+def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     written = "to: {frame: NAME}" if step.to_kind == "frame" else "to: NAME"
     if (coming := linking.coming.get((step.to_kind, step.to))) is not None:
         making.sink.error(

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Literal
 
-from composer.compose.elements import Making, in_radians, joint_attributes, plain
+from composer.compose.elements import ElementBuilder, in_radians, joint_attributes, plain
 from composer.compose.reference_check import check_class
 from composer.compose.replicate import copy_pose
 from composer.diagnostics.diagnostic import Note
@@ -27,7 +27,7 @@ from composer.tree.unit import Unit
 _MATES = ("site", "body", "frame")
 
 
-def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
+def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
     """The part without its joints, which need the unit of angle that the parts agree on."""
     place = _place(step, making)
     if any(step.copy):
@@ -39,7 +39,7 @@ def part_of(step: AttachPart, unit: Unit, making: Making) -> Part:
     return Part(unit, step.prefix, place, keyframes, span=step.span, key=str(step.at[-1]))
 
 
-def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -> None:
+def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
     """What stands between the place and the part: nothing, a weld, a mocap body or joints."""
     joint = step.attachment.joint
     if joint is None:
@@ -69,12 +69,12 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: Making) -
         part.joints = (Joint("joint", attributes, _places(joint, making)),)
 
 
-def _places(joint: Element, making: Making) -> dict[str, Span]:
+def _places(joint: Element, making: ElementBuilder) -> dict[str, Span]:
     """Where the recipe writes the attributes of a joint."""
     return {name: making.span(joint, name) for name in joint.attributes}
 
 
-def check_joints(step: AttachPart, linking: Linking, making: Making) -> None:
+def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> None:
     """Tell classes of those joints that are not there, once all classes of the model are known."""
     joint = step.attachment.joint
     elements = (
@@ -86,7 +86,7 @@ def check_joints(step: AttachPart, linking: Linking, making: Making) -> None:
             check_class(linking, making.sink, str(name), making.span(element, "class"))
 
 
-def _place(step: AttachPart, making: Making) -> Place:
+def _place(step: AttachPart, making: ElementBuilder) -> Place:
     attachment = step.attachment
     offset: dict[str, str] = {}
     written: dict[str, Span] = {}
@@ -125,7 +125,7 @@ def _place(step: AttachPart, making: Making) -> Place:
     return Place("world", None, offset, written=written)
 
 
-def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
+def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -> Place:
     """The place moved so that the part's site, body or frame `mate`, not its origin, comes to lie on it."""
     name = step.attachment.mate
     named = [
@@ -156,7 +156,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: Making) -> Place:
 
 
 def _computed(
-    place: Place, pose: Pose, key: Literal["mate", "replicate"], step: AttachPart, making: Making
+    place: Place, pose: Pose, key: Literal["mate", "replicate"], step: AttachPart, making: ElementBuilder
 ) -> Place:
     """The place with an offset that a key of the part gives."""
     offset = _written(pose)
@@ -178,7 +178,7 @@ def _text(values: Iterable[float]) -> str:
     return numbers.text(value + 0.0 for value in values)  # no -0, which an inverse is full of
 
 
-def _no_mate(step: AttachPart, unit: Unit, making: Making) -> None:
+def _no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
     name = step.attachment.mate or ""
     known = {
         tag: [

@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 from composer.bundle.collect import check_files
 from composer.compose.add import add
 from composer.compose.attach import add_joints, check_joints, part_of
-from composer.compose.elements import Making, settle_joints
+from composer.compose.elements import ElementBuilder, settle_joints
 from composer.compose.intervals import check_intervals
 from composer.compose.keyframe import write_keyframes
 from composer.compose.load import Library, Loader
@@ -21,7 +21,7 @@ from composer.compose.massless import check_mass
 from composer.compose.members import Hung, hung, placed
 from composer.compose.reference_check import check_names, check_names_of_keys
 from composer.compose.section import append, set_default, set_singleton
-from composer.compose.subtree import Wanted, wanted
+from composer.compose.subtree import PartRequest, wanted
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -34,7 +34,7 @@ from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.validate_values import STUMBLES, malformed
 from composer.plan.drawn import Drawn, Tabled
-from composer.plan.part_record import Member
+from composer.plan.part_record import PartRecord
 from composer.plan.parts import BASE, called
 from composer.plan.plan import (
     AddElement,
@@ -64,7 +64,7 @@ class Composed:
 
     model: Unit
     files: tuple[FileUse, ...]
-    members: tuple[Member, ...] = ()
+    members: tuple[PartRecord, ...] = ()
     drawn: tuple[Drawn, ...] = ()
     tabled: tuple[Tabled, ...] = ()
 
@@ -154,7 +154,7 @@ class Composer:
         if plan.base.keyframes == "none" and BASE not in plan.asked:
             remove_keys(base)
         self.watch([base, *units], plan)
-        making = Making(
+        making = ElementBuilder(
             plan.document, plan.file, self.context.sink, plan.readings,
             "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
         )  # fmt: skip
@@ -208,7 +208,7 @@ class Composer:
             tabled=tuple(changes.tabled) if changes else (),
         )
 
-    def _changes(self, plan: Plan, linking: Linking, making: Making) -> Changes | None:
+    def _changes(self, plan: Plan, linking: Linking, making: ElementBuilder) -> Changes | None:
         if not (plan.edits or plan.draws):
             return None
         from composer.compose.model_edits import Changes  # few recipes need it
@@ -233,7 +233,7 @@ class Composer:
                 if unit is not None:
                     yield unit
 
-    def _unit(self, plan: Plan, wanted: Wanted) -> Unit | None:
+    def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """The base or a part of a plan, cut down to what is wanted of it."""
         if wanted.model is None:
             return _empty(plan)
@@ -260,7 +260,7 @@ class Composer:
                 self.subtrees[plan.file, wanted.at] = Subtree(known.body, (*known.left, *dropped))
         return unit
 
-    def _whole(self, wanted: Wanted, span: Span) -> Unit | None:
+    def _whole(self, wanted: PartRequest, span: Span) -> Unit | None:
         if isinstance(wanted.model, Plan):
             composed = self._compose(wanted.model, wanted.stands)
             return composed.model if composed else None
@@ -291,7 +291,7 @@ def _grows(plan: Plan) -> bool:
     )
 
 
-def _carry_out(plan: Plan, linking: Linking, making: Making) -> None:
+def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
     for step in plan.steps:
         if isinstance(step, AddElement):
             add(step, linking, making)

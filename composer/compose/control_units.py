@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from composer.compose.actuator_model import Law, laws_of
+from composer.compose.actuator_model import ActuatorModel, laws_of
 from composer.diagnostics.sink import Sink
 from composer.grammar import GRAMMAR
 from composer.link import numbers
@@ -74,7 +74,7 @@ class ControlUnits:
         return Meant(tuple(map(_ANGLES.get, control.split("+"))), _ANGLES.get(held))
 
     @cached_property
-    def _laws(self) -> Mapping[Node, Law]:
+    def _laws(self) -> Mapping[Node, ActuatorModel]:
         """What MuJoCo makes of all actuators that may be servos: it is asked once."""
         found = [each for each in self.linking.base.root.iterfind("actuator/*") if each.tag not in _UNLIKE]
         return laws_of(self.linking, self.sink, found) or {}
@@ -99,7 +99,9 @@ class ControlUnits:
         if words["gaintype"] not in ("", "fixed") or words["biastype"] not in ("", "none", "affine"):
             return "other"
         gain, bias = ((*numbers.read(words[name]), *[0.0] * 10)[:10] for name in ("gainprm", "biasprm"))
-        return Law("fixed", words["biastype"] or "none", words["dyntype"] or "none", gain, bias).control
+        return ActuatorModel(
+            "fixed", words["biastype"] or "none", words["dyntype"] or "none", gain, bias
+        ).control
 
     def _class(self, actuator: Node) -> DefaultClass:
         return self.linking.base.classes.get(str(actuator.get("class") or "") or None)

@@ -11,7 +11,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from composer.compose.actuator_model import INPUTS, Law, laws_of
+from composer.compose.actuator_model import INPUTS, ActuatorModel, laws_of
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.diagnostics.diagnostic import Note
@@ -104,7 +104,7 @@ def _text(attribute: Attribute, value: Any) -> str:
 
 
 def _converted(
-    editing: Editing, node: Node, to: str, law: Law, given: Mapping[str, str], at: Path
+    editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> list[str]:
     """Change one actuator; gives what is lost, in words."""
     old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
@@ -197,7 +197,7 @@ def _replaced(written: Mapping[str, str]) -> Iterator[str]:
 
 
 def _written_for(
-    editing: Editing, node: Node, to: str, law: Law, given: Mapping[str, str], at: Path
+    editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> tuple[dict[str, str], list[str]]:
     """The attributes by which the new kind does what the law says, and what of it cannot be said."""
     lost: list[str] = []
@@ -252,7 +252,7 @@ def _written_for(
     return made, lost
 
 
-def _integral(editing: Editing, law: Law) -> dict[str, str]:
+def _integral(editing: Editing, law: ActuatorModel) -> dict[str, str]:
     """What a pid has besides its gains; zeros where classes may give something else."""
     imax = law.dynprm[0] if law.dynamics == "pid" else 0.0
     found = {"ki": law.gainprm[0], "imax": imax, "slewmax": law.slewmax}
@@ -266,7 +266,7 @@ def _in_classes(editing: Editing) -> bool:
     return any(True for section in editing.root.iterchildren("default") for _ in section.iter(*tags))
 
 
-def _general(editing: Editing, law: Law) -> dict[str, str]:
+def _general(editing: Editing, law: ActuatorModel) -> dict[str, str]:
     """All of the law; every number where classes may give some, else without the zeros at the end."""
     whole = _in_classes(editing)
     made = {"gaintype": law.gain, "biastype": law.bias, "dyntype": law.dynamics}
@@ -285,7 +285,7 @@ def _general(editing: Editing, law: Law) -> dict[str, str]:
 
 
 def _limits(
-    editing: Editing, node: Node, to: str, law: Law, keeps: bool, written: Mapping[str, str]
+    editing: Editing, node: Node, to: str, law: ActuatorModel, keeps: bool, written: Mapping[str, str]
 ) -> dict[str, str] | None:
     """What limits the control from now on; None where the old limits are for another thing and have to go.
 
@@ -333,7 +333,7 @@ def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> di
     return found
 
 
-def _control_of(to: str, law: Law, written: Mapping[str, str]) -> str:
+def _control_of(to: str, law: ActuatorModel, written: Mapping[str, str]) -> str:
     if to == "general":
         return law.control
     if to == "pid":
@@ -345,7 +345,7 @@ def _in_words(control: str, otherwise: str) -> str:
     return " and ".join(_CONTROL[each] for each in control.split("+")) if control != "other" else otherwise
 
 
-def _of_law(law: Law) -> str:
+def _of_law(law: ActuatorModel) -> str:
     """The gains in words."""
     if law.form == "position" or law.gain == "pid":
         return f"its gains, kp {law.kp:g} and kv {law.kv:g}"

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from lxml.etree import _Element as Node
 
-from composer.compose.elements import Making
+from composer.compose.elements import ElementBuilder
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
@@ -34,7 +34,7 @@ class Editing:
     """
 
     linking: Linking
-    making: Making
+    making: ElementBuilder
     scope: Mapping[str, Value] = field(default_factory=dict)
     parts: Mapping[Node, str] = field(default_factory=dict)
     own: bool = False

@@ -31,7 +31,7 @@ from composer.tree.origin import Origins
 
 
 @dataclass(slots=True)
-class Making:
+class ElementBuilder:
     """What is needed to turn a recipe's elements into nodes of one model, and what has been made so far.
 
     `readings` say what the recipe's bare angles are in, `model_angle` what the model's are; `folder` is the one that
@@ -131,7 +131,7 @@ def _written_as(element: Element, attribute: str | None) -> tuple[str, ...]:
     return (attribute, "euler") if attribute == "quat" and "euler" in element.attributes else (attribute,)
 
 
-def make(element: Element, kind: ElementType, making: Making) -> Node:
+def make(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
     """The node of a recipe element and its children."""
     if element.xml is not None:
         return _parsed(element, kind, making)
@@ -149,7 +149,7 @@ def make(element: Element, kind: ElementType, making: Making) -> Node:
     return node
 
 
-def update(node: Node, element: Element, kind: ElementType, making: Making) -> None:
+def update(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
     """Write a recipe element's attributes over those of a node that is there; children the same way."""
     before = making.origins.owner(node, making.base_file)
 
@@ -174,7 +174,7 @@ def update(node: Node, element: Element, kind: ElementType, making: Making) -> N
             update(existing, child, child_kind, making)
 
 
-def _set(node: Node, element: Element, attribute: Attribute, value: object, making: Making) -> None:
+def _set(node: Node, element: Element, attribute: Attribute, value: object, making: ElementBuilder) -> None:
     name = attribute.name
     if attribute.is_interval:
         making.intervals[node, name] = making.span(element, name)
@@ -193,7 +193,7 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
         node.set(name, to_text(attribute, _plain(value, unit)))
 
 
-def _set_euler(node: Node, element: Element, name: str, value: object, making: Making) -> None:
+def _set_euler(node: Node, element: Element, name: str, value: object, making: ElementBuilder) -> None:
     assert isinstance(value, tuple)
     reading = making.reading_of(element, name)
     if reading.eulerseq != making.model_eulerseq and node.tag != "replicate":
@@ -204,7 +204,7 @@ def _set_euler(node: Node, element: Element, name: str, value: object, making: M
     node.set(name, numbers.text(turned))
 
 
-def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
+def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:
     """Write ranges and references of joints, now that the type of each is known from its class."""
     for node, element, name in making.pending:
         value = element.attributes[name]
@@ -228,14 +228,14 @@ def settle_joints(making: Making, joint_type: Callable[[Node], str]) -> None:
     making.pending.clear()
 
 
-def _item_span(making: Making, node: Node, element: Element, name: str, index: int) -> Span:
+def _item_span(making: ElementBuilder, node: Node, element: Element, name: str, index: int) -> Span:
     path = (*element.at, name, index)
     return (
         making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
     )
 
 
-def joint_attributes(element: Element, making: Making) -> dict[str, str]:
+def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]:
     """The attributes of a joint between a place and a part; outside all classes unless it names one."""
     kind = GRAMMAR.element("body").children["joint"]
     node = etree.Element("joint", {"class": MAIN})
@@ -281,7 +281,7 @@ def plain(value: Single) -> float:
     return float(_plain(value, "radian"))  # type: ignore[arg-type]
 
 
-def _parsed(element: Element, kind: ElementType, making: Making) -> Node:
+def _parsed(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
     """A fragment of MJCF: its angles are in the recipe's unit, like everything in the recipe."""
     parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
     node = etree.fromstring(element.xml or "", parser)
@@ -292,7 +292,9 @@ def _parsed(element: Element, kind: ElementType, making: Making) -> Node:
     return node
 
 
-def _read_fragment(node: Node, element: Element, kind: ElementType, making: Making, line: int) -> None:
+def _read_fragment(
+    node: Node, element: Element, kind: ElementType, making: ElementBuilder, line: int
+) -> None:
     """The fragment's numbers go the way of the recipe's own; its other attributes stay as they are written."""
     values: dict[str, Value] = {}
     intervals: list[str] = []

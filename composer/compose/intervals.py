@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from composer.compose.elements import Making
+from composer.compose.elements import ElementBuilder
 from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
 from composer.tree.select import name_of
 
 
-def check_intervals(making: Making) -> None:
+def check_intervals(making: ElementBuilder) -> None:
     """Report ranges that end before they begin, when nothing more changes them.
 
     Not before: `"range[0]"` and `"range[1]"` may be set one after the other. Two zeros are how MJCF says that there is

@@ -10,7 +10,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.compose.control_units import ControlUnits
-from composer.compose.elements import Making, in_radians, plain
+from composer.compose.elements import ElementBuilder, in_radians, plain
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
@@ -44,7 +44,7 @@ _MEANT = {
 }
 
 
-def write_keyframes(plan: Plan, linking: Linking, making: Making) -> None:
+def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
     """Look up what the keys of the recipe name; the linker lays them out with the keys of the parts."""
     if not plan.keyframes:
         return
@@ -111,7 +111,7 @@ class _Writing:
 
     step: WriteKeyframe
     linking: Linking
-    making: Making
+    making: ElementBuilder
     holders: Mapping[str, Mapping[str, _Holder]]
     parts: frozenset[str]
     units: ControlUnits

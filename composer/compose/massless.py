@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from lxml.etree import _Element as Node
 
-from composer.compose.elements import Making
+from composer.compose.elements import ElementBuilder
 from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.link import numbers
@@ -22,7 +22,7 @@ _SHOWN = 3
 _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
 
-def check_mass(step: AttachPart, part: Part, linking: Linking, making: Making) -> None:
+def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
     """Report the bodies without mass; nothing where only MuJoCo can tell.
 
     MuJoCo asks for mass of what moves with the joint: the body itself, or a body that is fixed to it.

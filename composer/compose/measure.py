@@ -83,7 +83,7 @@ def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Conte
         crash_help,
         parse,
     )
-    from composer.verify.mujoco_errors import told
+    from composer.verify.mujoco_errors import translate
 
     if compiled.crash is not None:
         code = CRASHES.get(compiled.crash, "mujoco-crash")
@@ -92,4 +92,4 @@ def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Conte
         return
     fault = parse(compiled.error or "")
     element = None if fault.line is None else element_at(unit.root, text, fault.line)
-    tell(told(" ".join(fault.message.split()), element), element, unit, context)
+    tell(translate(" ".join(fault.message.split()), element), element, unit, context)

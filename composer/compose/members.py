@@ -9,12 +9,12 @@ from lxml.etree import _Element as Node
 
 from composer.compiled.affected_arrays import arrays_of
 from composer.compose.part_provenance import reaches, with_edits
-from composer.compose.subtree import Wanted
+from composer.compose.subtree import PartRequest
 from composer.link.linking import Part
 from composer.link.placing import read_pose
 from composer.numerics.pose import Pose
 from composer.plan.drawn_arrays import arrays_of_draw
-from composer.plan.part_record import IN_PLACE, Member, of_part
+from composer.plan.part_record import IN_PLACE, PartRecord, of_part
 from composer.plan.parts import BASE, called
 from composer.plan.plan import DrawValues, Plan, SetDefault, SetSingleton
 from composer.recipe.checks.unchanged import Unchanged
@@ -32,12 +32,12 @@ _WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size", "keyfram
 class Hung:
     """A member whose place is still an element of the tree; None is the world."""
 
-    member: Member
+    member: PartRecord
     content: Node | None
 
 
 def hung(
-    plan: Plan, wanted: Iterable[Wanted], parts: Iterable[Part], inner: Sequence[list[Hung]]
+    plan: Plan, wanted: Iterable[PartRequest], parts: Iterable[Part], inner: Sequence[list[Hung]]
 ) -> list[Hung]:
     """The members of a plan: its own sources and those of the recipes in it, in the order of a manifest.
 
@@ -52,7 +52,7 @@ def hung(
             found += [_own(member, each) for member in moved]
         elif each.model is not None:
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
-            member = Member(
+            member = PartRecord(
                 name, part.prefix, each.model,
                 keys=keys, welded=part.weld, stands=each.stands, obscure=_cut_urdf(each), subtree=each.body,
             )  # fmt: skip
@@ -60,7 +60,7 @@ def hung(
     return _changed(plan, found)
 
 
-def _own(each: Hung, wanted: Wanted) -> Hung:
+def _own(each: Hung, wanted: PartRequest) -> Hung:
     """With what the edits of a part, and what is left out of it, change in its members."""
     member = with_edits(each.member, wanted.edit)
     dropped = {each.section for each in wanted.drop}
@@ -71,22 +71,22 @@ def _own(each: Hung, wanted: Wanted) -> Hung:
     return Hung(member, each.content)
 
 
-def _cut(wanted: Wanted) -> str | None:
+def _cut(wanted: PartRequest) -> str | None:
     return None if wanted.body is None else f"only its body `{wanted.body}` was taken"
 
 
-def _cut_urdf(wanted: Wanted) -> str | None:
+def _cut_urdf(wanted: PartRequest) -> str | None:
     return _cut(wanted) if isinstance(wanted.model, Source) and wanted.model.format == "urdf" else None
 
 
-def placed(found: Iterable[Hung], root: Node) -> tuple[Member, ...]:
+def placed(found: Iterable[Hung], root: Node) -> tuple[PartRecord, ...]:
     """The members with their places read from the finished model."""
     settings = read_settings(root)
     degrees, sequence = settings.angle == "degree", settings.eulerseq
     return tuple(_place(each, degrees, sequence) for each in found)
 
 
-def _of_base(plan: Plan, base: Wanted, inner: list[Hung]) -> Iterator[Hung]:
+def _of_base(plan: Plan, base: PartRequest, inner: list[Hung]) -> Iterator[Hung]:
     without_keys = base.keyframes == "none"
     if isinstance(base.model, Plan):
         for each in inner:
@@ -99,7 +99,7 @@ def _of_base(plan: Plan, base: Wanted, inner: list[Hung]) -> Iterator[Hung]:
             yield Hung(member, each.content)
     elif base.model is not None:
         keys = None if without_keys else ""
-        member = Member(
+        member = PartRecord(
             BASE, "", base.model, keys=keys, stands=base.stands, obscure=_cut_urdf(base), subtree=base.body
         )
         yield Hung(member, None)
@@ -176,7 +176,7 @@ def _with(each: Hung, arrays: Iterable[str]) -> Hung:
     return Hung(replace(each.member, changed=changed), each.content)
 
 
-def _place(each: Hung, degrees: bool, sequence: str) -> Member:
+def _place(each: Hung, degrees: bool, sequence: str) -> PartRecord:
     pose: Pose | None = IN_PLACE
     node = each.content
     while node is not None and node.tag in ("frame", "replicate"):

@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 
 from composer.compose.edit import edit, is_of_keys
 from composer.compose.editing import Editing
-from composer.compose.elements import Making
+from composer.compose.elements import ElementBuilder
 from composer.compose.randomize import draw_values
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
@@ -32,7 +32,7 @@ class Changes:
 
     plan: Plan
     linking: Linking
-    making: Making
+    making: ElementBuilder
     parts: Mapping[Node, str]
     drawn: list[Drawn] = field(default_factory=list)
     tabled: list[Tabled] = field(default_factory=list)

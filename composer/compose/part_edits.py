@@ -10,9 +10,9 @@ from lxml.etree import _Element as Node
 from composer.compose.drop import drop
 from composer.compose.edit import edit, is_of_keys
 from composer.compose.editing import Editing
-from composer.compose.elements import Making
+from composer.compose.elements import ElementBuilder
 from composer.compose.intervals import check_intervals
-from composer.compose.subtree import Wanted
+from composer.compose.subtree import PartRequest
 from composer.context import Context
 from composer.document.node import locate
 from composer.link.key_layouts import layouts, remove_keys
@@ -31,7 +31,7 @@ class OwnEdits:
     """Edits a unit. Keys follow: what has been changed in them by hand comes after they are laid out anew."""
 
     plan: Plan
-    wanted: Wanted
+    wanted: PartRequest
     unit: Unit
     context: Context
     measure: Measure | None
@@ -60,7 +60,7 @@ class OwnEdits:
     def _editing(self, linking: Linking) -> Editing:
         plan, unit = self.plan, self.unit
         unit.origins.texts[plan.file] = plan.path
-        making = Making(
+        making = ElementBuilder(
             plan.document, plan.file, self.context.sink, plan.readings,
             unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
         )  # fmt: skip

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from composer.compiled.affected_arrays import arrays_of
-from composer.plan.part_record import Member
+from composer.plan.part_record import PartRecord
 from composer.recipe.edit import Edit
 from composer.recipe.subscript import attribute_and_index
 from composer.tree.selector import XPATH, Selector
@@ -16,7 +16,7 @@ _REBUILDING = ("convert", "move", "remove")
 _HEAD = re.compile(r"[^*?{\[]*")
 
 
-def with_edits(member: Member, edits: Iterable[Edit]) -> Member:
+def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
     """The member with the arrays that edits change in it, or why it is not what its source is at all."""
     changed, reduced = set(member.changed), member.reduced
     for edit in edits:

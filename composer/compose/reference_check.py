@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from lxml.etree import _Element as Node
 
-from composer.compose.elements import Making
+from composer.compose.elements import ElementBuilder
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -28,7 +28,7 @@ from composer.tree.names import (
 )
 
 
-def check_names(linking: Linking, making: Making) -> None:
+def check_names(linking: Linking, making: ElementBuilder) -> None:
     """First every new name is declared, then every reference looked up: elements may refer to later ones.
 
     Those to keys wait for `check_names_of_keys`.
@@ -62,7 +62,7 @@ def check_names(linking: Linking, making: Making) -> None:
             _look_up(linking, making, node, name, namespace, value, typed_by)
 
 
-def check_names_of_keys(linking: Linking, making: Making) -> None:
+def check_names_of_keys(linking: Linking, making: ElementBuilder) -> None:
     """Look up the references to keys, when these are laid out."""
     if making.of_keys:
         linking.names.declared["key"] = {str(key.get("name") or ""): key for key in keys_of(linking.base)}
@@ -101,7 +101,9 @@ def not_there(
     )
 
 
-def _declare(linking: Linking, making: Making, node: Node, name: str, namespace: str, value: str) -> None:
+def _declare(
+    linking: Linking, making: ElementBuilder, node: Node, name: str, namespace: str, value: str
+) -> None:
     known = linking.names.declared.setdefault(namespace, {})
     earlier = known.setdefault(value, node)
     if earlier is not node and namespace != "key":
@@ -115,7 +117,7 @@ def _declare(linking: Linking, making: Making, node: Node, name: str, namespace:
 
 
 def _look_up(
-    linking: Linking, making: Making, node: Node, name: str, namespace: str, value: str, typed_by: str
+    linking: Linking, making: ElementBuilder, node: Node, name: str, namespace: str, value: str, typed_by: str
 ) -> None:
     names = linking.names
     if names.find(namespace, value) is not None or (namespace == "body" and value == WORLD):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from composer.compose.elements import Making, in_radians, plain
+from composer.compose.elements import ElementBuilder, in_radians, plain
 from composer.link.replicate_poses import row
 from composer.numerics.pose import Pose
 from composer.plan.plan import AttachPart
 
 
-def copy_pose(step: AttachPart, making: Making) -> Pose:
+def copy_pose(step: AttachPart, making: ElementBuilder) -> Pose:
     """The pose of a copy in the frame of the first one; each axis stands in the frame of the one before it."""
     pose = Pose()
     reading = making.readings.at((*step.at, "replicate"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from composer.compose.elements import Making, default_kind, make, update
+from composer.compose.elements import ElementBuilder, default_kind, make, update
 from composer.compose.reference_check import not_there
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
@@ -13,13 +13,13 @@ from composer.plan.plan import AppendElement, SetDefault, SetSingleton
 from composer.tree.classes import MAIN
 
 
-def set_singleton(step: SetSingleton, linking: Linking, making: Making) -> None:
+def set_singleton(step: SetSingleton, linking: Linking, making: ElementBuilder) -> None:
     """`option`, `visual` and the like: what the recipe says is written last, so that it holds."""
     node = linking.base.section(step.section)
     update(node, step.element, GRAMMAR.section(step.section), making)
 
 
-def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
+def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> None:
     """Set a class, creating it where there is none; `main` is the base's own top class."""
     name = (linking.base_class or MAIN) if step.name == MAIN else step.name
     found = linking.names.find("default", name)
@@ -55,7 +55,7 @@ def set_default(step: SetDefault, linking: Linking, making: Making) -> None:
             making.registered.append((existing, "default"))
 
 
-def _parent(step: SetDefault, linking: Linking, making: Making) -> etree._Element | None:
+def _parent(step: SetDefault, linking: Linking, making: ElementBuilder) -> etree._Element | None:
     if step.parent is None or step.parent == MAIN:
         return (
             _class_node(linking, linking.base_class)
@@ -73,7 +73,7 @@ def _class_node(linking: Linking, name: str) -> etree._Element:
     return next(node for node in linking.base.root.iter("default") if node.get("class") == name)
 
 
-def append(step: AppendElement, linking: Linking, making: Making) -> None:
+def append(step: AppendElement, linking: Linking, making: ElementBuilder) -> None:
     """An element of a section in which elements follow one another."""
     section = linking.base.section(step.section)
     kind = GRAMMAR.section(step.section)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class PartRequest:
     """A model of a plan, base or part, and the body of it that is wanted; None for all of it.
 
     `at` is the path to the model's mapping in the recipe, `span` where `subtree` is written. One that `stands` is fixed
@@ -52,19 +52,19 @@ class Wanted:
         return found
 
 
-def wanted(plan: Plan, stands: bool) -> Iterator[Wanted]:
+def wanted(plan: Plan, stands: bool) -> Iterator[PartRequest]:
     """The base of a plan and its parts, in their order; `stands` says it of the plan as a whole."""
     base, document = plan.base, plan.document
     span = locate(document, ("base", "subtree"))
     asked = plan.asked
     keyframes: KeyPolicy = "merge" if BASE in asked else base.keyframes
-    yield Wanted(base.model, base.subtree, (BASE,), keyframes, span, stands, base.drop, base.edit)
+    yield PartRequest(base.model, base.subtree, (BASE,), keyframes, span, stands, base.drop, base.edit)
     for step in plan.parts:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
         keyframes = "merge" if called(step, plan.separator) in asked else part.keyframes
         inside = stands and _stands(part)
-        yield Wanted(step.model, part.subtree, step.at, keyframes, span, inside, part.drop, part.edit)
+        yield PartRequest(step.model, part.subtree, step.at, keyframes, span, inside, part.drop, part.edit)
 
 
 def _stands(part: Attachment) -> bool:

@@ -12,7 +12,7 @@ from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.tree.files import stem
 from composer.tree.line import line_of
 from composer.verify.compiles import Fault
-from composer.verify.mujoco_errors import told
+from composer.verify.mujoco_errors import translate
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 _MISSING = re.compile(r"missing element: '(?P<tag>[^']*)'|attribute missing: '(?P<name>[^']*)'")
@@ -56,7 +56,7 @@ def explain(fault: Fault, robot: Node) -> UrdfFault:
         f"MuJoCo rejects the URDF: {said}",
         element,
         attribute["name"] if attribute else None,
-        help=advice or told(said, None).help or _ELSE,
+        help=advice or translate(said, None).help or _ELSE,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from composer.compiled.correspondence import Matching
+from composer.compiled.correspondence import Correspondence
 from composer.compiled.kinds import KINDS, Model
 from composer.diff.change import Count, Move
 from composer.diff.values import close
@@ -33,7 +33,7 @@ def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
         yield Count("total mass", *mass, "kg")
 
 
-def moves(matching: Matching) -> Iterator[Move]:
+def moves(matching: Correspondence) -> Iterator[Move]:
     """Joints, actuators, sensors and mocap bodies that both have, and that stand elsewhere in a vector."""
     a, b = matching.alone.model, matching.composed.model
     for kind, vectors in _ADDRESSES.items():

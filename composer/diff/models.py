@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from composer.compiled.correspondence import ABSENT, ON_BODIES, Matching
+from composer.compiled.correspondence import ABSENT, ON_BODIES, Correspondence
 from composer.compiled.difference import MISSING
 from composer.compiled.keyframes import Keys, Roots, key_differences
-from composer.compiled.kinds import KINDS, Model, Roster
+from composer.compiled.kinds import KINDS, Model, NameTable
 from composer.compiled.links import UNORDERED, links
 from composer.compiled.mount import Mount
 from composer.diff.change import Change, Contrast, Count, Move, Value
@@ -28,10 +28,10 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
     It may have ``names``: by kind what elements of A are called in B, where that is known. Elements without a name
     may then stand in another order.
     """
-    mine, theirs = Roster(a), Roster(b)
+    mine, theirs = NameTable(a), NameTable(b)
     known = given.get("names")
     names = renames(mine, theirs) if known is None else known
-    matching = Matching(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
+    matching = Correspondence(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
     values = Values(mujoco, matching, float(given["tolerance"]))
     changes = [
         *(_renamed(names, matching) if known is None else ()),
@@ -73,14 +73,14 @@ def _frozen(value: Any) -> Value:
     return tuple(_frozen(each) for each in value) if isinstance(value, list) else value
 
 
-def _renamed(names: Names, matching: Matching) -> Iterator[Change]:
+def _renamed(names: Names, matching: Correspondence) -> Iterator[Change]:
     for kind, by_name in names.items():
         for before, after in by_name.items():
             index = matching.alone.ids[kind][before], matching.composed.ids[kind][after]
             yield Change("renamed", kind, after, before=before, after=after, index=index, name_before=before)
 
 
-def _presence(matching: Matching) -> Iterator[Change]:
+def _presence(matching: Correspondence) -> Iterator[Change]:
     """Elements that only one of the two has; what has no name goes with its body."""
     for kind in KINDS:
         if kind == "key":
@@ -99,7 +99,9 @@ def _presence(matching: Matching) -> Iterator[Change]:
                 yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
 
 
-def _goes_along(roster: Roster, kind: str, index: int, ids: list[int] | None, taken: set[int] | None) -> bool:
+def _goes_along(
+    roster: NameTable, kind: str, index: int, ids: list[int] | None, taken: set[int] | None
+) -> bool:
     if kind not in ON_BODIES or roster.names[kind][index]:
         return False
     body = int(getattr(roster.model, ON_BODIES[kind])[index])
@@ -108,7 +110,7 @@ def _goes_along(roster: Roster, kind: str, index: int, ids: list[int] | None, ta
     )
 
 
-def references(matching: Matching) -> Iterator[Change]:
+def references(matching: Correspondence) -> Iterator[Change]:
     """References that stand for another element than before."""
     for kind in KINDS:
         if kind == "key":
@@ -117,7 +119,7 @@ def references(matching: Matching) -> Iterator[Change]:
             yield from _references_of(matching, kind, index, target)
 
 
-def _references_of(matching: Matching, kind: str, index: int, target: int) -> Iterator[Change]:
+def _references_of(matching: Correspondence, kind: str, index: int, target: int) -> Iterator[Change]:
     mine = links(matching.alone.model, kind, index)
     theirs = links(matching.composed.model, kind, target)
     if kind in UNORDERED and len(theirs) == 2 and theirs[1].index in matching.targets(mine[0]):
@@ -139,7 +141,7 @@ def _references_of(matching: Matching, kind: str, index: int, target: int) -> It
 
 
 def _changed(
-    matching: Matching, kind: str, index: int, target: int, field: str, before: Value, after: Value
+    matching: Correspondence, kind: str, index: int, target: int, field: str, before: Value, after: Value
 ) -> Change:
     return Change(
         "changed", kind, named(matching.composed, kind, target), field, before, after,
@@ -147,7 +149,7 @@ def _changed(
     )  # fmt: skip
 
 
-def _keys(matching: Matching, tolerance: float) -> Iterator[Change]:
+def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
     """Keyframes by joint, actuator and mocap body."""
     mine, theirs = matching.alone, matching.composed
     types = matching.composed.model.jnt_type.tolist()

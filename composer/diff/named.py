@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from composer.compiled.correspondence import ON_BODIES
-from composer.compiled.kinds import Roster
+from composer.compiled.kinds import NameTable
 from composer.compiled.links import links
 
 _TARGETS = 3
 
 
-def named(roster: Roster, kind: str, index: int) -> str:
+def named(roster: NameTable, kind: str, index: int) -> str:
     """What an element is called; of what has no name and stands on no body also what it refers to."""
     name = roster.describe(kind, index)
     if not name.startswith("#") or kind in ON_BODIES or kind == "body":

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Hashable, Mapping
 
 from composer.compiled.correspondence import ON_BODIES
-from composer.compiled.kinds import KINDS, Roster
+from composer.compiled.kinds import KINDS, NameTable
 from composer.compiled.signature import values
 
 Names = Mapping[str, Mapping[str, str]]
@@ -19,7 +19,7 @@ _SINGLE = ("body", "joint", "geom", "site", "camera", "light", "material", "mesh
            "sensor")  # fmt: skip
 
 
-def renames(a: Roster, b: Roster) -> dict[str, dict[str, str]]:
+def renames(a: NameTable, b: NameTable) -> dict[str, dict[str, str]]:
     """What is called otherwise in B. Only where it is plain: an element that also changed counts as another one."""
     lost = {kind: [name for name in a.ids[kind] if name not in b.ids[kind]] for kind in KINDS}
     new = {kind: [name for name in b.ids[kind] if name not in a.ids[kind]] for kind in KINDS}
@@ -39,7 +39,7 @@ def renames(a: Roster, b: Roster) -> dict[str, dict[str, str]]:
 
 
 def _prefixes(
-    lost: Mapping[str, list[str]], new: Mapping[str, list[str]], a: Roster, b: Roster
+    lost: Mapping[str, list[str]], new: Mapping[str, list[str]], a: NameTable, b: NameTable
 ) -> list[tuple[str, str]]:
     """Pairs of prefixes of which B has none of the first and A none of the second, and the names behind are alike."""
     gone, come = _behind(lost, b), _behind(new, a)
@@ -52,7 +52,7 @@ def _prefixes(
     return pairs
 
 
-def _behind(names: Mapping[str, list[str]], other: Roster) -> dict[str, set[tuple[str, str]]]:
+def _behind(names: Mapping[str, list[str]], other: NameTable) -> dict[str, set[tuple[str, str]]]:
     """The names behind each outermost prefix that the other model does not have."""
     known = {name.partition("/")[0] for by_name in other.ids.values() for name in by_name if "/" in name}
     found: dict[str, set[tuple[str, str]]] = defaultdict(set)
@@ -69,7 +69,7 @@ def _share(mine: set[tuple[str, str]], theirs: set[tuple[str, str]]) -> float:
 
 
 def _alike(
-    kind: str, lost: list[str], new: list[str], a: Roster, b: Roster, bodies: Mapping[str, str]
+    kind: str, lost: list[str], new: list[str], a: NameTable, b: NameTable, bodies: Mapping[str, str]
 ) -> dict[str, str]:
     """Elements without a double that are equal in their numbers and stand on the same body."""
     if not lost or not new:
@@ -83,7 +83,7 @@ def _alike(
 
 
 def _by_look(
-    kind: str, names: list[str], roster: Roster, renamed: Mapping[str, str]
+    kind: str, names: list[str], roster: NameTable, renamed: Mapping[str, str]
 ) -> dict[Hashable, list[str]]:
     found: dict[Hashable, list[str]] = defaultdict(list)
     for name in names:

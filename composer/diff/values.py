@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from composer.compiled.correspondence import Matching
+from composer.compiled.correspondence import Correspondence
 from composer.compiled.fields import BEFORE_CONTROLS, Treatment
 from composer.compiled.kinds import JOINT_VELOCITIES, KINDS, Model
 from composer.compiled.ragged import runs
@@ -48,7 +48,7 @@ def close(a: float, b: float, tolerance: float) -> bool:
 class Values:
     """Compares every array that belongs to an element, in the unit and words of MuJoCo's own arrays."""
 
-    def __init__(self, mujoco: Any, matching: Matching, tolerance: float) -> None:
+    def __init__(self, mujoco: Any, matching: Correspondence, tolerance: float) -> None:
         self.mujoco, self.matching, self.tolerance = mujoco, matching, tolerance
         self.a, self.b = matching.alone.model, matching.composed.model
         self._known: dict[tuple[int, str], list[tuple[str, Array, Treatment]]] = {}

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from composer.compiled.correspondence import Matching
-from composer.compiled.kinds import KINDS, Model, Roster
+from composer.compiled.correspondence import Correspondence
+from composer.compiled.kinds import KINDS, Model, NameTable
 from composer.compiled.mount import Mount
 from composer.diff.change import Change, Value
 from composer.diff.fields import follows
@@ -52,9 +52,9 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
     ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for those that are not simply
     prefixed, and the ``body`` that it hangs on.
     """
-    matching = Matching(
-        Roster(alone),
-        Roster(merged),
+    matching = Correspondence(
+        NameTable(alone),
+        NameTable(merged),
         prefix=given["prefix"],
         mount=Mount(given["body"], None),
         renamed=given["names"],

@@ -12,7 +12,7 @@ IN_PLACE = Pose()
 
 
 @dataclass(frozen=True, slots=True)
-class Member:
+class PartRecord:
     """A source model, the prefix of its names (separator included), and where its own world stands.
 
     `part` is what a recipe calls it: the prefix without its last separator, `base` for the base, and both for
@@ -46,7 +46,7 @@ class Member:
         return self.prefix or self.part
 
 
-def of_part(members: Iterable[Member], part: str | None, separator: str) -> list[Member]:
+def of_part(members: Iterable[PartRecord], part: str | None, separator: str) -> list[PartRecord]:
     """The members that a part has: one, or all of a nested recipe; with None every one."""
     return [
         member

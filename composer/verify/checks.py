@@ -17,7 +17,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.dedup import Merged
 from composer.plan.drawn_arrays import arrays_of_draw
-from composer.plan.part_record import Member, of_part
+from composer.plan.part_record import PartRecord, of_part
 from composer.plan.plan import Plan
 from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
@@ -32,7 +32,7 @@ from composer.verify.report import causes, changed, notes
 
 def run_checks(
     plan: Plan,
-    members: Sequence[Member],
+    members: Sequence[PartRecord],
     session: engine.Session,
     context: Context,
     merged: Merged,
@@ -70,7 +70,7 @@ def _place(check: Check, recipe: Nested) -> Span:
 
 
 def _ask(
-    check: Check, recipe: Nested, members: Sequence[Member], session: engine.Session, context: Context
+    check: Check, recipe: Nested, members: Sequence[PartRecord], session: engine.Session, context: Context
 ) -> tuple[bool, dict[str, Any]]:
     """A check on the compiled model, asked in the process that keeps it; whether it still does, and what was found."""
     angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
@@ -102,7 +102,7 @@ def _ask(
 def _unchanged(
     check: Unchanged,
     recipe: Nested,
-    members: Sequence[Member],
+    members: Sequence[PartRecord],
     separator: str,
     judge: Judge,
     context: Context,

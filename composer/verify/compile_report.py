@@ -16,10 +16,10 @@ from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.verify.compiles import Fault, crash_help, verify
-from composer.verify.fault_location import culprit
+from composer.verify.fault_location import locate_fault
 from composer.verify.ignored_attributes import unread
 from composer.verify.left_behind import left_behind
-from composer.verify.mujoco_errors import Told, kind_of, told, unknown_attribute
+from composer.verify.mujoco_errors import Translation, kind_of, translate, unknown_attribute
 
 _PLUGIN = re.compile(r"failed for plugin id (\d+)")
 # What MuJoCo says of a setting of the whole model, of which it knows no line.
@@ -48,7 +48,7 @@ def judge(
         return None
     for warning in verified.warnings:
         element = _element(warning, bundle, model)
-        attribute = None if element is None else told(warning.message, element).attribute
+        attribute = None if element is None else translate(warning.message, element).attribute
         span = None if element is None else model.origins.span(element, model.file, attribute)
         said = _with_sources(warning.message, model, context)
         context.sink.warning(
@@ -61,7 +61,7 @@ def judge(
             context.sink.error(verified.code, message, help=crash_help(verified.code))
         else:
             element = _element(fault, bundle, model)
-            tell(told(message, element), element, model, context)
+            tell(translate(message, element), element, model, context)
         return None
     version = verified.compiled.mujoco_version
     if version is None or version_key(version) <= version_key(
@@ -102,12 +102,14 @@ def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> Non
     )
 
 
-def tell(said: Told, element: Node | None, model: Unit, context: Context, cause: Cause | None = None) -> None:
+def tell(
+    said: Translation, element: Node | None, model: Unit, context: Context, cause: Cause | None = None
+) -> None:
     """An error at the element, or at the attribute that it lies in."""
     if element is None:
         context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
         return
-    found = culprit(said, element, model)
+    found = locate_fault(said, element, model)
     notes = (*found.notes, *said.notes)
     context.sink.error(said.code, said.message, found.span, notes=notes, help=said.help, cause=cause)
 

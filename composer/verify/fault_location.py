@@ -12,7 +12,7 @@ from composer.link.inertia import own
 from composer.sources.source import FORMATS
 from composer.tree.effective import Level, levels
 from composer.tree.unit import Unit
-from composer.verify.mujoco_errors import Told, kind_of
+from composer.verify.mujoco_errors import Translation, kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -20,29 +20,35 @@ if TYPE_CHECKING:
 _MASSES = {"inertial": ("mass", "diaginertia", "fullinertia"), "geom": ("mass", "density")}
 
 
-class Culprit(NamedTuple):
+class FaultLocation(NamedTuple):
     """The place to show, and what to say of the others."""
 
     span: Span
     notes: tuple[Note, ...] = ()
 
 
-def culprit(said: Told, element: Node, model: Unit) -> Culprit:
+def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation:
     """What the recipe wrote comes first: it is what its author can change."""
     span = model.origins.span(element, model.file, said.attribute, key=said.key)
     if said.attribute is None:
         masses = _masses(element, model) if "mass and inertia" in said.message else ()
         written = next((each for each in masses if _in_recipe(each)), None)
-        return Culprit(span) if written is None else Culprit(written, (Note("the body stands here", span),))
+        return (
+            FaultLocation(span)
+            if written is None
+            else FaultLocation(written, (Note("the body stands here", span),))
+        )
     level = _class_level(said.attribute, element, model)
     if level is None or level.writer is None:
-        return Culprit(span)
+        return FaultLocation(span)
     there = model.origins.span(level.writer, model.file, said.attribute)
     if _in_recipe(there):
-        return Culprit(
+        return FaultLocation(
             there, (Note(f"the default class `{level.name}` gives it to this {element.tag}", span),)
         )
-    return Culprit(span, (Note(f"`{said.attribute}` is that of the default class `{level.name}`", there),))
+    return FaultLocation(
+        span, (Note(f"`{said.attribute}` is that of the default class `{level.name}`", there),)
+    )
 
 
 def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:

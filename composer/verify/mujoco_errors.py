@@ -48,7 +48,7 @@ _ADVICE: tuple[tuple[str, str], ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Translation:
     """A diagnostic without its place.
 
     `attribute` is the one of the element that the fault lies in, if that is known; with `key` in its name.
@@ -62,17 +62,17 @@ class Told:
     key: bool = False
 
 
-def told(message: str, element: Node | None) -> Told:
+def translate(message: str, element: Node | None) -> Translation:
     """What to tell where MuJoCo refuses a model with `message`, which speaks of `element`."""
     if element is None:
-        return Told("mujoco-rejects", f"MuJoCo rejects the model: {message}", help=_advice(message))
+        return Translation("mujoco-rejects", f"MuJoCo rejects the model: {message}", help=_advice(message))
     if found := _UNKNOWN_ATTRIBUTE.search(message):
         return unknown_attribute(element, found["name"])
     if _UNKNOWN_ELEMENT.search(message):
         return _unknown_element(element)
     subject = f"the {element.tag} `{element.get('name')}`" if element.get("name") else f"this {element.tag}"
     attribute = _attribute(message, element)
-    return Told(
+    return Translation(
         "mujoco-rejects",
         f"MuJoCo rejects {subject}: {message}",
         attribute,
@@ -81,15 +81,17 @@ def told(message: str, element: Node | None) -> Told:
     )
 
 
-def unknown_attribute(element: Node, name: str) -> Told:
+def unknown_attribute(element: Node, name: str) -> Translation:
     """An attribute that MJCF does not have in that place."""
     kind = kind_of(element)
     known = list(kind.attributes) if kind is not None else []
     if kind is not None and name in known:
         message = f"this MuJoCo has no attribute `{name}` of `<{element.tag}>`"
         attribute = kind.attributes[name]
-        return Told("unknown-attribute", message, name, _versions(attribute.since, attribute.until), key=True)
-    return Told(
+        return Translation(
+            "unknown-attribute", message, name, _versions(attribute.since, attribute.until), key=True
+        )
+    return Translation(
         "unknown-attribute",
         f"`{name}` is not an attribute of `<{element.tag}>`",
         name,
@@ -99,15 +101,15 @@ def unknown_attribute(element: Node, name: str) -> Told:
     )
 
 
-def _unknown_element(element: Node) -> Told:
+def _unknown_element(element: Node) -> Translation:
     parent = element.getparent()
     kind = kind_of(parent) if parent is not None else None
     known = list(kind.children) if kind is not None else []
     if kind is not None and element.tag in known:
         child = kind.children[str(element.tag)]
         notes = _versions(child.since, child.until)
-        return Told("unknown-element", f"this MuJoCo has no `<{element.tag}>`", None, notes)
-    return Told(
+        return Translation("unknown-element", f"this MuJoCo has no `<{element.tag}>`", None, notes)
+    return Translation(
         "unknown-element",
         f"`<{element.tag}>` cannot stand in " + (f"`<{parent.tag}>`" if parent is not None else "a model"),
         None,

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
-from composer.plan.part_record import Member
+from composer.plan.part_record import PartRecord
 from composer.plan.parts import BASE, called
 from composer.plan.plan import Plan
 from composer.recipe.checks.kind import Check
@@ -71,7 +71,7 @@ class Nested:
             "whole": self.whole,
         }
 
-    def frame(self, members: Sequence[Member]) -> dict[str, object] | None:
+    def frame(self, members: Sequence[PartRecord]) -> dict[str, object] | None:
         """Where its world stands in that of the model: a body and the pose in it; None where that is not known.
 
         The base of a recipe stands in the recipe's own world, so that its place is the recipe's.

@@ -10,7 +10,7 @@ from composer.bundle.renamed import Renamed
 from composer.compiled.difference import Difference
 from composer.compiled.keyframes import Keys
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
-from composer.plan.part_record import Member
+from composer.plan.part_record import PartRecord
 from composer.sources import ros_package
 from composer.verify.question import Question, ask, told
 
@@ -25,7 +25,7 @@ WHOLE = "whole"
 class Compared:
     """What came of one part: its differences, or why it could not be compared."""
 
-    member: Member
+    member: PartRecord
     differences: tuple[Difference, ...] = ()
     obscure: str | None = None
 
@@ -49,7 +49,7 @@ class Judge:
     cut: dict[str, tuple[Difference, ...]] = field(default_factory=dict)
 
     def compare(
-        self, member: Member, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
+        self, member: PartRecord, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
     ) -> Compared:
         """The part as it is in the composition.
 
@@ -77,7 +77,7 @@ class Judge:
             return answer.error or answer.crash or "it cannot be compared"
         return tuple(told(answer.value))
 
-    def _take(self, member: Member, name: str) -> str | None:
+    def _take(self, member: PartRecord, name: str) -> str | None:
         """Keep what was taken of a source, after it was compared with the whole; a sentence where that cannot be."""
         from composer.verify.subtree_reference import keep_taken  # few recipes need it
 
@@ -99,7 +99,7 @@ class Judge:
                 break
         return why
 
-    def _compile(self, member: Member, name: str) -> str | None:
+    def _compile(self, member: PartRecord, name: str) -> str | None:
         """Keep the source compiled alone; a sentence where MuJoCo refuses it."""
         if member.subtree is not None:
             return self._take(member, name)
@@ -122,7 +122,7 @@ def refused(said: str | None) -> str:
     return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
 
 
-def _kept(member: Member) -> str:
+def _kept(member: PartRecord) -> str:
     """A name for what sources that are the same alone have in common."""
     stands = member.stands or member.source.format != "urdf"
     taken = "" if member.subtree is None else f"{member.subtree} of {member.keys is None} "
@@ -130,7 +130,7 @@ def _kept(member: Member) -> str:
 
 
 def _question(
-    member: Member,
+    member: PartRecord,
     excused: tuple[str, ...],
     replaced_keys: tuple[str, ...],
     merged: Mapping[str, Mapping[str, str]],

@@ -8,7 +8,7 @@ from typing import Any
 
 from composer.compiled.difference import MISSING, Difference, Value
 from composer.compiled.keyframes import Keys, Roots
-from composer.compiled.kinds import FREE_JOINT, Model, Roster
+from composer.compiled.kinds import FREE_JOINT, Model, NameTable
 from composer.compiled.mount import Mount
 from composer.compiled.unchanged import compare
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Quat, Vec3
@@ -73,13 +73,13 @@ def ask(_mujoco: object, alone: Model, composed: Model, question: Mapping[str, A
 def _renamed(alone: Model, given: Question) -> Mapping[str, Mapping[str, str]]:
     if given.key_prefix is None:
         return given.renamed
-    names = Roster(alone).ids["key"]
+    names = NameTable(alone).ids["key"]
     return {**given.renamed, "key": {name: given.key_prefix + name for name in names}}
 
 
 def _free(alone: Model, prefix: str) -> frozenset[str]:
     """What free joints and their bodies are called in a composition; `#` stands for those without a name."""
-    roster = Roster(alone)
+    roster = NameTable(alone)
     free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE_JOINT]
     names = [roster.names["joint"][index] for index in free]
     names += [roster.names["body"][int(alone.jnt_bodyid[index])] for index in free]

@@ -16,7 +16,7 @@ from composer.bundle.read import ReadError, read
 from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
 from composer.numerics.pose import Pose
-from composer.plan.part_record import Member
+from composer.plan.part_record import PartRecord
 from composer.sources.source import Source
 from composer.verify.compiles import Verified, verify
 from composer.verify.inputs import Inputs
@@ -103,9 +103,9 @@ def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compare
             yield judge.compare(_member(part, found), part.changed, part.replaced_keys)
 
 
-def _member(part: Part, source: Source) -> Member:
+def _member(part: Part, source: Source) -> PartRecord:
     pose = None if part.pos is None or part.quat is None else Pose(part.pos, part.quat)
-    return Member(
+    return PartRecord(
         part.part, part.prefix, source, body=part.body, pose=pose, keys=part.keys, welded=part.welded,
         stands=part.stands, changed=part.changed, replaced_keys=part.replaced_keys, obscure=part.obscure,
         subtree=part.subtree,

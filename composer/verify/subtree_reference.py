@@ -11,7 +11,7 @@ from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.link.linking import KeyPolicy
 from composer.link.subtree import take_subtree
-from composer.plan.part_record import Member
+from composer.plan.part_record import PartRecord
 from composer.tree.parse import parse_file
 from composer.tree.write import write
 from composer.verify.parts import refused
@@ -29,7 +29,7 @@ class Taken(NamedTuple):
     fault: str | None = None
 
 
-def keep_taken(member: Member, session: engine.Session, taken: str, whole: str) -> Taken:
+def keep_taken(member: PartRecord, session: engine.Session, taken: str, whole: str) -> Taken:
     """Compile both and keep them in the session under these names; a sentence where that cannot be."""
     assert member.subtree is not None
     sink = Sink()

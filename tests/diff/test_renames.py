@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import mujoco
 
-from composer.compiled.kinds import Roster
+from composer.compiled.kinds import NameTable
 from composer.diff.renames import renames
 
 HAND = """<mujoco><worldbody>
@@ -12,8 +12,8 @@ HAND = """<mujoco><worldbody>
 </worldbody></mujoco>"""
 
 
-def _roster(text: str) -> Roster:
-    return Roster(mujoco.MjModel.from_xml_string(text))
+def _roster(text: str) -> NameTable:
+    return NameTable(mujoco.MjModel.from_xml_string(text))
 
 
 def test_a_prefix() -> None:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from composer.verify.mujoco_errors import kind_of, told, unknown_attribute
+from composer.verify.mujoco_errors import kind_of, translate, unknown_attribute
 
 
 def element(inside: str) -> etree._Element:
@@ -10,39 +10,40 @@ def element(inside: str) -> etree._Element:
 
 
 def test_what_it_speaks_of_is_named() -> None:
-    assert told("it is odd", None).message == "MuJoCo rejects the model: it is odd"
-    assert told("it is odd", element("<geom/>")).message == "MuJoCo rejects this geom: it is odd"
+    assert translate("it is odd", None).message == "MuJoCo rejects the model: it is odd"
+    assert translate("it is odd", element("<geom/>")).message == "MuJoCo rejects this geom: it is odd"
     assert (
-        told("it is odd", element('<geom name="a/b"/>')).message == "MuJoCo rejects the geom `a/b`: it is odd"
+        translate("it is odd", element('<geom name="a/b"/>')).message
+        == "MuJoCo rejects the geom `a/b`: it is odd"
     )
 
 
 def test_the_attribute_that_it_lies_in() -> None:
     geom = element('<geom name="x" size="a" type="bx" material="m"/>')
-    assert told("bad format in attribute 'size'", geom).attribute == "size"
-    assert told("invalid keyword: 'bx'", geom).attribute == "type"
-    assert told("unknown material 'm' in geom 'x'", geom).attribute == "material"
-    assert told("required attribute missing: 'pos'", geom).attribute is None, "it is not there"
-    assert told("something about 'x'", geom).attribute is None
-    assert told("'a' or 'm'", geom).attribute is None, "it may be either"
+    assert translate("bad format in attribute 'size'", geom).attribute == "size"
+    assert translate("invalid keyword: 'bx'", geom).attribute == "type"
+    assert translate("unknown material 'm' in geom 'x'", geom).attribute == "material"
+    assert translate("required attribute missing: 'pos'", geom).attribute is None, "it is not there"
+    assert translate("something about 'x'", geom).attribute is None
+    assert translate("'a' or 'm'", geom).attribute is None, "it may be either"
 
 
 def test_keywords_that_exist() -> None:
-    (note,) = told("invalid keyword: 'bx'", element('<geom type="bx"/>')).notes
+    (note,) = translate("invalid keyword: 'bx'", element('<geom type="bx"/>')).notes
     assert note.message.startswith("keywords that exist: box, ")
 
 
 def test_advice() -> None:
-    said = told("mass and inertia of moving bodies must be larger than mjMINVAL", element("<body/>"))
+    said = translate("mass and inertia of moving bodies must be larger than mjMINVAL", element("<body/>"))
     assert said.help == "give the body a geom that has mass, or an `inertial`"
-    assert told("something never heard of", None).help is None
+    assert translate("something never heard of", None).help is None
 
 
 def test_unknown_words_of_mjcf() -> None:
-    said = told("Schema violation: unrecognized attribute: 'colour'", element('<geom colour="1"/>'))
+    said = translate("Schema violation: unrecognized attribute: 'colour'", element('<geom colour="1"/>'))
     assert (said.code, said.attribute, said.key) == ("unknown-attribute", "colour", True)
     assert said == unknown_attribute(element("<geom/>"), "colour")
-    said = told("Schema violation: unrecognized element", element("<gem/>"))
+    said = translate("Schema violation: unrecognized element", element("<gem/>"))
     assert (said.code, said.message, said.help) == (
         "unknown-element", "`<gem>` cannot stand in `<worldbody>`", "did you mean `<geom>`?",
     )  # fmt: skip

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from lxml.etree import _Element as Node
 
 from composer.compiled.kinds import Model as MjModel
-from composer.compiled.kinds import Roster
+from composer.compiled.kinds import NameTable
 from composer.link.linking import Policy
 from composer.mjcf.attachment import attachments_below
 from composer.mjcf.errors import MjcfError, failure
@@ -19,8 +19,8 @@ from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
 from composer.verify.compiles import parse
-from composer.verify.fault_location import culprit
-from composer.verify.mujoco_errors import told
+from composer.verify.fault_location import locate_fault
+from composer.verify.mujoco_errors import translate
 
 _IN_PYTHON = {
     "put a body with a free joint into the world: `to: world`": "put a body with a free joint into the worldbody",
@@ -68,10 +68,10 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
     text = write(flat.unit.root)
     compiled = compile_text(text, contents(flat), flat)
     tell(flat)
-    return compiled, _snapshot(model, copies, flat, Roster(compiled))
+    return compiled, _snapshot(model, copies, flat, NameTable(compiled))
 
 
-def snapshot(model: Model, roster: Roster) -> Snapshot:
+def snapshot(model: Model, roster: NameTable) -> Snapshot:
     """What the elements of a composition are in a model that was compiled from something else: by their names."""
     copies = _Copies()
     return _snapshot(model, copies, flatten(model, "warning", copies), roster)
@@ -103,15 +103,15 @@ def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> Mj
     element = None
     if flat is not None and fault.line is not None:
         element = element_at(flat.unit.root, text, fault.line)
-    said = told(" ".join(fault.message.split()), element)
+    said = translate(" ".join(fault.message.split()), element)
     help = said.help and _IN_PYTHON.get(said.help, said.help)
     if flat is None or element is None:
         return failure(said.code, said.message, notes=said.notes, help=help)
-    found = culprit(said, element, flat.unit)
+    found = locate_fault(said, element, flat.unit)
     return failure(said.code, said.message, found.span, notes=(*found.notes, *said.notes), help=help)
 
 
-def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: Roster) -> Snapshot:
+def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> Snapshot:
     found = {
         copies.originals[node].node: row
         for node, row in rows(compiled_order(flat.unit.root), roster).items()

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from lxml.etree import _Element as Node
 
-from composer.compiled.kinds import KINDS, Model, Roster
+from composer.compiled.kinds import KINDS, Model, NameTable
 from composer.tree.classes import through_frames
 from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute
 from composer.tree.name_index import own_name
@@ -99,7 +99,7 @@ def compiled_order(root: Node) -> Order:
     return found
 
 
-def rows(order: Order, roster: Roster) -> dict[Node, int]:
+def rows(order: Order, roster: NameTable) -> dict[Node, int]:
     """The number of every element among those of its kind, as far as that is certain.
 
     A stretch of elements counts where the names fit one by one; where they do not, as MuJoCo has left
@@ -126,7 +126,7 @@ def rows(order: Order, roster: Roster) -> dict[Node, int]:
     return found
 
 
-def _sorted(kind: str, expected: Sequence[Node | None], roster: Roster) -> Iterator[tuple[Node, int]]:
+def _sorted(kind: str, expected: Sequence[Node | None], roster: NameTable) -> Iterator[tuple[Node, int]]:
     """Pairs and excludes, by name or by the two that they are of."""
     referred, *attributes = _SORTED[kind]
     places: dict[frozenset[int], list[int]] = {}

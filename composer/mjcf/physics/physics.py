@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from composer.compiled.kinds import KINDS, Roster
+from composer.compiled.kinds import KINDS, NameTable
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.link.linking import Policy
@@ -64,7 +64,7 @@ class Physics:
                 )
         self._model = model
         self._data = engine().MjData(model) if data is None else data
-        self._roster = Roster(model)
+        self._roster = NameTable(model)
         self._of_tree = snapshot is not None
         self._snapshots: list[Snapshot] = [] if snapshot is None else [snapshot]
         self._bindings: dict[object, Binding] = {}

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from composer.compiled.correspondence import ON_BODIES
-from composer.compiled.kinds import Model, Roster
+from composer.compiled.kinds import Model, NameTable
 from composer.compiled.links import links
 from composer.tree.glob import matcher
 from composer.tree.pattern import fitting, is_regular
@@ -35,11 +35,11 @@ class Scope:
     separator: str = "/"
     keys: str | None = ""
     whole: bool = True
-    roster: Roster = field(init=False)
+    roster: NameTable = field(init=False)
     values: dict[str, Any] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        self.roster = Roster(self.model)
+        self.roster = NameTable(self.model)
 
     def before(self, kind: str) -> str:
         """What stands before the recipe's names of a kind."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from composer import mjcf
-from composer.compiled.kinds import Roster
+from composer.compiled.kinds import NameTable
 from composer.mjcf import MjcfError, RootElement
 from composer.mjcf.physics.order import compiled_kind
 
@@ -27,7 +27,7 @@ def _judged(model: RootElement) -> int:
         if element.name is None:
             element.name = f"number-{number}"
     physics = model.compile_model(conflict="warning")
-    ids = Roster(twin.compile_model(conflict="warning").model).ids
+    ids = NameTable(twin.compile_model(conflict="warning").model).ids
     bound = 0
     for element, named in zip(elements, twins, strict=True):
         kind = compiled_kind(element._node)

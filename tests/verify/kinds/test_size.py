@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import mujoco
 
-from composer.compiled.kinds import Roster
+from composer.compiled.kinds import NameTable
 from composer.recipe.checks.size import COUNTS
 from composer.verify.kinds.scope import Scope
 from composer.verify.kinds.size import count
@@ -43,7 +43,7 @@ def test_every_size_is_one_of_the_model(arm: str) -> None:
     for size in COUNTS:
         assert count(whole, size) is not None, size
         assert (count(part, size) is None) == (size == "nkey")
-    assert Roster(model).count("body") == count(whole, "nbody")
+    assert NameTable(model).count("body") == count(whole, "nbody")
 
 
 def test_parts_and_the_rest_are_the_whole(arm: str) -> None:
