@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from composer.sources.digest import differences, sha256_of
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand, source_in, unlocked
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
 from composer.sources.kind import Form
-from composer.sources.lookup import Lookup
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference, check_secrets, malformed
 from composer.sources.source import Source

@@ -12,10 +12,10 @@ import pytest
 
 from composer import sources
 from composer.sources import SourceError, kinds, parse, path
+from composer.sources.fetching import Lookup
 from composer.sources.kind import PINS, Form
 from composer.sources.kinds import KINDS
 from composer.sources.lock import Locked
-from composer.sources.lookup import Lookup
 from composer.sources.reference import Reference
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
