@@ -16,13 +16,12 @@ from composer.diagnostics.sink import Sink
 from composer.link import numbers
 from composer.link.inertia import MEASURED, has_mass, own, write_inertias
 from composer.link.linking import Linking
-from composer.link.measured_unit import Survey, survey
+from composer.link.measured_unit import Survey, Unmeasurable, measured
 from composer.recipe.fault import Path
 from composer.tree.classes import childclass_of
 from composer.tree.settings import Settings
 
 _DENSITY = 1000.0
-_NOT_TO_BE_HAD = "compiler-setting"
 _DEFAULT = Settings()
 
 
@@ -81,12 +80,11 @@ class Masses:
         editing = self.editing
         unit = editing.linking.flat()
         aside = Sink()
+        linking = Linking(unit, [], aside, measure=editing.linking.measure)
         with without_keys(unit.root):
-            found = survey(
-                Linking(unit, [], aside, measure=editing.linking.measure), unit, "`mass`", ("body_mass",)
-            )
-        if any(each.code == _NOT_TO_BE_HAD for each in aside.diagnostics):
-            return None, f": {aside.diagnostics[0].message.rpartition(': ')[2]}"
+            found = measured(linking, unit, ("body_mass",))
+        if isinstance(found, Unmeasurable):
+            return None, f": {found.why}"
         for each in aside.diagnostics:
             editing.sink.add(each)
         return found, ""

@@ -56,7 +56,7 @@ def missed(editing: Editing, node: Node) -> list[Fault]:
     absent(kind, present, editing.called(node), (), faults)
     clashing(kind.constraints, present, editing.called(node), (), faults)
     if kind.family == "actuator" and not any(name in present for name in _MOVED):
-        faults.append(Fault("missing-key", f"{editing.called(node)} lacks what it moves"))
+        faults.append(Fault("missing-key", f"{editing.called(node)} lacks what it moves", names=_MOVED))
     return faults
 
 
@@ -68,7 +68,7 @@ def tell_missed(
         for fault in missed(editing, node):
             if fault in lacked:
                 continue
-            meant = [n for n, name in enumerate(names) if f"`{name}`" in fault.message or name in _MOVED]
+            meant = [n for n, name in enumerate(names) if name in fault.names]
             place = meant[0] if meant else 0
             notes = [Note(remark.message) for remark in fault.remarks]
             notes.append(Note("it is written here", editing.span_of(node)))
