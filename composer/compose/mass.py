@@ -51,6 +51,7 @@ class Masses:
                 self.editing.span(at),
                 notes=(Note("it is written here", self.editing.span_of(body)),),
                 help="`scale` needs not know it; or write a `mass` on each of its geoms",
+                subjects=self.editing.subjects(body),
             )
             raise Unusable
         return mass[0]
@@ -69,6 +70,7 @@ class Masses:
                 "out-of-range",
                 f"the mass of {self.editing.called(body)} would be negative",
                 self.editing.span(at),
+                subjects=self.editing.subjects(body),
             )
             raise Unusable
         self._settle()
@@ -143,5 +145,6 @@ class Masses:
             editing.span(at, key=True),
             notes=(Note("it is written here", editing.span_of(body)),),
             help="set `mass` or `density` of a geom in it",
+            subjects=editing.subjects(body),
         )
         raise Unusable

@@ -37,6 +37,7 @@ def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
                 f"`{name}` is written on none of the selected elements",
                 editing.span((*at, position)),
                 help=help,
+                subjects=(name,),
             )
             raise Unusable
         for node in writing:
@@ -73,7 +74,14 @@ def tell_missed(
             notes = [Note(remark.message) for remark in fault.remarks]
             notes.append(Note("it is written here", editing.span_of(node)))
             help = f"leave `{names[place]}` where it is, or set what takes its place in the same entry"
-            editing.sink.error(fault.code, fault.message, editing.span((*at, place)), notes=notes, help=help)
+            editing.sink.error(
+                fault.code,
+                fault.message,
+                editing.span((*at, place)),
+                notes=notes,
+                help=help,
+                subjects=(*fault.names, *editing.subjects(node)),
+            )
             raise Unusable
 
 
