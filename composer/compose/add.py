@@ -67,6 +67,7 @@ def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None
             step.to_span,
             notes=(Note("it is added here", coming),),
             help="put that entry above this one",
+            subjects=(step.to,),
         )
         return
     help = None
