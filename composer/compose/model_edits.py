@@ -20,7 +20,8 @@ from composer.link.key_layouts import keys_of
 from composer.link.keyframes import lay_out_replaced
 from composer.link.linking import Linking
 from composer.plan.drawn import Drawn, Tabled
-from composer.plan.plan import EditElements, Plan
+from composer.plan.plan import Plan
+from composer.plan.steps.edit_elements import EditElements
 
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
@@ -49,7 +50,7 @@ class Changes:
         """
         making, told = self.making, self.making.sink
         making.sink = self.linking.sink = aside = told.fork()
-        aside.forgive(_declared(self.plan.document))
+        aside.suppress_about(_declared(self.plan.document))
         try:
             return self._edit_by_name(aside)
         finally:
@@ -62,7 +63,7 @@ class Changes:
         editing = self._editing()
         for step in self.plan.edits:
             before, selector = sink.error_count, step.edit.select
-            is_certain = selector.is_one_name and not sink.forgives(selector.pattern)
+            is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
             if is_certain and not is_of_keys(step):
                 edit(step, editing)
             if step.edit.rename is not None and (not is_certain or sink.error_count > before):
@@ -146,6 +147,7 @@ class Changes:
                     base.origins.span(other, base.file, "name"),
                     notes=(Note("the other one", base.origins.span(key, base.file)),),
                     help="choose another name",
+                    subjects=(str(key.get("name")),),
                 )
 
 
