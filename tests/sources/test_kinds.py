@@ -16,6 +16,7 @@ from composer.sources.fetching import Lookup
 from composer.sources.kind import PINS, Form
 from composer.sources.kinds import KINDS
 from composer.sources.lock import Locked
+from composer.sources.origin import Origin
 from composer.sources.reference import Reference
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
@@ -63,6 +64,14 @@ def test_a_row_that_contradicts_itself_fails(change: dict[str, Any], problem: st
 def test_what_a_kind_pins_is_what_a_lock_has() -> None:
     own = {"kind", "files", "licences", "used_by"}
     assert {*PINS} == Locked.model_fields.keys() - own
+
+
+def test_what_is_known_of_a_source_is_pinned() -> None:
+    shared = replace(path.KIND, is_local=False)
+    with pytest.raises(ValueError, match=r"knows \['sha256'\], and `pins` in its row does not name it"):
+        Origin("shared:arm", shared, Path(), sha256="0" * 64)
+    with pytest.raises(ValueError, match=r"knows \['package'\]"):
+        Source(Path("arm.xml"), shared, "shared:arm/arm.xml", package="arm")
 
 
 @pytest.mark.parametrize(
