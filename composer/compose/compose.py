@@ -158,7 +158,9 @@ class Composer:
     def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
         """The plan of the parts that there are, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
-        self.context.sink.forgive(called(step, plan.separator) for step in plan.parts if step not in kept)
+        self.context.sink.suppress_about(
+            called(step, plan.separator) for step in plan.parts if step not in kept
+        )
         return replace(plan, parts=tuple(kept))
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:

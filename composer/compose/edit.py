@@ -366,7 +366,12 @@ class Change:
         if fault.code != "bare-angle":
             notes.append(Note(f"{editing.called(node)} is written here", editing.span_of(node)))
         editing.sink.error(
-            fault.code, fault.message, editing.span(fault.at, key=fault.key), notes=notes, help=fault.help
+            fault.code,
+            fault.message,
+            editing.span(fault.at, key=fault.key),
+            notes=notes,
+            help=fault.help,
+            subjects=editing.subjects(node),
         )
         raise Unusable
 

@@ -95,6 +95,11 @@ class Editing:
         tag = "default class" if node.tag == "default" else str(node.tag)
         return f"{tag} `{name}`" if name else f"a {tag} without a name"
 
+    def subjects(self, node: Node) -> tuple[str, ...]:
+        """The names that an error about an element is about."""
+        name = name_of(node)
+        return (name,) if name else ()
+
     def span(self, path: Path, key: bool = False) -> Span:
         """A place in the recipe."""
         return locate(self.making.document, path, key=key)

@@ -165,6 +165,7 @@ class _Writing:
                 self._at(FROM, part),
                 notes=(exists_note("key", names, name),),
                 help=did_you_mean(name, names, f"{part}: {{}}"),
+                subjects=(part, name),
             )
         return [key for _, key in sorted(found, key=lambda each: each[0])]
 
@@ -179,6 +180,7 @@ class _Writing:
                 self._at(FROM, key=True),
                 notes=(Note("the second one is here", source.span(TIME)),),
                 help=f"write the time of the key: `{TIME}: {source.time.text}`",
+                subjects=(key.name,),
             )
 
     def _set(self, vector: str, name: str, entry: Entry) -> None:
@@ -238,6 +240,7 @@ class _Writing:
             f"`{vector}` of the {kind} `{name}` has {count}, got {len(entry)}",
             self._at(vector, name),
             help=f"write {meant}" if meant else "leave it out" if not width else None,
+            subjects=(name,),
         )
 
     def _unknown(self, vector: str, name: str) -> None:
@@ -246,7 +249,7 @@ class _Writing:
         names = list(self.holders[kind])
         declared = linking.names.find(kind, name)
         if declared is not None and declared.getroottree().getroot() is not linking.base.root:
-            sink.forgive([name])  # it was lost with another fault
+            sink.suppress_about([name])  # it was lost with another fault
         if kind == "joint" and declared is None and may_be_generated(name, linking.base.root):
             sink.error(
                 "not-supported",
@@ -255,6 +258,7 @@ class _Writing:
                 span,
                 notes=(exists_note(kind, names, name),),
                 help="attach the part as often as it is needed: `replicate` in `attach`",
+                subjects=(name,),
             )
             return
         near = closest(name, names)
@@ -272,7 +276,12 @@ class _Writing:
             notes.append(Note(f"{_count(len(self.unnamed))} no name, and a key goes by names"))
             help = help or _naming(self.unnamed, name)
         sink.error(
-            "unknown-name", f"there is no {kind} `{name}` to set `{vector}` of", span, notes=notes, help=help
+            "unknown-name",
+            f"there is no {kind} `{name}` to set `{vector}` of",
+            span,
+            notes=notes,
+            help=help,
+            subjects=(name,),
         )
 
 

@@ -51,7 +51,7 @@ class Changes:
         """
         making, told = self.making, self.making.sink
         making.sink = self.linking.sink = aside = told.fork()
-        aside.forgive(_declared(self.plan.document))
+        aside.suppress_about(_declared(self.plan.document))
         try:
             return self._edit_by_name(aside)
         finally:
@@ -64,7 +64,7 @@ class Changes:
         editing = self._editing()
         for step in self.plan.edits:
             before, selector = sink.error_count, step.edit.select
-            is_certain = selector.is_one_name and not sink.forgives(selector.pattern)
+            is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
             if is_certain and not is_of_keys(step):
                 edit(step, editing)
             if "rename" in step.edit.verbs and (not is_certain or sink.error_count > before):
@@ -148,6 +148,7 @@ class Changes:
                     base.origins.span(other, base.file, "name"),
                     notes=(Note("the other one", base.origins.span(key, base.file)),),
                     help="choose another name",
+                    subjects=(str(key.get("name")),),
                 )
 
 

@@ -282,7 +282,8 @@ class _Draws:
     def _fault(self, code: str, message: str, node: Node, help: str | None = None) -> None:
         editing = self.editing
         notes = (Note(f"{editing.called(node)} is written here", editing.span_of(node)),)
-        editing.sink.error(code, message, editing.span(self.step.field.drawn_at), notes=notes, help=help)
+        span, subjects = editing.span(self.step.field.drawn_at), editing.subjects(node)
+        editing.sink.error(code, message, span, notes=notes, help=help, subjects=subjects)
         raise Unusable
 
 

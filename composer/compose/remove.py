@@ -116,4 +116,5 @@ def _still_needed(
         editing.span(at),
         notes=notes,
         help="write `remove: cascade` to take along what refers to it",
+        subjects=[name for node in going for name in editing.subjects(node)],
     )

@@ -41,6 +41,7 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
             making.span(step.element, "parent"),
             notes=(Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),),
             help="leave `parent` out to change the class, or choose another name",
+            subjects=(step.name,),
         )
         return
     for child in step.element.children:

@@ -165,7 +165,7 @@ def _model_data(model: Source | Plan | None, subtrees: Subtrees) -> Any:
         return as_data(model, subtrees)
     return {
         "reference": model.reference,
-        "kind": model.kind,
+        "kind": model.kind.name,
         "format": model.format,
         "package": model.package,
         "version": model.version,

@@ -156,6 +156,7 @@ class _Planner:
             f"field `{field.name}` draws a parameter, which a model that is compiled does not have any more",
             locate(document, (*field.at, "param")),
             help="write `emit: models`, which builds every sample",
+            subjects=(field.name,),
         )
 
     def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
@@ -166,7 +167,7 @@ class _Planner:
         found = validate_what_remains(concrete.document if concrete else node, self.sink)
         if found is None:
             return None
-        self.sink.forgive(found.lost | (concrete.lost if concrete else frozenset()))
+        self.sink.suppress_about(found.lost | (concrete.lost if concrete else frozenset()))
         return found.recipe, found.document, concrete
 
     def _readings(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> Readings:
@@ -210,12 +211,13 @@ class _Planner:
                     span if attachment.prefix is None else locate(document, (*at, "prefix")),
                     notes=(Note("the other part", taken[clash]),),
                     help="give one of them another key, or another `prefix`",
+                    subjects=(clash,),
                 )
                 continue
             taken.update(dict.fromkeys(prefixes, span))
             model = self._model(attachment, at, document, inside, recipe)
             if model is None:
-                self.sink.forgive(own for own, _ in numbered)
+                self.sink.suppress_about(own for own, _ in numbered)
             else:
                 for prefix, copy in prefixes.items():
                     yield AttachPart(prefix, model, attachment, at, span, copy)
@@ -274,6 +276,7 @@ class _Planner:
             f"`{key}` is for {what}, and `{model}` is not one",
             locate(document, (*at, key), key=True),
             help=f"take `{key}` out",
+            subjects=(key,),
         )
 
     def _packages(
