@@ -10,10 +10,10 @@ from composer.compose.editing import Editing
 from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.recipe.fault import Path
+from composer.tree.editable import is_copy, multiplies
 from composer.tree.kinds import kind_of, naming_attribute, section_of
 from composer.tree.name_index import MAY_REPEAT, is_list, own_name
 from composer.tree.names import WORLD
-from composer.tree.removal import is_copy, multiplies
 
 
 def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
@@ -32,7 +32,7 @@ def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
         namespace = naming.declares
         for used in [old, *_copies(editing, node, namespace, old)]:
             meant = name + used[len(old) :]
-            following += [(user, key, used, meant) for user, key in editing.index.users(namespace, used)]
+            following += [(user, key, used, meant) for user, key in editing.names.users(namespace, used)]
     for node in new:
         naming = naming_attribute(kind_of(node))
         assert naming is not None
@@ -85,7 +85,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
         other = taken.setdefault((naming.declares, name), node)
         help = _advice(editing, node, other, at)
         if other is node:
-            there = editing.index.find(naming.declares, name)
+            there = editing.names.find(naming.declares, name)
             if there is None or there in new:
                 continue
             other, help = there, "choose another name"
@@ -120,8 +120,8 @@ def _copies(editing: Editing, node: Node, namespace: str, name: str) -> list[str
     """The names in use that MuJoCo makes of this one."""
     if not multiplies(node):
         return []
-    used = editing.index.uses.get(namespace, {})
-    return [other for other in used if is_copy(other, name) and editing.index.find(namespace, other) is None]
+    used = editing.names.uses.get(namespace, {})
+    return [other for other in used if is_copy(other, name) and editing.names.find(namespace, other) is None]
 
 
 def _follow(editing: Editing, following: list[tuple[Node, str, str, str]]) -> None:

@@ -24,8 +24,8 @@ from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text,
 from composer.mjcf.physics.order import compiled_kind
 from composer.mjcf.physics.rendering import Rendering
 from composer.mjcf.root import RootElement
+from composer.tree.editable import is_copy
 from composer.tree.kinds import WORLD_SECTION
-from composer.tree.removal import is_copy
 
 
 class Physics:
