@@ -51,22 +51,25 @@ class Reference(NamedTuple, Generic[M]):
 
 def referrers(model: M, namespace: str, name: str) -> Iterator[Reference[M]]:
     """Who refers to a name of the model: in its own tree, and in the models it is attached to."""
-    for here, used in uses_of(model, namespace, name):
+    for here, _, used in uses_of(model, namespace, name):
         for node, attribute in here.names.users(namespace, used):
             yield Reference(here, node, attribute, namespace, used)
 
 
-def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str]]:
-    """The texts by which models refer to a name: with its prefix, and with the numbers of its copies."""
+def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str]]:
+    """The texts by which models refer to a name: each model, the prefix there, and the whole text.
+
+    Beside the name itself these are the names of the copies that MuJoCo makes.
+    """
     node = model.find_node(namespace, name)
     has_copies = node is not None and multiplies(node)
     for here, prefix in model.levels():
         full = prefix + name
-        yield here, full
+        yield here, prefix, full
         if has_copies:
             for used in list(here.names.uses.get(namespace, ())):
                 if is_copy(used, full) and here.find_node(namespace, used) is None:
-                    yield here, used
+                    yield here, prefix, used
 
 
 def multiplies(node: Node) -> bool:
