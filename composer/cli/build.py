@@ -20,15 +20,12 @@ from composer.cli.matrix import cells_options
 from composer.cli.output import output_option
 from composer.cli.reporting import (
     USAGE,
-    arguments,
     clear_progress,
     exit_code,
-    is_quiet,
     progress,
     report,
     reporting_options,
     say,
-    told_by_report,
 )  # fmt: skip
 from composer.cli.timeout import timeout_option
 from composer.cli.wanted import Wanted, for_shared_assets, kind_of_output
@@ -116,7 +113,7 @@ def command(
         if one:
             known, reasons = maker.recall(maker.question(), context)
             if known is not None:
-                sys.exit(finish(known, maker, wanted, context, None, set_files))
+                sys.exit(finish(known, maker, wanted, context, None))
         given = chosen_values(sets, set_files, variants, context)
         if context.sink.has_errors:
             report(context, form)
@@ -128,7 +125,7 @@ def command(
                 from composer.cli.build_cells import build_cells
 
                 sys.exit(build_cells(maker, wanted, given, picks, only_samples, context, session, samples))
-            sys.exit(build_one(maker, wanted, given, context, session, reasons, set_files))
+            sys.exit(build_one(maker, wanted, given, context, session, reasons))
 
 
 def build_one(
@@ -138,12 +135,11 @@ def build_one(
     context: Context,
     session: Session,
     why: tuple[str, ...],
-    set_files: tuple[Path, ...] = (),
 ) -> int:
     """Build the one model that the recipe is; gives the exit code."""
     progress(f"building {maker.recipe}")
     made = maker.make(context, session, given, question=maker.question(), why=why)
-    return finish(made, maker, wanted, context, session, set_files)
+    return finish(made, maker, wanted, context, session)
 
 
 def finish(
@@ -152,7 +148,6 @@ def finish(
     wanted: Wanted,
     context: Context,
     session: Session | None,
-    set_files: tuple[Path, ...] = (),
 ) -> int:
     """Write the model, and tell what there is to tell; gives the exit code."""
     made = None if made is None else put(made, maker, wanted, context, session)
@@ -164,30 +159,7 @@ def finish(
             say(line, err=True)
         return 0
     say(said(made, wanted), form=wanted.form)
-    if wanted.kind != "usd":
-        _note(made, maker, wanted, context, set_files)
     return 0
-
-
-def _note(made: Made, maker: Maker, wanted: Wanted, context: Context, set_files: tuple[Path, ...]) -> None:
-    """Leave a receipt, so that the same command need not be run again."""
-    target = maker.place(made.name, made.mujoco)
-    if maker.cache is None or made.answer is None or target is None:
-        return
-    from composer.cache.receipt import Output, note
-
-    record = maker.cache.record(made.answer) if wanted.kind in ("archive", "text") else None
-    reported, known = told_by_report(context, wanted.form), replace(made, built=None, why=(), replaced={})
-    silent = is_quiet() and wanted.form != "json"
-    same, anew = (
-        [
-            *reported,
-            *([] if silent else [(False, f"{said(replace(known, is_written=is_written), wanted)}\n")]),
-        ]
-        for is_written in (True, False)
-    )
-    output = Output(os.fspath(target), maker.content(made), anew, record)
-    note(maker.cache, arguments(), context.environment, [made.answer], set_files, same, output)
 
 
 def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> Made | None:

@@ -34,10 +34,12 @@ def chosen_values(
     sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], context: Context
 ) -> dict[str, Node]:
     """The values by name, those of options over those of files; faults go to the context's sink."""
+    found: dict[str, Node] = {}
+    if not (sets or set_files or variants):
+        return found  # and import nothing
     from composer.diagnostics.span import Span
     from composer.document import Mapping, Scalar, load
 
-    found: dict[str, Node] = {}
     for file in set_files:
         shown = context.shown(file)
         try:

@@ -171,6 +171,10 @@ class Plan:
     """The recipe as it was resolved, where it is nested in another."""
     extended: tuple[tuple[Source, Span], ...] = ()
     """The recipes that it extends, each with the place that names it."""
+    cells: int = 0
+    """How many cells its matrix has, where it is the model of none of them."""
+    cells_at: Span | None = None
+    """Where the first of these is written."""
 
     @property
     def keyframes(self) -> tuple[WriteKeyframe, ...]:
