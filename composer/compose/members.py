@@ -15,8 +15,7 @@ from composer.link.placing import read_pose
 from composer.numerics.pose import Pose
 from composer.plan.drawn_arrays import arrays_of_draw
 from composer.plan.part_record import IN_PLACE, PartRecord, of_part
-from composer.plan.parts import BASE, called
-from composer.plan.plan import DrawValues, Plan, SetDefault, SetSingleton
+from composer.plan.plan import BASE, DrawValues, Plan, SetDefault, SetSingleton, called
 from composer.recipe.checks.unchanged import Unchanged
 from composer.sources.source import Source
 from composer.tree.classes import MAIN
