@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from composer.cli.caching import caching, no_cache_option
-from composer.cli.choices import choice_options, chosen_values, named_choices
+from composer.cli.choices import Choices, choice_options
 from composer.cli.counting import counting
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.junit import junit_option, suite_of, write_junit
@@ -39,9 +39,7 @@ if TYPE_CHECKING:
 @reporting_options
 def command(
     recipes: tuple[Path, ...],
-    sets: tuple[str, ...],
-    set_files: tuple[Path, ...],
-    variants: tuple[str, ...],
+    choices: Choices,
     every: bool,
     picks: tuple[str, ...],
     only_samples: tuple[int, ...],
@@ -65,12 +63,11 @@ def command(
     for recipe in recipes:
         how = fetching()
         context = Context(fetching=how)
-        given = chosen_values(sets, set_files, variants, context)
+        given = choices.values(context)
         if context.sink.has_errors:
             report(context, form)
             sys.exit(USAGE)
-        choices = named_choices(sets, set_files, variants, context)
-        order = Order(not no_verify, choices=choices, locked=how.locked, offline=how.offline)
+        order = Order(not no_verify, choices=choices.named(context), locked=how.locked, offline=how.offline)
         with caching(context, no_cache) as cache:
             look = _Check(Maker(recipe, order, cache, context), context, timeout, form)
             if not (every or picks or only_samples):
