@@ -32,6 +32,7 @@ from composer.link.key_layouts import remove_keys
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
+from composer.link.request import Request
 from composer.link.validate_values import STUMBLES, malformed
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.part_record import PartRecord
@@ -178,11 +179,8 @@ class Composer:
         base.origins.texts[plan.file] = plan.path
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
         linking = Linking(
-            base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
-            isolate_base=frozenset(_top_tags(plan)),
-            base_keyframes=plan.base.keyframes, asked=plan.asked if plan.keyframes else None,
-            measure=self.measure, watch=self.watch, coming=plan.added_places, grows=_grows(plan),
-        )  # fmt: skip
+            base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
+        )
         self.watch(linking.units, linking)
         if self.selects_parts:
             self._note_parts(plan, units)
@@ -294,7 +292,17 @@ def _empty(plan: Plan) -> Unit:
     return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
 
 
-def _grows(plan: Plan) -> bool:
+def _request(plan: Plan) -> Request:
+    return Request(
+        plan.separator, plan.conflict, plan.settled, plan.base.keyframes,
+        requested_keys=plan.asked if plan.keyframes else None,
+        isolated_tags=frozenset(_top_tags(plan)),
+        adds_mass=_adds_mass(plan),
+        later_places=plan.added_places,
+    )  # fmt: skip
+
+
+def _adds_mass(plan: Plan) -> bool:
     """Whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
     if any(isinstance(step, SetSingleton) and step.section == "compiler" for step in plan.steps):
         return False
