@@ -24,8 +24,8 @@ from composer.plan.drawn import Drawn, Tabled
 from composer.plan.steps.draw_values import DrawValues
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import must_not_be_negative
-from composer.recipe.edit_values import MASS
 from composer.recipe.subscript import attribute_and_index
+from composer.recipe.verbs.values import MASS
 from composer.tree.kinds import kind_of
 from composer.tree.select import name_of, parent_of
 from composer.tree.selector import XPATH
@@ -73,7 +73,7 @@ class _Draws:
         drawn = self._drawn(node, step.sample)
         at = (*entry.at, "attr")
         written = self._with_unit(node, drawn)
-        self.editing.linking.drawn.setdefault(node, {})[entry.name] = written
+        self.editing.linking.notes.drawn.setdefault(node, {})[entry.name] = written
         Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
         return self._told(node, drawn)
 
