@@ -55,7 +55,8 @@ class Record:
 
 
 def to_json(record: Record) -> bytes:
-    return json.dumps(asdict(record), ensure_ascii=True).encode()
+    # `default` is for sets.
+    return json.dumps(asdict(record), ensure_ascii=True, default=sorted).encode()
 
 
 def from_json(text: bytes) -> Record:
@@ -91,6 +92,7 @@ def _diagnostic(data: dict[str, Any]) -> Diagnostic:
         notes,
         data["help"],
         others,
+        subjects=frozenset(data["subjects"]),
     )
 
 
