@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,14 +18,13 @@ from composer.verify.compiles import Fault, crash_help, verify
 from composer.verify.fault_location import locate_fault
 from composer.verify.ignored_attributes import unread
 from composer.verify.left_behind import left_behind
-from composer.verify.mujoco_errors import Translation, kind_of, translate, unknown_attribute
-
-_PLUGIN = re.compile(r"failed for plugin id (\d+)")
-# What MuJoCo says of a setting of the whole model, of which it knows no line.
-_SETTINGS = {
-    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
-    "option": re.compile(r"\bintegrator='"),
-}
+from composer.verify.mujoco_errors import (
+    Translation,
+    kind_of,
+    read_sentence,
+    translate,
+    unknown_attribute,
+)
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -119,15 +117,14 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
-    if (failed := _PLUGIN.search(fault.message)) is not None:
+    said = read_sentence(fault.message)
+    if said.plugin is not None:
         instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
-        number = int(failed[1])
-        return instances[number] if number < len(instances) else None
+        return instances[said.plugin] if said.plugin < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
     named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
-    for tag, said in _SETTINGS.items():
-        if not named and said.search(fault.message):
-            named = model.root.findall(tag)
+    if not named and said.section is not None:
+        named = model.root.findall(said.section)
     return named[0] if len(named) == 1 else None
 
 

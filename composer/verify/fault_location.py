@@ -12,7 +12,7 @@ from composer.link.inertia import own
 from composer.sources.source import FORMATS
 from composer.tree.effective import Level, levels
 from composer.tree.unit import Unit
-from composer.verify.mujoco_errors import Translation, kind_of
+from composer.verify.mujoco_errors import Topic, Translation, kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -31,7 +31,7 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
     """What the recipe wrote comes first: it is what its author can change."""
     span = model.origins.span(element, model.file, said.attribute, key=said.key)
     if said.attribute is None:
-        masses = _masses(element, model) if "mass and inertia" in said.message else ()
+        masses = _masses(element, model) if said.topic is Topic.MASS else ()
         written = next((each for each in masses if _in_recipe(each)), None)
         return (
             FaultLocation(span)
