@@ -100,7 +100,7 @@ def command(
         else:
             kind = kind_of_output(out)
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         report(context, form)
         sys.exit(USAGE)
     wanted = Wanted(
@@ -212,7 +212,7 @@ def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Ses
             if before is not None and now is not None:
                 made = replace(made, replaced=before.other_than(now))
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         return None
     tell_unlicensed(made.licences, context)
     return made

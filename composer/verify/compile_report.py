@@ -42,7 +42,7 @@ def judge(
     try:
         verified = verify(bundle, session=session, keep=keep)
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         return None
     for warning in verified.warnings:
         element = _element(warning, bundle, model)
