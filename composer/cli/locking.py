@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from composer.plan.plan import Plan
     from composer.plan.planner import Given
     from composer.sources.fetching import Fetching
-    from composer.sources.lock import Disputed, Lock
+    from composer.sources.lock import Lock
+    from composer.sources.lock_file import Disputed
 
 Chosen = tuple[tuple[str, ...], tuple[Path, ...], tuple[str, ...]]
 """What `--set`, `--set-file` and `--variant` say."""
@@ -56,7 +57,7 @@ def made_lock(
     from composer.plan.locked import changed, lock_of, use_lock
     from composer.plan.matrix import of_first_cell
     from composer.plan.planner import make_plan
-    from composer.sources.lock import to_text
+    from composer.sources.lock_file import to_text
 
     if not (context.folder / recipe).is_file():
         make_plan(recipe, context)  # which says what is there instead
@@ -175,10 +176,11 @@ def _tell_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path
     """What somebody else changed is not locked without being asked for."""
     from composer.diagnostics.diagnostic import Note
     from composer.sources.digest import differences
+    from composer.sources.lock_file import kind_of
 
     for id, now in after.sources.items():
         was = before.sources.get(id)
-        if was is None or was.is_local or id in fresh:
+        if was is None or kind_of(was).is_local or id in fresh:
             continue
         there = {name: digest for name, digest in now.files.items() if name in was.files}
         kept = {name: digest for name, digest in was.files.items() if name in there}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -37,14 +37,18 @@ from composer.link.validate_values import STUMBLES, malformed, put_right
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.part_record import PartRecord
 from composer.plan.parts import BASE, called
-from composer.plan.plan import (
-    AddElement,
-    AppendElement,
-    Plan,
-    SetDefault,
-    SetSingleton,
-)
+from composer.plan.plan import Plan
+from composer.plan.steps.add_element import AddElement
+from composer.plan.steps.append_element import AppendElement
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.set_default import SetDefault
+from composer.plan.steps.set_singleton import SetSingleton
+from composer.plan.steps.step import Step
+from composer.plan.steps.table import STEPS
+from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.fault import Path as KeyPath
+from composer.recipe.rows import check_rows
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
@@ -57,6 +61,16 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 _WEIGHTLESS = ("site", "camera", "light")
+# What writes a step into the joined model. The steps after these wait until all of it is there: edits and draws
+# (`model_edits.py`), and keys (`keyframe.py`).
+_WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
+    AddElement: add,
+    SetSingleton: set_singleton,
+    SetDefault: set_default,
+    AppendElement: append,
+}
+_AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe)
+check_rows("the steps that composer/compose/compose.py carries out", [*_WRITE, *_AFTERWARDS], STEPS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,17 +326,9 @@ def _grows(plan: Plan) -> bool:
 
 def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
     for step in plan.steps:
-        if isinstance(step, AddElement):
-            add(step, linking, making)
-        elif isinstance(step, SetSingleton):
-            set_singleton(step, linking, making)
-        elif isinstance(step, SetDefault):
-            set_default(step, linking, making)
-        elif isinstance(step, AppendElement):
-            append(step, linking, making)
-        else:
-            continue
-        linking.watch(linking.units, step)
+        if (write := _WRITE.get(type(step))) is not None:
+            write(step, linking, making)
+            linking.watch(linking.units, step)
     if making.pending:
         classes = linking.base.classes
 

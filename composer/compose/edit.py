@@ -29,7 +29,8 @@ from composer.link import numbers
 from composer.link.files import add_file
 from composer.link.layout import joint_type
 from composer.link.names import may_be_generated
-from composer.plan.plan import DrawValues, EditElements
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
 from composer.recipe.angles import bare_angle
 from composer.recipe.edit_values import MASS
 from composer.recipe.element import Element

@@ -24,7 +24,8 @@ from composer.link.multiplied import Copy
 from composer.link.names import may_be_generated
 from composer.link.part_keys import part_keys
 from composer.plan.parts import parts_of
-from composer.plan.plan import Plan, WriteKeyframe
+from composer.plan.plan import Plan
+from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.element import Single
 from composer.recipe.keyframe import FROM, TIME, VECTORS, Entry
 from composer.recipe.shown import shown

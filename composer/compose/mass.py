@@ -14,11 +14,11 @@ from composer.compose.without_keyframes import without_keys
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.link import numbers
-from composer.link.inertia import MEASURED, has_mass, own, write_inertias
+from composer.link.inertia import MEASURED, has_mass, write_inertias
 from composer.link.linking import Linking
 from composer.link.measured_unit import Survey, Unmeasurable, measured
 from composer.recipe.fault import Path
-from composer.tree.classes import childclass_of
+from composer.tree.classes import childclass_of, own
 from composer.tree.settings import Settings
 
 _DENSITY = 1000.0

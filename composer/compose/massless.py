@@ -10,9 +10,10 @@ from composer.compose.elements import ElementBuilder
 from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.link import numbers
-from composer.link.inertia import MEASURED, has_mass, own
+from composer.link.inertia import MEASURED, has_mass
 from composer.link.linking import Linking, Part
 from composer.plan.plan import AttachPart
+from composer.tree.classes import own
 from composer.tree.settings import Settings
 
 # What MuJoCo expands may bring mass.

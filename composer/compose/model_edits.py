@@ -20,7 +20,8 @@ from composer.link.key_layouts import keys_of
 from composer.link.keyframes import lay_out_replaced
 from composer.link.linking import Linking
 from composer.plan.drawn import Drawn, Tabled
-from composer.plan.plan import EditElements, Plan
+from composer.plan.plan import Plan
+from composer.plan.steps.edit_elements import EditElements
 
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")

@@ -21,7 +21,7 @@ from composer.grammar.degrees import is_in_degrees
 from composer.numerics.stream import bits
 from composer.plan.angle_context import Reading
 from composer.plan.drawn import Drawn, Tabled
-from composer.plan.plan import DrawValues
+from composer.plan.steps.draw_values import DrawValues
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import must_not_be_negative
 from composer.recipe.edit_values import MASS

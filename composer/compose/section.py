@@ -9,7 +9,9 @@ from composer.compose.reference_check import not_there
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.link.linking import Linking
-from composer.plan.plan import AppendElement, SetDefault, SetSingleton
+from composer.plan.steps.append_element import AppendElement
+from composer.plan.steps.set_default import SetDefault
+from composer.plan.steps.set_singleton import SetSingleton
 from composer.tree.classes import MAIN
 
 

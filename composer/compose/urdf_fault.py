@@ -9,10 +9,11 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.mujoco_errors.message import Fault
+from composer.mujoco_errors.sentence import Topic, read_sentence
+from composer.mujoco_errors.translation import translate
 from composer.tree.files import stem
 from composer.tree.line import line_of
-from composer.verify.compiles import Fault
-from composer.verify.mujoco_errors import Topic, read_sentence, translate
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 _SIZES = "sizes are greater than zero"

@@ -12,7 +12,7 @@ from lxml.etree import _Element as Node
 from composer.link import numbers
 from composer.link.linking import Linking
 from composer.link.measured_unit import BODIES, Survey, cannot_be_kept, survey
-from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
+from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, own, walk_bodies
 from composer.tree.settings import Settings
 from composer.tree.unit import Unit
 
@@ -41,17 +41,6 @@ def inertia(linking: Linking) -> None:
 
 def _bodies(unit: Unit) -> list[Node]:
     return [element for element, _ in walk_bodies(unit.root) if element.tag == "body"]
-
-
-def own(body: Node, *tags: str) -> list[Node]:
-    """Elements of those tags that belong to the body itself, frames being transparent."""
-    found: list[Node] = []
-    for child in body:
-        if child.tag in tags:
-            found.append(child)
-        elif child.tag in ("frame", "replicate"):
-            found.extend(own(child, *tags))
-    return found
 
 
 def _leave_out_groups(unit: Unit, low: int, high: int) -> None:

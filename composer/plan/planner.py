@@ -25,7 +25,9 @@ from composer.plan.pieces import check_pieces
 from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.plan.read import folder_of, read_recipe
 from composer.plan.rings import without_rings
-from composer.plan.steps import settled, steps_of
+from composer.plan.steps.set_singleton import SetSingleton
+from composer.plan.steps.step import Written
+from composer.plan.steps.table import steps_of
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.draw_field import DrawField
@@ -120,7 +122,7 @@ class _Planner:
         if base is None:
             return None
         readings = self._readings(path, recipe, document, concrete)
-        steps = tuple(steps_of(recipe, document, randomize, sample))
+        steps = tuple(steps_of(Written(recipe, document, randomize, sample)))
         plan = Plan(
             name=name or recipe.name or as_text(path.stem),
             description=recipe.description,
@@ -133,7 +135,9 @@ class _Planner:
             base=base,
             parts=parts,
             steps=steps,
-            settled=frozenset(settled(steps)),
+            settled=frozenset(
+                path for step in steps if isinstance(step, SetSingleton) for path in step.settled
+            ),
             scope=concrete.scope if concrete else {},
             variants=concrete.variants if concrete else {},
             checks=recipe.check,

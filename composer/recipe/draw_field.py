@@ -26,6 +26,7 @@ NOT_NEGATIVE = frozenset(
 )
 """Attributes of which a draw must not make a negative number: of the first number, if they are polynomials."""
 _POLYNOMIALS = ("damping", "stiffness")
+_SIGNS = {"set": "=", "scale": "×", "offset": "+"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,13 @@ class DrawField:
         """The path to the distribution."""
         between = () if self.operation == "set" else (self.operation,)
         return (*self.at, *between, self.drawing.kind)
+
+    @property
+    def words(self) -> str:
+        """What is drawn, for what, and from which distribution: what `plan` prints."""
+        what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
+        shared = ", one for all" if self.per == "sample" else ""
+        return f"draw {self.name}: {what} {_SIGNS[self.operation]} {self.drawing}{shared}"
 
 
 def must_not_be_negative(attribute: str, component: int) -> bool:

@@ -16,7 +16,7 @@ from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
 from composer.recipe.raw import path_of
 from composer.recipe.select import inside, read_selector
 from composer.recipe.settings import settings
-from composer.recipe.shown import kind_of
+from composer.recipe.shown import kind_of, shown
 from composer.tree.selector import Selector
 
 REMOVE = "remove"
@@ -49,6 +49,11 @@ class Edit:
         if self.remove is not None:
             return (REMOVE,)
         return tuple(verb for verb in VERBS if getattr(self, verb))
+
+    @property
+    def words(self) -> str:
+        """What `plan` prints for the entry, on one line."""
+        return f"edit {self.select}: {'; '.join(_verbs(self))}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,3 +158,35 @@ def _remove(value: Any, at: Path, faults: list[Fault]) -> Literal[True, "cascade
     faults.append(Fault("wrong-keyword", f"`{REMOVE}` is `true` or `cascade`, got {kind_of(value)}", at,
                         help=help))  # fmt: skip
     return None
+
+
+def _verbs(edit: Edit) -> Iterator[str]:
+    if edit.remove is not None:
+        yield "remove" if edit.remove is True else "remove, with all that refers to it"
+    if isinstance(edit.unset, Mapping):
+        yield f"unset {', '.join(f'{tag}.{name}' for tag, names in edit.unset.items() for name in names)}"
+    elif edit.unset:
+        yield f"unset {', '.join(edit.unset)}"
+    for verb in ("set", "scale", "offset"):
+        written: Mapping[str, Any] = getattr(edit, verb)
+        if written:
+            sign = {"set": "=", "scale": "×", "offset": "+"}[verb]
+            yield f"{verb} {', '.join(f'{name} {sign} {value}' for name, value in _flat(written))}"
+    if edit.convert:
+        given = [f"{name} = {shown(value)}" for name, value in edit.convert.items() if name != "to"]
+        yield f"convert to {edit.convert['to']}{' with ' if given else ''}{', '.join(given)}"
+    if edit.move:
+        to = edit.move["to"]
+        given = [f"{name} = {shown(value)}" for name, value in edit.move.items() if name != "to"]
+        place = f"the frame {to['frame']}" if isinstance(to, dict) else to
+        yield f"move to {place}{' with ' if given else ''}{', '.join(given)}"
+    if edit.rename:
+        yield f"rename to {edit.rename}"
+
+
+def _flat(written: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    for name, value in written.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{above}{name}.")
+        else:
+            yield above + name, shown(value)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Literal
 
+from composer.sources.kind import Kind
 from composer.sources.origin import Origin
 
 Format = Literal["recipe", "mjcf", "urdf"]
@@ -33,7 +34,7 @@ class Source:
     """
 
     path: Path
-    kind: str
+    kind: Kind
     reference: str
     package: str | None = None
     version: str | None = None

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.link.inertia import own
+from composer.mujoco_errors.sentence import Topic
+from composer.mujoco_errors.translation import Translation, kind_of
 from composer.sources.source import FORMATS
+from composer.tree.classes import own
 from composer.tree.effective import Level, levels
 from composer.tree.unit import Unit
-from composer.verify.mujoco_errors import Topic, Translation, kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
