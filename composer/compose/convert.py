@@ -21,9 +21,9 @@ from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.link.multiplied import element_of
 from composer.link.part_keys import part_keys
-from composer.recipe.edit_values import FROM
 from composer.recipe.fault import Fault, Path
 from composer.recipe.value import read_value
+from composer.recipe.verbs.convert import FROM
 from composer.tree.effective import levels
 from composer.tree.key_number import texts
 

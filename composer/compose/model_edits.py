@@ -24,6 +24,7 @@ from composer.plan.plan import Plan
 from composer.plan.steps.edit_elements import EditElements
 
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
+_UNNAMING = {"remove", "rename"}  # after which an element does not have its name any more
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 
@@ -66,7 +67,7 @@ class Changes:
             is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
             if is_certain and not is_of_keys(step):
                 edit(step, editing)
-            if step.edit.rename is not None and (not is_certain or sink.error_count > before):
+            if "rename" in step.edit.verbs and (not is_certain or sink.error_count > before):
                 return False
         return True
 
@@ -84,7 +85,7 @@ class Changes:
         for step in self.plan.edits:
             if is_of_keys(step) == of_keys:
                 # What else is done to a key that the recipe writes anew would be lost.
-                stand_ins = replaced if step.edit.remove or step.edit.rename is not None else []
+                stand_ins = replaced if _UNNAMING & step.edit.verbs.keys() else []
                 replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
                 if not stand_ins:
                     edit(step, editing)

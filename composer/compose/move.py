@@ -57,7 +57,7 @@ def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) ->
     name = str(Values(editing, node, index, at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")
-    found = editing.index.find(kind, name)
+    found = editing.names.find(kind, name)
     if found is None:
         shown = "to: NAME" if kind == "body" else "to: {frame: NAME}"
         not_there(editing.linking, editing.sink, kind, name, editing.span(at), shown, purpose=" to move to")

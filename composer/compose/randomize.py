@@ -24,8 +24,8 @@ from composer.plan.drawn import Drawn, Tabled
 from composer.plan.steps.draw_values import DrawValues
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import must_not_be_negative
-from composer.recipe.edit_values import MASS
 from composer.recipe.subscript import attribute_and_index
+from composer.recipe.verbs.values import MASS
 from composer.tree.kinds import kind_of
 from composer.tree.select import name_of, parent_of
 from composer.tree.selector import XPATH

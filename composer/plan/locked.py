@@ -18,7 +18,7 @@ from composer.plan.read import EXTENDS, read_recipe
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
-from composer.sources.kind import PINS, Pin
+from composer.sources.kind import PINS
 from composer.sources.lock import Lock, Locked, lock_path
 from composer.sources.lock_file import Disputed, kind_of, read_lock
 from composer.sources.origin import Origin
@@ -307,18 +307,13 @@ def _locked(use: _Use, fetching: Fetching) -> Locked | None:
     if not files:
         return None
     source, origin = use.source, use.origin
-    kind = PATH if origin is None else origin.kind
-
-    def pinned(pin: Pin, value: str | None) -> str | None:
-        return value if pin in kind.pins else None
-
     return Locked(
-        kind=kind.name,
-        commit=pinned("commit", origin.commit if origin else None),
-        tree=pinned("tree", origin.tree if origin else None),
-        sha256=pinned("sha256", origin.sha256 if origin else None),
-        package=pinned("package", source.package if source else None),
-        version=pinned("version", source.version if source and source.package else None),
+        kind=(PATH if origin is None else origin.kind).name,
+        commit=origin.commit if origin else None,
+        tree=origin.tree if origin else None,
+        sha256=origin.sha256 if origin else None,
+        package=source.package if source else None,
+        version=source.version if source and source.package else None,
         files=files,
         licences=sorted(use.licences),
         used_by=sorted(use.used_by),
