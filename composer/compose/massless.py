@@ -46,6 +46,7 @@ def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBu
         help=f"give it mass, for example {give}, or leave `joint` out"
         if part.prefix
         else "give a body in it mass",
+        subjects=(part.called,),
     )
 
 

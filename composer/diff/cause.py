@@ -20,7 +20,7 @@ from composer.document.node import Node as LocatedNode
 from composer.document.node import Sequence, locate, to_python
 from composer.explain.query import name_of
 from composer.explain.trace import Life
-from composer.plan.plan import AddElement
+from composer.plan.steps.add_element import AddElement
 from composer.tree.effective import class_in_force
 from composer.tree.kinds import kind_of
 

@@ -43,7 +43,9 @@ def bodies(linking: Linking) -> None:
             if not lost:
                 _ring(linking, waiting)
             prefixes = [part.prefix for part in waiting if part.prefix]
-            linking.sink.forgive([*prefixes, *(each.removesuffix(linking.separator) for each in prefixes)])
+            linking.sink.suppress_about(
+                [*prefixes, *(each.removesuffix(linking.separator) for each in prefixes)]
+            )
             return
         waiting = [part for part in waiting if part not in ready]
     _in_order(linking, tops)
@@ -76,6 +78,7 @@ def _ring(linking: Linking, waiting: list[Part]) -> None:
         "parts hang on one another: " + " on ".join(f"`{part.called}`" for part in ring),
         host.place.span or host.span,
         help="one of them must hang on the base or on the world",
+        subjects=(part.called for part in ring),
     )
 
 
@@ -107,6 +110,7 @@ def _nowhere(linking: Linking, part: Part) -> None:
         part.place.span or part.span,
         notes=(*notes, *attached_notes(linking.base, name)),
         help=help,
+        subjects=(name, part.called),
     )
 
 
@@ -199,6 +203,7 @@ def _scaled(linking: Linking, part: Part, frame: Node) -> None:
         part.place.span or part.span,
         notes=(Note("the frame", linking.span(linking.base, frame, "scale")),),
         help="attach the part outside the frame, or apply the scale to the source",
+        subjects=(part.called, part.place.name),
     )
 
 
@@ -225,6 +230,7 @@ def _aligned(linking: Linking, part: Part, joint: Node) -> None:
         part.place.span or part.span,
         notes=(Note("the free joint that is aligned", linking.span(linking.base, joint)),),
         help='write `align="false"` on the free joint in the source, or in a copy of it',
+        subjects=(part.called, part.place.name),
     )
 
 
@@ -240,6 +246,7 @@ def _declare_joint(linking: Linking, part: Part, joint: Node) -> None:
             part.span,
             notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
             help="choose another name",
+            subjects=(name, part.called),
         )
 
 

@@ -126,7 +126,7 @@ def _flexible(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bo
     if before is after or not (before.sets("joint") or after.sets("joint")):
         return False
     cannot_be_kept(
-        linking, unit, "`fusestatic`", "the joints of a `<flexcomp>` would have another class", flexcomp
+        linking, unit, ("fusestatic",), "the joints of a `<flexcomp>` would have another class", flexcomp
     )
     return True
 

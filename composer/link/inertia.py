@@ -5,7 +5,7 @@ The model itself always says `inertiafromgeom="auto"` and `inertiagrouprange="0 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 
 from lxml.etree import _Element as Node
 
@@ -94,10 +94,9 @@ def _pose(body: Node) -> dict[str, str]:
 def write_inertias(linking: Linking, unit: Unit) -> None:
     """Compile the unit alone and write the inertia of every body as MuJoCo has it."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
-    settings = " and ".join(f"`{name}`" for name in wanting)
-    found = survey(linking, unit, settings, BODIES)
+    found = survey(linking, unit, wanting, BODIES)
     if found is not None:
-        write_measured(linking, unit, settings, _bodies(unit), found)
+        write_measured(linking, unit, wanting, _bodies(unit), found)
 
 
 def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
@@ -108,14 +107,13 @@ def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Surve
     ruled = [
         name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()
     ]
-    settings = " and ".join(f"`{name}`" for name in ruled) or "`fusestatic`"
     bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
-    if write_measured(linking, unit, settings, bodies, found):
+    if write_measured(linking, unit, ruled or ["fusestatic"], bodies, found):
         unit.forget_settings(*ruled)
 
 
 def write_measured(
-    linking: Linking, unit: Unit, settings: str, bodies: Iterable[Node], found: Survey
+    linking: Linking, unit: Unit, settings: Sequence[str], bodies: Iterable[Node], found: Survey
 ) -> bool:
     """Give each of these bodies the inertia that a survey found for it; tells where that is impossible."""
     flexible = next(unit.root.iter("flexcomp"), None)

@@ -10,7 +10,7 @@ from composer.compiled.addresses import rows_of
 from composer.compiled.attributes import TAGS, array_of, attributes
 from composer.compiled.kinds import ON_BODIES, Model
 from composer.compiled.servos import GAINS
-from composer.recipe.edit_values import MASS
+from composer.recipe.verbs.values import MASS
 
 _CLOSE = 1e-9
 """How far numbers may be apart that were computed in two ways, in parts of the larger of 1 and the number."""

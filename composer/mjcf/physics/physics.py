@@ -24,8 +24,8 @@ from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, bindi
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
 from composer.mjcf.physics.rendering import Rendering
 from composer.mjcf.root import RootElement
+from composer.tree.editable import is_copy
 from composer.tree.kinds import WORLD_SECTION
-from composer.tree.removal import is_copy
 
 
 class Physics:
