@@ -88,7 +88,7 @@ def made_lock(
             with staged_file(how.lock_file) as stage:
                 stage.write_bytes(text)
         except OutputError as error:
-            context.sink.error(error.code, error.message, help=error.help)
+            context.sink.add(error.diagnostic)
             return None
         if before is None:
             changes = changes or ["no sources to pin"]

@@ -71,7 +71,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
     units = ControlUnits(linking, making.sink, types, making.sink.has_errors)
     for step in plan.keyframes:
-        linking.written_keys.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
+        linking.keys.written.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:

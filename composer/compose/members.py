@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 from composer.compiled.affected_arrays import arrays_of
 from composer.compose.part_provenance import reaches, with_edits
 from composer.compose.subtree import PartRequest
-from composer.link.linking import Part
+from composer.link.part import Part
 from composer.link.placing import read_pose
 from composer.numerics.pose import Pose
 from composer.plan.drawn_arrays import arrays_of_draw

@@ -145,9 +145,12 @@ class Plan:
         )
         return replace(self, steps=steps, sample=sample)
 
-    def walk(self) -> Iterator[Place]:
-        """The plan itself, then its base and its parts in their order, each followed by what is in it."""
-        yield from _walk(Place(self))
+    def walk(self, stands: bool = True) -> Iterator[Place]:
+        """The plan itself, then its base and its parts in their order, each followed by what is in it.
+
+        `stands` says that the plan itself is fixed in the world.
+        """
+        yield from _walk(Place(self, stands=stands))
 
     def plans(self) -> Iterator[Plan]:
         """The plan, and those of the recipes nested in it."""

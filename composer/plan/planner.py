@@ -243,8 +243,7 @@ class _Planner:
                 fetching=self.context.fetching,
             )
         except SourceError as error:
-            notes = tuple(Note(note) for note in error.notes)
-            self.sink.error(error.code, error.message, span, notes=notes, help=error.help)
+            self.sink.add(error.at(span))
             return None
         given = find(document, (*at, "with"))
         if asked.packages and source.format != "urdf":

@@ -15,7 +15,7 @@ from composer.compiled.kinds import KINDS, NameTable
 from composer.compiled.order import compiled_kind
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
-from composer.link.linking import Policy
+from composer.link.request import Policy
 from composer.mjcf.arguments import as_files, as_index, as_path
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element
