@@ -70,7 +70,8 @@ _BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inerti
 def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
     """The arrays, or ends of their names without `tag`, that follow from an attribute of its elements.
 
-    What is computed from the inertia of everything, or from a gain, is among them: it follows from all.
+    What is computed from the inertia of everything, or from a gain, is among them: it follows from all. The array that
+    keeps the attribute itself is always among them.
 
     >>> sorted(arrays_of("friction", "geom") - arrays_of("friction"))
     ['body_friction', 'geom_friction']
