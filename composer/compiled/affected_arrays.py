@@ -78,7 +78,7 @@ def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
     """
     ends = _BECOMES.get(attribute, attribute).split()
     if tag is None:
-        return {*ends, *DERIVED, *_own(attribute, TAGS)}
+        return {*ends, *DERIVED, *(array.partition("_")[2] or array for array in _own(attribute, TAGS))}
     kind = _KINDS.get(tag, tag)
     starts = [KINDS[kind].arrays if kind in KINDS else kind, *_BEYOND.get(kind, [])]
     following = {end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends}
