@@ -41,7 +41,7 @@ class Editing:
     own: bool = False
 
     def __post_init__(self) -> None:
-        self.linking.edited = True
+        self.linking.keys.edited = True
 
     @property
     def root(self) -> Node:
@@ -88,7 +88,7 @@ class Editing:
 
     def reshaped(self, node: Node) -> None:
         """That a node may have another number of values in a key than before; a class may reach any."""
-        changed = self.linking.reshaped
+        changed = self.linking.keys.reshaped
         changed.add(node)
         if section_of(node) == "default":
             for section in self.root.iterchildren("worldbody", "actuator"):
@@ -107,6 +107,11 @@ class Editing:
         name = name_of(node)
         tag = "default class" if node.tag == "default" else str(node.tag)
         return f"{tag} `{name}`" if name else f"a {tag} without a name"
+
+    def subjects(self, node: Node) -> tuple[str, ...]:
+        """The names that an error about an element is about."""
+        name = name_of(node)
+        return (name,) if name else ()
 
     def span(self, path: Path, key: bool = False) -> Span:
         """A place in the recipe."""

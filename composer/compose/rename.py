@@ -55,7 +55,9 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
     naming = naming_attribute(kind_of(node))
     span = locate(editing.making.document, at)
     if naming is None or node.tag == "worldbody":
-        editing.sink.error("wrong-type", f"{editing.called(node)} can have no name", span)
+        editing.sink.error(
+            "wrong-type", f"{editing.called(node)} can have no name", span, subjects=editing.subjects(node)
+        )
         raise Unusable
     now = own_name(node, naming.name)
     if node.tag == "default" and now is None:
@@ -65,7 +67,13 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
     name = name if isinstance(name, str) else str(name)
     if not name.strip() or (naming.declares == "body" and name == WORLD):
         message = "a name is empty" if not name.strip() else f"the name `{WORLD}` is taken"
-        editing.sink.error("bad-name", message, span, notes=(Note(f"for {editing.called(node)}"),))
+        editing.sink.error(
+            "bad-name",
+            message,
+            span,
+            notes=(Note(f"for {editing.called(node)}"),),
+            subjects=editing.subjects(node),
+        )
         raise Unusable
     return name
 
@@ -93,6 +101,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
             editing.span(at),
             notes=(Note("the other one", editing.span_of(other)),),
             help=help,
+            subjects=(name, *editing.subjects(node), *editing.subjects(other)),
         )
         raise Unusable
 

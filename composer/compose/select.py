@@ -76,7 +76,7 @@ def _selection(editing: Editing) -> Selection:
 
     linking = editing.linking
     selection = Selection(
-        editing.root, editing.classes, linking.separator, editing.parts, linking.base_class, holds
+        editing.root, editing.classes, linking.request.separator, editing.parts, linking.base_class, holds
     )
     return selection
 
@@ -162,7 +162,7 @@ def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
         if near:
             help = f"did you mean `{selector.tag}: {near[0]}`?"
         elif is_glob(selector.pattern) and not selector.pattern.startswith("**"):
-            separator = editing.linking.separator
+            separator = editing.linking.request.separator
             deeper = f"**{separator}{selector.pattern}"
             if any(map(matcher(deeper, separator), names)):
                 help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
@@ -191,7 +191,7 @@ def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
                 notes.append(exists_note(outer.tag, names, outer.pattern))
         if selector.part is not None:
             here = (editing.parts.get(node, "base") for node in editing.root.iter("*"))
-            parts = sorted({"base", *(part.replace("/", editing.linking.separator) for part in here)})
+            parts = sorted({"base", *(part.replace("/", editing.linking.request.separator) for part in here)})
             notes.append(exists_note("part", parts, selector.part))
         if selector.dclass is not None:
             notes.append(exists_note("class", sorted(editing.classes.by_name), selector.dclass))

@@ -13,7 +13,7 @@ from typing import cast
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import did_you_mean
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
 from composer.mjcf.asset import Asset, Files, place
@@ -291,17 +291,17 @@ def _bad_value(
         what = describe(model, node)
     else:
         what = f"`<{kind.tag}>` `{name}`" if isinstance(name, str) else f"`<{kind.tag}>`"
-    message = str(fault)
-    got = message.rpartition(", got ")[2]
-    near: list[str] = []
+    refusal = fault.refusal
+    help = None
     if attribute.type in ("keyword", "keywords"):
         code = "wrong-keyword"
-        near = closest(got.strip("`"), attribute.keywords)
+        if refusal.unknown is not None and refusal.advice is None:
+            help = did_you_mean(refusal.unknown, attribute.keywords)
     else:
-        code = "wrong-length" if got.isdigit() and attribute.type != "name" else "wrong-type"
+        code = "wrong-length" if refusal.is_length else "wrong-type"
     return failure(
         code,
-        f"`{spoken(attribute.name)}` of {what} {message}",
+        f"`{spoken(attribute.name)}` of {what} {refusal}",
         call_site(),
-        help=f"did you mean `{near[0]}`?" if near else None,
+        help=help,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.link.linking import Policy
+from composer.link.request import Policy
 from composer.mjcf.flat import contents, flatten, name_files, tell
 from composer.mjcf.model import Model
 from composer.mjcf.physics.compile import engine, refused

@@ -1,0 +1,178 @@
+"""Where the numbers of an element are in arrays that do not have one row for each element of its kind.
+
+`RUNS` has them by kind and by the size that the array has rows for: `RUNS["joint"]["nv"]` serves every `dof_` array and
+`qvel`. `rows_of` goes by the name of an array, `span` by the name of a vector.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from composer.compiled.joints import JOINT_TYPES
+from composer.compiled.kinds import Model
+
+POSITIONS = tuple(each.positions for each in JOINT_TYPES)
+VELOCITIES = tuple(each.velocities for each in JOINT_TYPES)
+_EDGES_OF_AN_ELEMENT = {1: 1, 2: 3, 3: 6}
+
+Shape = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Some consecutive rows of an array for each element: its first row, and how many.
+
+    `first` is an array of `mjModel` that says where they begin, negative where the element has none. With
+    `as_row` a single row is the element's own, as if the array had one for each element. `shape` is that of the
+    rows of one element, where it says more than their number.
+    """
+
+    first: str
+    number: Callable[[Model, int], int]
+    as_row: bool = False
+    required: str | None = None
+    shape: Callable[[Model, int], Shape] | None = None
+
+    def rows(self, model: Model, index: int) -> range:
+        """The rows of one element; of those it lacks, none."""
+        firsts = getattr(model, self.first, None)
+        if firsts is None:  # MuJoCo 3 counts no controls and outputs: an actuator has one of each
+            return range(index, index + 1)
+        first = int(firsts[index])
+        return range(first, first + self.number(model, index)) if first >= 0 else range(0)
+
+
+def counted(array: str) -> Callable[[Model, int], int]:
+    """How many rows an array of counts gives to each element."""
+    return lambda model, index: int(getattr(model, array)[index])
+
+
+def _of_joint(numbers: tuple[int, ...]) -> Callable[[Model, int], int]:
+    return lambda model, index: numbers[int(model.jnt_type[index])]
+
+
+def _grid(*arrays: str) -> Callable[[Model, int], Shape]:
+    return lambda model, index: tuple(int(getattr(model, array)[index]) for array in arrays)
+
+
+def _cells(*arrays: str) -> Callable[[Model, int], int]:
+    def number(model: Model, index: int) -> int:
+        cells = 1
+        for array in arrays:
+            cells *= int(getattr(model, array)[index])
+        return cells
+
+    return number
+
+
+def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[Model, int], int]:
+    """What stands packed without a count: up to the next address of any of these arrays, or the end."""
+
+    def number(model: Model, index: int) -> int:
+        first = int(getattr(model, own)[index])
+        starts = [int(each) for array in addresses for each in getattr(model, array)]
+        return min([each for each in starts if each > first], default=int(getattr(model, size))) - first
+
+    return number
+
+
+def _plastic(own: str) -> Run:
+    return Run(
+        own,
+        _up_to_the_next(own, "nplastic", "jnt_plasticadr", "tendon_plasticadr", "flex_plasticadr"),
+    )
+
+
+def _corners(model: Model, index: int) -> int:
+    return int(model.flex_elemnum[index]) * (int(model.flex_dim[index]) + 1)
+
+
+def _edges(model: Model, index: int) -> int:
+    return int(model.flex_elemnum[index]) * _EDGES_OF_AN_ELEMENT[int(model.flex_dim[index])]
+
+
+_HFIELD = ("hfield_nrow", "hfield_ncol")
+_TEXTURE = ("tex_height", "tex_width", "tex_nchannel")
+
+RUNS: Mapping[str, Mapping[str, Run]] = {
+    "body": {"nmocap": Run("body_mocapid", lambda model, index: 1, as_row=True, required="a mocap body")},
+    "joint": {
+        "nq": Run("jnt_qposadr", _of_joint(POSITIONS)),
+        "nv": Run("jnt_dofadr", _of_joint(VELOCITIES)),
+        "nplastic": _plastic("jnt_plasticadr"),
+    },
+    "actuator": {
+        "nu": Run("actuator_ctrladr", counted("actuator_ctrlnum"), as_row=True),
+        "nout": Run("actuator_outadr", counted("actuator_outnum"), as_row=True),
+        "na": Run("actuator_actadr", counted("actuator_actnum"), as_row=True),
+    },
+    "sensor": {"nsensordata": Run("sensor_adr", counted("sensor_dim"))},
+    "tendon": {
+        "nwrap": Run("tendon_adr", counted("tendon_num")),
+        "nJten": Run("ten_J_rowadr", counted("ten_J_rownnz")),
+        "nplastic": _plastic("tendon_plasticadr"),
+    },
+    "mesh": {
+        "nmeshvert": Run("mesh_vertadr", counted("mesh_vertnum")),
+        "nmeshnormal": Run("mesh_normaladr", counted("mesh_normalnum")),
+        "nmeshtexcoord": Run("mesh_texcoordadr", counted("mesh_texcoordnum")),
+        "nmeshface": Run("mesh_faceadr", counted("mesh_facenum")),
+        "nmeshpoly": Run("mesh_polyadr", counted("mesh_polynum")),
+        "nmeshgraph": Run("mesh_graphadr", _up_to_the_next("mesh_graphadr", "nmeshgraph", "mesh_graphadr")),
+    },
+    "hfield": {"nhfielddata": Run("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
+    "texture": {"ntexdata": Run("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
+    "skin": {
+        "nskinvert": Run("skin_vertadr", counted("skin_vertnum")),
+        "nskintexvert": Run("skin_texcoordadr", counted("skin_vertnum")),
+        "nskinface": Run("skin_faceadr", counted("skin_facenum")),
+        "nskinbone": Run("skin_boneadr", counted("skin_bonenum")),
+    },
+    "flex": {
+        "nflexvert": Run("flex_vertadr", counted("flex_vertnum")),
+        "nflexnode": Run("flex_nodeadr", counted("flex_nodenum")),
+        "nflexedge": Run("flex_edgeadr", counted("flex_edgenum")),
+        "nflexelem": Run("flex_elemadr", counted("flex_elemnum")),
+        "nflexelemdata": Run("flex_elemdataadr", _corners),
+        "nflexelemedge": Run("flex_elemedgeadr", _edges),
+        "nplastic": _plastic("flex_plasticadr"),
+        "nflexshelldata": Run("flex_shelldataadr", _cells("flex_shellnum", "flex_dim")),
+    },
+    "numeric": {"nnumericdata": Run("numeric_adr", counted("numeric_size"))},
+    "tuple": {"ntupledata": Run("tuple_adr", counted("tuple_size"))},
+    "plugin": {"npluginstate": Run("plugin_stateadr", counted("plugin_statenum"))},
+}
+"""By kind, and by the size that an array has rows for."""
+
+VECTORS: Mapping[str, tuple[str, str]] = {
+    "qpos": ("joint", "nq"),
+    "qvel": ("joint", "nv"),
+    "ctrl": ("actuator", "nu"),
+    "act": ("actuator", "na"),
+    "sensordata": ("sensor", "nsensordata"),
+    "mocap_pos": ("body", "nmocap"),
+}
+"""The vectors of `mjData` that users address: the kind whose elements are in each, and its length in `mjModel`."""
+
+_OUTPUTS = frozenset({"actuator_gear", "actuator_lengthrange", "actuator_length0", "actuator_acc0"})
+
+
+def span(model: Model, vector: str, index: int) -> range:
+    """Where an element of the vector's kind is in it; empty where it has nothing there."""
+    kind, size = VECTORS[vector]
+    return RUNS[kind][size].rows(model, index)
+
+
+def rows_of(model: Model, kind: str, array: str, index: int) -> range:
+    """The rows that an element has in an array of `mjModel` that is called after its kind, or after its state.
+
+    Most arrays have one row an element. Joints have several rows in `qpos0`, `qpos_spring` and the `dof_` arrays; since
+    MuJoCo 4 actuators may have several in those about controls (`actuator_ctrlrange`) and outputs (`actuator_gear`).
+    """
+    size = None
+    if kind == "joint":
+        size = "nv" if array.startswith("dof_") else "nq" if array.startswith("qpos") else None
+    elif kind == "actuator":
+        size = "nu" if "ctrl" in array else "nout" if array in _OUTPUTS else None
+    return range(index, index + 1) if size is None else RUNS[kind][size].rows(model, index)

@@ -1,0 +1,158 @@
+"""What MuJoCo says of an element, in the words and with the advice that its author needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.grammar import GRAMMAR
+from composer.grammar.element import ElementType
+from composer.mujoco_errors.sentence import Sentence, Topic, read_sentence
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+_ADVICE = {
+    Topic.MASS: "give the body a geom that has mass, or an `inertial`",
+    Topic.GEOM_SIZE: "a sphere has one size, a capsule or cylinder two, a box or ellipsoid three",
+    Topic.NEGATIVE: "write a number above 0, or 0 for a geom without mass",
+    Topic.FREE_JOINT: "put a body with a free joint into the world: `to: world`",
+    Topic.MOCAP: "put a mocap body into the world, without joints: `to: world`",
+    Topic.WRAP: "a tendon wraps around spheres and cylinders only",
+    Topic.VERTICES: "a mesh file needs at least four points that do not lie in one plane",
+    Topic.MESH_FILE: "export the file again, as binary STL or OBJ",
+    Topic.PICTURE: "export the picture again, as PNG",
+    Topic.TRANSMISSION: "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`",
+    Topic.MESH_FORMAT: "a mesh is a file that ends in .stl, .obj or .msh",
+    Topic.FLEX_UNPINNED: "hang the flex on what does not move, or give it a `<pin>`",
+    Topic.PLUGIN_INSTANCE: "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
+    Topic.DOFS: "spread the joints over several bodies, one inside the other",
+    Topic.FORMAT: "write numbers, parted by spaces",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Translation:
+    """A diagnostic without its place.
+
+    `attribute` is the one of the element that the fault lies in, if that is known; with `key` in its name. `topic` is
+    what MuJoCo's sentence is about.
+    """
+
+    code: str
+    message: str
+    attribute: str | None = None
+    notes: tuple[Note, ...] = ()
+    help: str | None = None
+    key: bool = False
+    topic: Topic | None = None
+
+
+def translate(message: str, element: Node | None) -> Translation:
+    """What to tell where MuJoCo refuses a model with `message`, which speaks of `element`."""
+    said = read_sentence(message)
+    advice = None if said.topic is None else _ADVICE.get(said.topic)
+    if element is None:
+        return Translation(
+            "mujoco-rejects", f"MuJoCo rejects the model: {message}", help=advice, topic=said.topic
+        )
+    if said.unknown_attribute is not None:
+        return unknown_attribute(element, said.unknown_attribute)
+    if said.is_unknown_element:
+        return _unknown_element(element)
+    subject = f"the {element.tag} `{element.get('name')}`" if element.get("name") else f"this {element.tag}"
+    attribute = _attribute(said, element)
+    return Translation(
+        "mujoco-rejects",
+        f"MuJoCo rejects {subject}: {message}",
+        attribute,
+        _keywords(element, attribute),
+        _not_positive(said, element) or advice,
+        topic=said.topic,
+    )
+
+
+def unknown_attribute(element: Node, name: str) -> Translation:
+    """An attribute that MJCF does not have in that place."""
+    kind = kind_of(element)
+    known = list(kind.attributes) if kind is not None else []
+    if kind is not None and name in known:
+        message = f"this MuJoCo has no attribute `{name}` of `<{element.tag}>`"
+        attribute = kind.attributes[name]
+        return Translation(
+            "unknown-attribute", message, name, _versions(attribute.since, attribute.until), key=True
+        )
+    return Translation(
+        "unknown-attribute",
+        f"`{name}` is not an attribute of `<{element.tag}>`",
+        name,
+        (exists_note("attribute", known, name),) if known else (),
+        did_you_mean(name, known) or f"take `{name}` out",
+        key=True,
+    )
+
+
+def _unknown_element(element: Node) -> Translation:
+    parent = element.getparent()
+    kind = kind_of(parent) if parent is not None else None
+    known = list(kind.children) if kind is not None else []
+    if kind is not None and element.tag in known:
+        child = kind.children[str(element.tag)]
+        notes = _versions(child.since, child.until)
+        return Translation("unknown-element", f"this MuJoCo has no `<{element.tag}>`", None, notes)
+    return Translation(
+        "unknown-element",
+        f"`<{element.tag}>` cannot stand in " + (f"`<{parent.tag}>`" if parent is not None else "a model"),
+        None,
+        (exists_note("element", known, str(element.tag)),) if known else (),
+        did_you_mean(str(element.tag), known, "<{}>"),
+    )
+
+
+def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
+    """Which versions of MuJoCo have what this one has not."""
+    if until is not None:
+        return (Note(f"it was there up to MuJoCo {until}"),)
+    return (Note(f"it is there since MuJoCo {since}"),) if since is not None else ()
+
+
+def kind_of(element: Node) -> ElementType | None:
+    """What MJCF has in the place where the element stands, or None where it has nothing of that tag."""
+    tags = [str(each.tag) for each in element.iterancestors()]
+    found: ElementType | None = GRAMMAR.root
+    for tag in [*reversed(tags), str(element.tag)][1:]:
+        found = found.children.get(tag) if found is not None else None
+    return found
+
+
+def _attribute(said: Sentence, element: Node) -> str | None:
+    named = said.attribute or said.missing_attribute
+    if named is not None:
+        return named if element.get(named) is not None else None
+    holders = [str(name) for name, value in element.items() if name != "name" and value in said.names]
+    if len(holders) == 1:
+        return holders[0]
+    kind = kind_of(element)
+    spoken_of = {word for word in said.words if kind is not None and word in kind.attributes}
+    return spoken_of.pop() if len(spoken_of) == 1 else None
+
+
+def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
+    kind = kind_of(element)
+    known = kind.attributes.get(attribute) if kind is not None and attribute is not None else None
+    if known is None or known.type not in ("keyword", "keywords") or element.get(known.name) is None:
+        return ()
+    text = str(element.get(known.name))
+    if (versions := known.keyword_versions.get(text)) is not None:
+        return _versions(*versions)
+    return () if text in known.keywords else (exists_note("keyword", known.keywords, text),)
+
+
+def _not_positive(said: Sentence, element: Node) -> str | None:
+    """The advice for a size that is written, and is 0 or less; a size that is missing has another one."""
+    if (index := said.size_index) is None:
+        return None
+    sizes = str(element.get("size") or "").split()
+    return f"`{sizes[index]}` is not above 0: sizes are lengths in metres" if index < len(sizes) else None
