@@ -37,6 +37,7 @@ from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import chain as class_chain
 from composer.tree.effective import class_in_force, given, levels, value
 from composer.tree.kinds import kind_of
+from composer.tree.pattern import BadPattern
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -71,9 +72,15 @@ class Traced:
 
     def answer(self, asked: query.Asked, context: Context) -> Explained | None:
         """The answer to a query; None where there is none, which is told."""
-        found = (
-            self._on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
-        )
+        try:
+            found = (
+                self._on_line(*asked.line)
+                if asked.line
+                else query.find(asked, self.model.root, self.separator)
+            )
+        except BadPattern as bad:
+            context.sink.error("selector", bad.message, help=bad.help)
+            return None
         if not found:
             elsewhere = attached_notes(self.model, asked.name) if asked.name else []
             not_found(asked, self.model.root, context.sink, [*self._left_out(asked), *elsewhere])

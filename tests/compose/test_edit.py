@@ -203,6 +203,7 @@ def changed(before: mujoco.MjModel, after: mujoco.MjModel) -> set[str]:
         ("{select: {material: steel}, remove: cascade}", {"-steel"}),
         ("{select: {actuator: a1}, set: {kp: 3, 'forcerange[1]': 20}}", {"a1 gainprm", "a1 biasprm", "a1 forcerange"}),
         ("{select: {actuator: '?1', where: {joint: shoul*}}, set: {gear: [2]}}", {f"{each} gear" for each in ("a1", "v1", "f1", "g1")}),
+        ("{select: {actuator: '?1', where: {joint: '/sho.+r/'}}, set: {gear: [2]}}", {f"{each} gear" for each in ("a1", "v1", "f1", "g1")}),
     ],
 )  # fmt: skip
 def test_a_verb_changes_what_it_says(arm: Case, edits: str, expected: set[str]) -> None:
