@@ -403,7 +403,7 @@ def _check_references(editing: Editing, node: Node, attribute: Attribute, at: Pa
     for namespace, name in references(node, section_of(node)):
         if name not in written or (namespace == "body" and name == WORLD):
             continue
-        if editing.index.find(namespace, name) is None and not may_be_generated(name, editing.root):
+        if editing.names.find(namespace, name) is None and not may_be_generated(name, editing.root):
             not_there(
                 editing.linking, editing.sink, namespace, name, editing.span(at), f"{attribute.name}: NAME"
             )

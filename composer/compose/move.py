@@ -45,7 +45,7 @@ def move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], a
     origins = editing.making.origins
     owner = origins.owner(node, editing.making.base_file)
     for joint in node.iter(*JOINTS):
-        editing.linking.reshaped.add(joint)
+        editing.linking.keys.reshaped.add(joint)
     target.append(node)
     origins.owners.setdefault(node, owner)
 
@@ -57,7 +57,7 @@ def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) ->
     name = str(Values(editing, node, index, at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")
-    found = editing.index.find(kind, name)
+    found = editing.names.find(kind, name)
     if found is None:
         shown = "to: NAME" if kind == "body" else "to: {frame: NAME}"
         not_there(editing.linking, editing.sink, kind, name, editing.span(at), shown, purpose=" to move to")

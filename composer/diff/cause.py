@@ -27,7 +27,7 @@ from composer.tree.kinds import kind_of
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from composer.link.linking import Part
+    from composer.link.part import Part
 
 _INERTIAL = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat", "body_subtreemass"})
 Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"

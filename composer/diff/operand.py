@@ -75,7 +75,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
         try:
             path, files, own = _of_revision(revision, parts[1], own, opened)
         except RevisionError as error:
-            context.sink.error(error.code, error.message, help=error.help)
+            context.sink.add(error.diagnostic)
             return None
     if not path.exists():
         where = "" if revision is None else f" in revision `{revision}`"

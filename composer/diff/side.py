@@ -145,10 +145,10 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
     context = operand.context
     shown = context.shown(operand.path)
     try:
-        bundle = read(operand.path)
+        bundle = read(operand.path, shown=shown)
         verified = verify(bundle, session=session, keep=kept)
     except (ReadError, OutputError) as error:
-        context.sink.error(error.code, error.message.replace(str(operand.path), shown))
+        context.sink.add(error.diagnostic)
         return None
     if verified.error is not None and not verified.compiled.ok:
         _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context)

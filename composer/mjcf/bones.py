@@ -48,22 +48,20 @@ def renamed(model: Model, rename: Callable[[str], str | None]) -> dict[str, byte
 def for_body(model: Model, old: str, new: str) -> Skins:
     """What the skins of a model and of those above it are to be when one of its bodies gets another name."""
     found: Skins = []
-    for here in (model, *model.ancestors()):
-        changed = renamed(here, {old: new}.get)
+    for here, prefix in model.levels():
+        changed = renamed(here, {prefix + old: prefix + new}.get)
         if changed:
             found.append((here, changed))
-        old, new = here.prefix + old, here.prefix + new
     return found
 
 
 def for_prefix(parent: Model, old: str, new: str) -> Skins:
-    """The same for a model and those above it when what hangs on it gets another prefix."""
+    """What the skins of a model and of those above it are to be when what hangs on it gets another prefix."""
     found: Skins = []
-    for here in (parent, *parent.ancestors()):
-        changed = renamed(here, _Prefixes(old, new, here.names.declared.get("body", {})))
+    for here, prefix in parent.levels():
+        changed = renamed(here, _Prefixes(prefix + old, prefix + new, here.names.declared.get("body", {})))
         if changed:
             found.append((here, changed))
-        old, new = here.prefix + old, here.prefix + new
     return found
 
 

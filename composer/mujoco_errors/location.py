@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
+from composer.mujoco_errors.sentence import Topic
 from composer.mujoco_errors.translation import Translation, kind_of
 from composer.sources.source import FORMATS
 from composer.tree.classes import own
@@ -31,7 +32,7 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
     """What the recipe wrote comes first: it is what its author can change."""
     span = model.origins.span(element, model.file, said.attribute, key=said.key)
     if said.attribute is None:
-        masses = _masses(element, model) if "mass and inertia" in said.message else ()
+        masses = _masses(element, model) if said.topic is Topic.MASS else ()
         written = next((each for each in masses if _in_recipe(each)), None)
         return (
             FaultLocation(span)

@@ -69,6 +69,8 @@ def plan_what_remains(
         matrix = read_matrix(path, context, given)
         if matrix is not None:
             check_pieces(matrix.document, given or {}, context.sink)
+            if matrix.cells:
+                plan = replace(plan, cells=len(matrix.cells), cells_at=matrix.cells[0].span)
     return plan
 
 
@@ -241,8 +243,7 @@ class _Planner:
                 fetching=self.context.fetching,
             )
         except SourceError as error:
-            notes = tuple(Note(note) for note in error.notes)
-            self.sink.error(error.code, error.message, span, notes=notes, help=error.help)
+            self.sink.add(error.at(span))
             return None
         given = find(document, (*at, "with"))
         if asked.packages and source.format != "urdf":

@@ -7,18 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from composer.sources.digest import differences, sha256_of
-from composer.sources.download import Version, download, forget
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand, source_in, unlocked
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
 from composer.sources.kind import Form
-from composer.sources.lookup import Lookup
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference, check_secrets, malformed
 from composer.sources.source import Source
 from composer.sources.source_kind import SourceKind
 from composer.sources.store import Entry, Store, name_of
-from composer.sources.unpack import Unsafe, unpack
 
 _FORM = Form(
     "https://host/archive.zip#path/model.xml", "a file in a zip or tar (plain, gz, bz2, xz) on the web"
@@ -90,6 +87,10 @@ class _Archive:
             return self._fetched(wanted, entry, seen)
 
     def _fetched(self, wanted: str | None, had: Entry | None, seen: Mapping[str, str]) -> Entry:
+        # Slow to import, and only a download needs it.
+        from composer.sources.download import Version, download, forget
+        from composer.sources.unpack import Unsafe, unpack
+
         partial = self.store.folder / "partial" / f"{name_of(self.id)}.part"
         partial.parent.mkdir(parents=True, exist_ok=True)
         url = self.reference.name

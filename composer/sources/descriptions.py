@@ -14,9 +14,8 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
 from composer.sources.kind import Form, Library
-from composer.sources.lookup import Lookup
 from composer.sources.origin import Origin, is_commit
 from composer.sources.package import distribution, folders
 from composer.sources.reference import Reference, bare, malformed

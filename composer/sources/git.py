@@ -11,11 +11,10 @@ from pathlib import Path
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand, source_in, unlocked
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
 from composer.sources.git_command import Git, GitFailure, words_of
 from composer.sources.git_tree import write_tree
 from composer.sources.kind import Form
-from composer.sources.lookup import Lookup
 from composer.sources.origin import Origin, is_commit
 from composer.sources.reference import CONTROL, Reference, check_secrets, malformed
 from composer.sources.source import Source

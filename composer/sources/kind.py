@@ -70,6 +70,13 @@ class Kind:
     variables: tuple[str, ...]
     libraries: tuple[Library, ...]
 
+    def check_pinned(self, **known: str | None) -> None:
+        """Raise ValueError if something is known of a source of this kind that no lock of it would have."""
+        if missing := [pin for pin, value in known.items() if value is not None and pin not in self.pins]:
+            raise ValueError(
+                f"the kind {self.name!r} knows {missing}, and `pins` in its row does not name it"
+            )
+
     def __post_init__(self) -> None:
         if not self.name.isidentifier() or not self.forms:
             raise ValueError(f"the kind {self.name!r} needs a name of letters and at least one form")

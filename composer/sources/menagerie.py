@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
-from urllib.request import getproxies, proxy_bypass
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
 from composer.sources.kind import Form, Library
-from composer.sources.lookup import Lookup
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference, bare, malformed
 from composer.sources.source import Source
@@ -111,6 +107,10 @@ def _entry(robot: Any, reference: Reference) -> Any:
 
 def _check_server(url: str, reference: Reference) -> None:
     """Fail at once where the name of the server cannot be resolved: the package would try for ten seconds."""
+    import socket
+    from urllib.parse import urlsplit
+    from urllib.request import getproxies, proxy_bypass  # slow to import, and only a download needs it
+
     host = urlsplit(url).hostname
     if not host or (set(getproxies()) & {"http", "https", "all"} and not proxy_bypass(host)):
         return  # a folder; or a proxy resolves the name

@@ -29,6 +29,9 @@ class Origin:
     without: tuple[tuple[str, str], ...] = ()
     stored: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
 
+    def __post_init__(self) -> None:
+        self.kind.check_pinned(commit=self.commit, tree=self.tree, sha256=self.sha256)
+
     @property
     def is_fetched(self) -> bool:
         """Whether it is in the store, and none of the files of this machine has to do with it."""

@@ -14,8 +14,8 @@ from composer.diagnostics.suggest import closest
 from composer.sources import licence, licence_name
 from composer.sources import suggest as nearby
 from composer.sources.error import SourceError
+from composer.sources.fetching import Lookup
 from composer.sources.kind import Form
-from composer.sources.lookup import Lookup
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference, bare, malformed
 from composer.sources.source import Source, has_format

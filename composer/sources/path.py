@@ -10,9 +10,8 @@ from composer.diagnostics.suggest import exists_note
 from composer.sources import licence
 from composer.sources import suggest as nearby
 from composer.sources.error import SourceError
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
 from composer.sources.kind import Form
-from composer.sources.lookup import Lookup
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
 from composer.sources.source_kind import SourceKind

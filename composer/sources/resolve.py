@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
 from composer.sources.kinds import kind_called, parse
-from composer.sources.lookup import Lookup
 from composer.sources.source import Source
 
 

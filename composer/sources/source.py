@@ -43,6 +43,10 @@ class Source:
     origin: Origin | None = None
     licence: str | None = None
 
+    def __post_init__(self) -> None:
+        belongs_to = self.kind if self.origin is None else self.origin.kind
+        belongs_to.check_pinned(package=self.package)
+
     @property
     def format(self) -> Format:
         """What the file is, told from its suffix; a file whose suffix says nothing never becomes a source."""

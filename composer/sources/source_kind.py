@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from composer.sources.fetching import Lookup
 from composer.sources.kind import Kind
-from composer.sources.lookup import Lookup
 from composer.sources.reference import Reference
 from composer.sources.source import Source
 

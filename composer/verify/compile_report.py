@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
 from composer.mujoco_errors.message import Fault, crash_help
 from composer.mujoco_errors.report import report
+from composer.mujoco_errors.sentence import read_sentence
 from composer.mujoco_errors.translation import kind_of, translate, unknown_attribute
 from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.line import element_at
@@ -21,13 +21,6 @@ from composer.tree.unit import Unit
 from composer.verify.compiles import verify
 from composer.verify.ignored_attributes import unread
 from composer.verify.left_behind import left_behind
-
-_PLUGIN = re.compile(r"failed for plugin id (\d+)")
-# What MuJoCo says of a setting of the whole model, of which it knows no line.
-_SETTINGS = {
-    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
-    "option": re.compile(r"\bintegrator='"),
-}
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -45,7 +38,7 @@ def judge(
     try:
         verified = verify(bundle, session=session, keep=keep)
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         return None
     for warning in verified.warnings:
         element = _element(warning, bundle, model)
@@ -108,15 +101,14 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
-    if (failed := _PLUGIN.search(fault.message)) is not None:
+    said = read_sentence(fault.message)
+    if said.plugin is not None:
         instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
-        number = int(failed[1])
-        return instances[number] if number < len(instances) else None
+        return instances[said.plugin] if said.plugin < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
     named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
-    for tag, said in _SETTINGS.items():
-        if not named and said.search(fault.message):
-            named = model.root.findall(tag)
+    if not named and said.section is not None:
+        named = model.root.findall(said.section)
     return named[0] if len(named) == 1 else None
 
 

@@ -34,6 +34,14 @@ class Compared:
         return self.obscure is None and not self.differences
 
 
+@dataclass(frozen=True, slots=True)
+class Incomparable:
+    """Why two models cannot be compared; with `lacks_body` the second one has no body of the given name."""
+
+    why: str
+    lacks_body: bool = False
+
+
 @dataclass(slots=True)
 class Judge:
     """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once.
@@ -66,15 +74,18 @@ class Judge:
         given = tuple(excused), tuple(replaced_keys)
         question = _question(member, *given, self.merged, self.renamed.get(member.part, {}))
         found = self._ask(name, WHOLE, question)
-        if isinstance(found, str):
-            return Compared(member, obscure=found)
+        if isinstance(found, Incomparable):
+            return Compared(member, obscure=found.why)
         return Compared(member, (*self.cut.get(name, ()), *found))
 
-    def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | str:
+    def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | Incomparable:
         """The differences of two models that the session keeps, or why there are none."""
         answer = engine.call(self.session, ask, [alone, composed], question.to_json())
         if not answer.ok:
-            return answer.error or answer.crash or "it cannot be compared"
+            return Incomparable(answer.error or answer.crash or "it cannot be compared")
+        if answer.value is None:
+            why = f"the body `{question.body}` that it hangs on is not in the compiled model"
+            return Incomparable(why, lacks_body=True)
         return tuple(told(answer.value))
 
     def _take(self, member: PartRecord, name: str) -> str | None:
@@ -91,11 +102,11 @@ class Judge:
             here = body == taken.above[0]
             question = Question(body=body, posed=here, keys=keys, tolerance=_ROUNDING, cut=True)
             found = self._ask(name, whole, question)
-            if not isinstance(found, str):
+            if not isinstance(found, Incomparable):
                 self.cut[name] = found
                 return None
-            why = found
-            if not why.startswith(KeyError.__name__):  # that is a body which is not there
+            why = found.why
+            if not found.lacks_body:
                 break
         return why
 

@@ -49,9 +49,9 @@ def verify_stored(
     """
     shown = context.shown(path)
     try:
-        bundle = read(context.folder / path)
+        bundle = read(context.folder / path, shown=shown)
     except ReadError as error:
-        context.sink.error(error.code, error.message.replace(str(context.folder / path), shown))
+        context.sink.add(error.diagnostic)
         return None
     manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
     if manifest is not None:
@@ -79,7 +79,7 @@ def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) ->
     try:
         verified: Verified = verify(bundle, session=session, keep=WHOLE)
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         return None
     for warning in verified.warnings:
         said = " ".join(warning.message.split())
