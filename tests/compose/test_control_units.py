@@ -7,10 +7,11 @@ from pathlib import Path
 import mujoco
 import pytest
 
+from composer.compiled import units
 from composer.compose.control_units import ControlUnits
 from composer.context import Context
 from composer.diagnostics.sink import Sink
-from composer.engine import Session, units
+from composer.engine import Session
 from composer.link.linking import Linking
 from composer.link.measure import measure_with
 from composer.tree.parse import parse_file
