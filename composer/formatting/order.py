@@ -33,7 +33,7 @@ WHOLE: dict[Path, tuple[str, ...]] = {
     ("randomize",): ("seed", "samples", "emit", "fields"),
 }
 # Where some keys come first; the others stay as they are.
-_FIRST: dict[Path, tuple[str, ...]] = {
+FIRST: dict[Path, tuple[str, ...]] = {
     ("add", "*"): ("id", "to"),
     ("default", "*"): ("parent",),
     **dict.fromkeys(
@@ -101,7 +101,7 @@ def _table(path: Path) -> tuple[tuple[str, ...], bool]:
     for known, order in WHOLE.items():
         if _fits(path, known):
             return order, True
-    for known, order in _FIRST.items():
+    for known, order in FIRST.items():
         if _fits(path, known):
             return order, False
     return (), False

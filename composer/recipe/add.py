@@ -13,10 +13,12 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
+from composer.recipe.element_schema import mapping
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
 from composer.recipe.presence import lacks
 from composer.recipe.raw import path_of
 from composer.recipe.reader import FRAGMENT, Reader, label
+from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.settings import settings
 from composer.recipe.shown import kind_of
 from composer.recipe.text import is_unprintable, unprintable
@@ -50,9 +52,7 @@ class Additions:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        from composer.recipe.element_schema import additions
-
-        return additions()
+        return {"type": "array", "items": reference("addition")}
 
     def _validate(self, value: Any, info: ValidationInfo) -> tuple[Addition, ...]:
         reader = Reader(settings(info.context))
@@ -163,3 +163,20 @@ def _target(reader: Reader, value: Any, at: Path) -> Target | None:
     if kind == "body" and value == WORLD:
         return "world", WORLD
     return kind, value
+
+
+@definition("addition")
+def _definition_of_addition(_: str) -> Schema:
+    frame = {
+        **mapping({"frame": {"type": "string", "minLength": 1, "description": "the name of a frame"}}),
+        "required": ["frame"],
+    }
+    target: Schema = {
+        "anyOf": [{"type": "string", "minLength": 1}, frame],
+        "description": "the name of a body, `world`, or `{frame: NAME}`",
+    }
+    elements = {
+        tag: reference(f"element:{kind.path}") for tag, kind in GRAMMAR.element("body").children.items()
+    }
+    schema = mapping({"to": target, **elements, FRAGMENT: reference("fragment")})
+    return {**schema, "required": ["to"], "minProperties": 2, "maxProperties": 2}

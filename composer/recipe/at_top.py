@@ -8,8 +8,10 @@ from typing import Any
 from composer.diagnostics.suggest import closest
 from composer.grammar import GRAMMAR
 from composer.recipe.attach import Attachment
-from composer.recipe.recipe import Recipe
+from composer.recipe.by_tag import ByTag, Lists
+from composer.recipe.recipe import Recipe, sections_of
 from composer.recipe.shown import shown
+from composer.recipe.typed import Typed
 
 _PART_KEYS = frozenset(
     str(field.alias or name) for name, field in Attachment.model_fields.items()
@@ -49,9 +51,9 @@ def _in_section(name: str, value: Any) -> str | None:
     for tag, section in GRAMMAR.root.children.items():
         if tag in ("option", "visual", "statistic") and name in {*section.attributes, *section.children}:
             return f"write it in `{tag}`: `{tag}: {{{name}: {_short(value)}}}`"
-        if tag in ("asset", "contact", "deformable", "custom") and name in section.children:
+        if tag in (*sections_of(ByTag), *sections_of(Lists)) and name in section.children:
             return f"write it in the section `{tag}`: `{tag}: {{{name}: …}}`"
-        if tag in ("actuator", "sensor", "equality", "tendon") and name in section.children:
+        if tag in sections_of(Typed) and name in section.children:
             return f"write it in the section `{tag}`: `{tag}: {{NAME: {{type: {name}, …}}}}`"
     return None
 

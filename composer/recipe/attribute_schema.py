@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from composer.expr.angle import ANGLE_PATTERN
 from composer.grammar.attribute import Attribute
 from composer.grammar.number import INT_MAX, INT_MIN
-from composer.recipe.reference import Schema, reference
+from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.shown import shown
 
 TEMPLATE_PATTERN = r"\$\{"
@@ -45,16 +46,20 @@ SHARED: dict[str, Schema] = {
 }
 
 
-def shared(name: str) -> Schema:
-    """The schema of that name among `SHARED`, or that of a list: `number-3`, `integer-1-2`, `number-1-`."""
-    if name in SHARED:
-        return dict(SHARED[name])
-    item, low, *rest = name.split("-")
-    schema = _list(item, int(low))
+def _shared(kind: str, lengths: str) -> Schema:
+    """One of `SHARED`, or a list of it: `3`, `1-2`, `1-` are the lengths in `number-3`, `number-1-2`, `number-1-`."""
+    if not lengths:
+        return dict(SHARED[kind])
+    low, *rest = lengths.split("-")
+    schema = _list(kind, int(low))
     high = int(low) if not rest else int(rest[0]) if rest[0] else None
     if high is not None:
         schema["maxItems"] = high
     return schema
+
+
+for _kind in SHARED:
+    definition(_kind)(partial(_shared, _kind))
 
 
 def attribute_schema(attribute: Attribute) -> Schema:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
+from composer.recipe.element_schema import by_name, mapping, told
 from composer.recipe.fault import Fault, Path
 from composer.recipe.reader import NAME, Reader
+from composer.recipe.reference import Schema, reference
 from composer.recipe.section import Elements
 from composer.recipe.shown import kind_of
 
@@ -20,8 +22,6 @@ class ByTag(Elements):
     Gives a tuple of `Element`, each with its name as an attribute.
     """
 
-    form: ClassVar[str] = "named"
-
     def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         read = [
             self.element(reader, kind, name, item, (*at, name))
@@ -29,6 +29,10 @@ class ByTag(Elements):
             for name, item in reader.names(items, at, f"`{kind.tag}` in `{self.tag}`")
         ]
         return tuple(element for element in read if element is not None)
+
+    def schema(self) -> Schema:
+        kinds = self.kind.children.values()
+        return mapping({kind.tag: told(by_name(reference(f"named:{kind.path}")), kind.doc) for kind in kinds})
 
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
         owner = f"{kind.tag} `{name}`"
@@ -40,8 +44,6 @@ class ByTag(Elements):
 class Lists(Elements):
     """A mapping from tags to lists of elements: `contact`. Gives a tuple of `Element`."""
 
-    form: ClassVar[str] = "lists"
-
     def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         elements: list[Element] = []
         for kind, items, at in self.tags(reader, value):
@@ -52,3 +54,12 @@ class Lists(Elements):
                 continue
             elements += reader.children(kind, items, at, f"`{self.tag}`")
         return tuple(elements)
+
+    def schema(self) -> Schema:
+        kinds = self.kind.children.values()
+        return mapping(
+            {
+                kind.tag: told({"type": "array", "items": reference(f"element:{kind.path}")}, kind.doc)
+                for kind in kinds
+            }
+        )

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR
 from composer.recipe.element import Element
+from composer.recipe.element_schema import by_name, mapping
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.raw import path_of
 from composer.recipe.reader import Reader
+from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.section import Section
 from composer.recipe.shown import kind_of
 
@@ -33,11 +36,12 @@ class Defaults(Section):
     Gives a tuple of `DefaultClass`.
     """
 
-    form: ClassVar[str] = "defaults"
-
     def read(self, reader: Reader, value: Any) -> tuple[DefaultClass, ...]:
         read = [self._class(reader, name, item) for name, item in reader.names(value, (), "`default`")]
         return tuple(each for each in read if each is not None)
+
+    def schema(self) -> Schema:
+        return by_name(reference("class"))
 
     def _class(self, reader: Reader, name: str, value: Any) -> DefaultClass | None:
         owner = f"class `{name}`"
@@ -90,3 +94,18 @@ class Defaults(Section):
             remarks=(remark,),
             help=help,
         )
+
+
+@definition("class")
+def _definition_of_class(_: str) -> Schema:
+    rows = {
+        tag: reference(f"element:{row.path}")
+        for tag, row in GRAMMAR.section("default").children.items()
+        if tag != "default"
+    }
+    parent = {
+        "type": "string",
+        "minLength": 1,
+        "description": "the class that it descends from; without it, the top class",
+    }
+    return mapping({"parent": parent, **rows})

@@ -11,6 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 from composer.diagnostics.suggest import closest
 from composer.grammar import GRAMMAR
 from composer.recipe.count import COUNT, read_count
+from composer.recipe.edit_schema import drops
 from composer.recipe.fault import Fault, Path, Remark, refusal
 from composer.recipe.select import read_selector
 from composer.recipe.shown import kind_of
@@ -50,8 +51,6 @@ class Drops:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        from composer.recipe.edit_schema import drops
-
         return drops()
 
     def _validate(self, value: Any) -> tuple[Drop, ...]:

@@ -11,6 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.recipe.count import read_count
+from composer.recipe.edit_schema import edits
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
 from composer.recipe.raw import path_of
 from composer.recipe.select import inside, read_selector
@@ -58,8 +59,6 @@ class Edits:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        from composer.recipe.edit_schema import edits
-
         return edits()
 
     def _validate(self, value: Any, info: ValidationInfo) -> tuple[Edit, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from composer.grammar import GRAMMAR
 from composer.recipe.pattern import GLOB
-from composer.recipe.reference import Schema, reference
+from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.settable_schema import TAGS
 from composer.recipe.verbs.table import VERBS
 from composer.tree.selector import known_tags
@@ -26,7 +26,8 @@ def drops() -> Schema:
     return {"type": "array", "items": {"anyOf": [_TEXT, reference("dropped")]}}
 
 
-def edit() -> Schema:
+@definition("edit")
+def edit(_: str) -> Schema:
     """One entry of `edit`."""
     verbs = {name: {**verb.schema(), "description": verb.description} for name, verb in VERBS.items()}
     properties: Schema = {
@@ -72,7 +73,8 @@ def _where_selected(tag: str, forms: dict[str, Schema]) -> Schema:
     return {"if": selected, "then": {"properties": verbs}}
 
 
-def selector() -> Schema:
+@definition("selector")
+def selector(_: str) -> Schema:
     """A mapping from a tag to a glob, and what narrows it down."""
     narrowing: Schema = {
         "parent": {**reference("selector"), "description": "the body, or other element, that it stands in"},
@@ -93,9 +95,10 @@ def selector() -> Schema:
     }
 
 
-def dropped() -> Schema:
+@definition("dropped")
+def dropped(_: str) -> Schema:
     """A selector in `drop`, with how many elements it must mean."""
-    schema = selector()
+    schema = selector("")
     schema["properties"] |= _COUNT
     schema["propertyNames"] = {"enum": [*_COUNT, *schema["propertyNames"]["enum"]]}
     return schema

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from composer.grammar.element import ElementType
 from composer.recipe.by_tag import ByTag
 from composer.recipe.element import Element
+from composer.recipe.element_schema import by_name, element, mapping, told
 from composer.recipe.fault import Path
 from composer.recipe.reader import Reader
+from composer.recipe.reference import Schema, reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +23,12 @@ class Extension(ByTag):
     Gives a tuple of `Element`, one a plugin, with its instances as children.
     """
 
-    form: ClassVar[str] = "extension"
+    def schema(self) -> Schema:
+        kind = self.kind.children["plugin"]
+        instance = kind.children["instance"]
+        instances = {"instance": told(by_name(reference(f"named:{instance.path}")), instance.doc)}
+        plugins = by_name(element(kind, keyed=("plugin",), properties=instances))
+        return mapping({"plugin": told(plugins, kind.doc)})
 
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
         instances: list[Element] = []

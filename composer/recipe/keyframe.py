@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
+from composer.recipe.attribute_schema import attribute_schema
 from composer.recipe.element import Single
+from composer.recipe.element_schema import by_name, mapping
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.raw import path_of
 from composer.recipe.reader import Reader
+from composer.recipe.reference import Schema, reference
 from composer.recipe.section import Section
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.value import read_value
@@ -53,12 +56,25 @@ class Keyframe:
 class Keyframes(Section):
     """A mapping from the names of keys to what is in them. Gives a tuple of `Keyframe`."""
 
-    form: ClassVar[str] = "keyframes"
-
     def read(self, reader: Reader, value: Any) -> tuple[Keyframe, ...]:
         entries = reader.names(value, (), f"`{self.tag}`")
         read = [_keyframe(reader, name, item) for name, item in entries]
         return tuple(each for each in read if each is not None)
+
+    def schema(self) -> Schema:
+        key = self.kind.children["key"]
+        sources = {
+            **by_name({"type": "string", "minLength": 1}),
+            "description": "a key of each part to start from, by the path of the part: `base`, `left`, `left/gripper`",
+        }
+        entries = {
+            vector: {
+                **by_name(reference(f"number-{WIDTHS[vector]}" if vector in WIDTHS else "number-1-")),
+                "description": f"{key.attributes[vector].doc}: a mapping by {named}",
+            }
+            for vector, named in VECTORS.items()
+        }
+        return by_name(mapping({FROM: sources, TIME: attribute_schema(key.attributes[TIME]), **entries}))
 
 
 def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:

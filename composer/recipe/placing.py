@@ -14,10 +14,12 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.recipe.angles import bare_angle
+from composer.recipe.attribute_schema import attribute_schema
 from composer.recipe.element import Element, Single
 from composer.recipe.fault import Fault, Path, Remark, refusal
 from composer.recipe.presence import lacks
 from composer.recipe.reader import Reader, label
+from composer.recipe.reference import reference
 from composer.recipe.settings import settings
 from composer.recipe.shown import kind_of
 from composer.recipe.value import read_value
@@ -52,9 +54,7 @@ class Offset:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        from composer.recipe.element_schema import attribute
-
-        return attribute("frame", self.name)
+        return attribute_schema(GRAMMAR.element("frame").attributes[self.name])
 
     def _validate(self, value: Any, info: ValidationInfo) -> tuple[Single, ...]:
         attribute = GRAMMAR.element("frame").attributes[self.name]
@@ -117,9 +117,10 @@ class JointField:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        from composer.recipe.element_schema import joint
-
-        return joint(WORDS, JointType)
+        kind = {"enum": [*JointType], "description": GRAMMAR.element("joint").attributes["type"].doc}
+        one = {**reference("element:joint"), "properties": {"type": kind}}
+        several = {"type": "array", "minItems": 1, "items": {**one, "required": ["name"]}}
+        return {"anyOf": [{"enum": [*WORDS]}, {"type": "object", **one}, several]}
 
     def _validate(self, value: Any, info: ValidationInfo) -> str | Element | tuple[Element, ...]:
         reader = Reader(settings(info.context))

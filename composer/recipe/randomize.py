@@ -11,6 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 from composer.recipe.draw_field import DrawField, read_field
 from composer.recipe.fault import Fault, refusal
 from composer.recipe.model import Model
+from composer.recipe.randomize_schema import fields
 from composer.recipe.settings import settings
 from composer.recipe.shown import kind_of
 from composer.recipe.text import Choice
@@ -58,8 +59,6 @@ class Fields:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        from composer.recipe.randomize_schema import fields
-
         return fields()
 
     def _validate(self, value: Any, info: ValidationInfo) -> tuple[DrawField, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from composer.recipe.distribution import BELLS, CHOICE, INTERVALS, KINDS
 from composer.recipe.draw_field import PER
-from composer.recipe.reference import Schema, reference
+from composer.recipe.reference import Schema, definition, reference
 
 _TEXT: Schema = {"type": "string", "minLength": 1}
 _BOUND: Schema = {
@@ -32,7 +32,8 @@ def fields() -> Schema:
     return {"type": "object", "minProperties": 1, "additionalProperties": reference("draw")}
 
 
-def field() -> Schema:
+@definition("draw")
+def field(_: str) -> Schema:
     """One field."""
     distributions = {
         kind: {**reference(f"distribution:{kind}"), "description": _ABOUT[kind]} for kind in KINDS
@@ -68,6 +69,7 @@ def field() -> Schema:
     }
 
 
+@definition("distribution")
 def distribution(kind: str) -> Schema:
     """What stands behind the name of a distribution."""
     if kind == CHOICE:

@@ -23,7 +23,6 @@ from composer.recipe.fault import Fault, refusal
 from composer.recipe.keyframe import Keyframe, Keyframes
 from composer.recipe.model import Model
 from composer.recipe.randomize import Randomize
-from composer.recipe.section import Section
 from composer.recipe.shown import kind_of
 from composer.recipe.singleton import Singleton
 from composer.recipe.text import Choice, Text
@@ -137,7 +136,7 @@ class Recipe(Model):
     """What must hold of the model: a mapping from a name to a check."""
 
 
-def sections_of(form: type[Section]) -> tuple[str, ...]:
+def sections_of(form: type[object]) -> tuple[str, ...]:
     """The keys of a recipe that are sections of a form, in the order of the language.
 
     >>> sections_of(Defaults)

@@ -1,12 +1,35 @@
-"""Pointers between the parts of the JSON Schema, before they have a place in it."""
+"""Pointers between the parts of the JSON Schema, before they have a place in it, and what they lead to."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 Schema = dict[str, Any]
 
 REFERENCE = "mjcf"
+_DEFINITIONS: dict[str, Callable[[str], Schema]] = {}
+
+
+def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str], Schema]]:
+    """Marks the function that makes the definition `KIND:NAME`, or `KIND-NAME`, of a name.
+
+    It is given the empty text where the pointer is `KIND` alone.
+    """
+
+    def register(make: Callable[[str], Schema]) -> Callable[[str], Schema]:
+        if kind in _DEFINITIONS:
+            raise TypeError(f"two functions make the definition {kind}")
+        _DEFINITIONS[kind] = make
+        return make
+
+    return register
+
+
+def define(name: str) -> Schema:
+    """The schema that a reference leads to. Raises KeyError for one that nothing makes."""
+    kind, _, rest = name.partition(":" if ":" in name else "-")
+    return _DEFINITIONS[kind](rest)
 
 
 def reference(name: str) -> Schema:

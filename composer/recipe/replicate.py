@@ -12,7 +12,9 @@ from pydantic_core import CoreSchema, core_schema
 from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar import GRAMMAR
 from composer.recipe.angles import bare_angle
+from composer.recipe.attribute_schema import attribute_schema
 from composer.recipe.element import Single, Value
+from composer.recipe.element_schema import mapping
 from composer.recipe.fault import Fault, Path, Remark, refusal
 from composer.recipe.presence import lacks
 from composer.recipe.reader import Reader
@@ -46,9 +48,9 @@ class Axes:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        from composer.recipe.element_schema import axes
-
-        return axes()
+        kind = GRAMMAR.element("replicate")
+        axis = mapping({name: attribute_schema(kind.attributes[name]) for name in ATTRIBUTES})
+        return {"type": "array", "minItems": 1, "items": {**axis, "required": [COUNT]}}
 
     def _validate(self, value: Any, info: ValidationInfo) -> tuple[Axis, ...]:
         reader = Reader(settings(info.context))

@@ -15,11 +15,10 @@ from typing import Any
 
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
-from composer.recipe.element_schema import define
 from composer.recipe.model import Model
 from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe
-from composer.recipe.reference import REFERENCE, Schema, definition_key
+from composer.recipe.reference import REFERENCE, Schema, define, definition_key
 from composer.recipe.variation_schema import add_variation
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

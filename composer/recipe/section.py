@@ -7,8 +7,9 @@ without as many models.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
@@ -18,16 +19,16 @@ from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.recipe.fault import Fault, Path, Remark, refusal
 from composer.recipe.reader import Reader
+from composer.recipe.reference import Schema
 from composer.recipe.settings import settings
 from composer.recipe.shown import kind_of
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
-    """What all forms share. `form` names their JSON Schema."""
+class Section(ABC):
+    """What all forms share: how a section is read, and the JSON Schema of it."""
 
     tag: str
-    form: ClassVar[str]
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._validate)
@@ -35,9 +36,11 @@ class Section:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        from composer.recipe.element_schema import section
+        return self.schema()
 
-        return section(self.form, self.tag)
+    @abstractmethod
+    def schema(self) -> Schema:
+        """The JSON Schema of the section."""
 
     def _validate(self, value: Any, info: ValidationInfo) -> Any:
         reader = Reader(settings(info.context))
@@ -46,9 +49,9 @@ class Section:
             raise refusal(reader.faults, value)
         return result
 
+    @abstractmethod
     def read(self, reader: Reader, value: Any) -> Any:
         """The content of the section; faults go to the reader."""
-        raise NotImplementedError
 
     @property
     def kind(self) -> ElementType:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.recipe.attribute_schema import TEMPLATE_PATTERN, attribute_schema
-from composer.recipe.reference import Schema, reference
+from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.verbs.values import MASS
 from composer.tree.selector import paths_of
 
@@ -16,6 +16,7 @@ TAGS = (
 )  # fmt: skip
 
 
+@definition("settable")
 def settable(tag: str) -> Schema:
     """A mapping from the attributes of what a tag means to their values, and from single numbers of them."""
     found: dict[str, Schema] = {}
@@ -26,6 +27,7 @@ def settable(tag: str) -> Schema:
     return _numbered(tag, found, reference("number"))
 
 
+@definition("scalable")
 def scalable(tag: str) -> Schema:
     """The same of what is a number, with what it is multiplied with or what is added to it."""
     found = {
@@ -65,10 +67,12 @@ def attributes_of(tag: str) -> dict[str, list[Attribute]]:
     return found
 
 
-# A number, one of several, or what is computed of `${value}`.
-AMOUNT: Schema = {
-    "type": ["number", "string", "array"],
-    "pattern": TEMPLATE_PATTERN,
-    "items": reference("number"),
-    "patternErrorMessage": "expected a number, a list of numbers, or ${…}",
-}
+@definition("amount")
+def amount(_: str) -> Schema:
+    """A number, one of several, or what is computed of `${value}`."""
+    return {
+        "type": ["number", "string", "array"],
+        "pattern": TEMPLATE_PATTERN,
+        "items": reference("number"),
+        "patternErrorMessage": "expected a number, a list of numbers, or ${…}",
+    }

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from composer.recipe.element import Element
+from composer.recipe.element_schema import element
 from composer.recipe.fault import Fault, Remark
 from composer.recipe.reader import FRAGMENT, Reader
+from composer.recipe.reference import Schema
 from composer.recipe.section import Section
 
 
@@ -19,7 +21,6 @@ class Singleton(Section):
     """
 
     settable: frozenset[str] = frozenset()
-    form: ClassVar[str] = "singleton"
 
     def read(self, reader: Reader, value: Any) -> Element | None:
         if self.settable and isinstance(value, dict):
@@ -31,6 +32,13 @@ class Singleton(Section):
                 reader.faults.append(self._unsettable(name))
                 del value[name]
         return reader.element(self.kind, value, (), f"`{self.tag}`")
+
+    def schema(self) -> Schema:
+        schema = element(self.kind)
+        if self.settable:
+            properties = schema["properties"].items()
+            schema["properties"] = {name: each for name, each in properties if name in self.settable}
+        return schema
 
     def _unsettable(self, name: str) -> Fault:
         top = name in ("angle", "eulerseq")

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
+from composer.recipe.element_schema import by_name, element, mapping, nameless, unless_fragment
 from composer.recipe.fault import Fault, Remark
 from composer.recipe.presence import lacks
 from composer.recipe.reader import FRAGMENT, NAME, Reader
+from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.section import Elements
 from composer.recipe.shown import kind_of
-from composer.recipe.tendon import PATH, read_path
+from composer.recipe.tendon import MARKS, PATH, read_path
 
 TYPE = "type"
 
@@ -27,12 +30,13 @@ class Typed(Elements):
     children.
     """
 
-    form: ClassVar[str] = "typed"
-
     def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         entries = reader.names(value, (), f"`{self.tag}`")
         read = [self._element(reader, name, item) for name, item in entries]
         return tuple(element for element in read if element is not None)
+
+    def schema(self) -> Schema:
+        return by_name(reference(f"typed:{self.tag}"))
 
     def _element(self, reader: Reader, name: str, value: Any) -> Element | None:
         owner = f"{self.tag} `{name}`"
@@ -102,3 +106,66 @@ class Typed(Elements):
             if inner
             else f"write the MJCF tag as its `{TYPE}`",
         )
+
+
+@definition("typed")
+def _definition_of_typed(tag: str) -> Schema:
+    """An element whose `type` tells which one it is."""
+    kinds = GRAMMAR.section(tag).children.values()
+    variants: list[Schema] = [
+        {
+            "if": {"properties": {TYPE: {"const": kind.tag}}, "required": [TYPE]},
+            "then": reference(f"variant:{kind.path}"),
+        }
+        for kind in kinds
+    ]
+    return {
+        "type": "object",
+        "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment"), **nameless()},
+        **unless_fragment({"required": [TYPE]}, nameless()),
+        "allOf": variants,
+    }
+
+
+def _types(tag: str, kinds: Iterable[ElementType]) -> Schema:
+    """The key `type`, each of whose values is explained."""
+    return {
+        "enum": [kind.tag for kind in kinds],
+        "markdownEnumDescriptions": [kind.doc for kind in kinds],
+        "description": f"which {tag} it is: the tag of MJCF",
+    }
+
+
+@definition("variant")
+def _definition_of_variant(path: str) -> Schema:
+    kind = GRAMMAR.element(path)
+    properties: dict[str, Schema] = {TYPE: {"const": kind.tag, "description": kind.doc}, **nameless()}
+    if kind.path.startswith("tendon/"):
+        steps = {
+            "type": "array",
+            "minItems": 1,
+            "items": reference(f"step:{kind.path}"),
+            "description": "what it goes over, in order: "
+            + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
+        }
+        return element(kind, (NAME,), {**properties, PATH: steps}, (PATH,), fragment=False, children=False)
+    return element(kind, (NAME,), properties, fragment=False)
+
+
+@definition("step")
+def _definition_of_step(path: str) -> Schema:
+    """A step of a tendon's path; its keys tell which element it is."""
+    kind = GRAMMAR.element(path)
+    properties: dict[str, Schema] = {FRAGMENT: reference("fragment")}
+    schema: Schema = {"required": [next(iter(kind.children))]}
+    for tag, child in reversed(list(kind.children.items())):
+        mark = MARKS[tag]
+        step = element(child, fragment=False)
+        properties |= step["properties"]
+        schema = {"if": {"required": [mark]}, "then": step, "else": schema}
+        if mark != tag:
+            properties[tag] = step["properties"][mark]
+            short = mapping({tag: properties[tag]})
+            schema = {"if": {"required": [tag]}, "then": short, "else": schema}
+    schema = {"if": {"required": [FRAGMENT]}, "then": {"maxProperties": 1}, "else": schema}
+    return {"type": "object", "properties": properties, **schema}

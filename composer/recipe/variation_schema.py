@@ -9,8 +9,10 @@ from composer.expand.parameter import TYPES
 from composer.expand.variants import NO_PIECE
 from composer.formatting.order import WHOLE
 from composer.recipe.piece_schema import loosened
+from composer.recipe.recipe import sections_of
 from composer.recipe.reference import Schema
 from composer.recipe.rows import check_rows
+from composer.recipe.singleton import Singleton
 
 _VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
 _BARE: Schema = {**_VALUE, "description": "the default alone; its type is that of the parameter"}
@@ -77,7 +79,6 @@ _ID: Schema = {
     "description": "A name for merging: an item with the same one replaces this one.",
 }
 _WITH_WHEN = ("Attachment", "addition", "class", "element.contact.pair", "element.contact.exclude")
-_SINGLETONS = ("option", "size", "visual", "statistic", "compiler")
 
 
 def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
@@ -89,7 +90,7 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
             _into(definition, "when", _WHEN)
     _into(definitions["addition"], "id", _ID)
     definitions["addition"]["maxProperties"] += 2
-    for name in _SINGLETONS:
+    for name in sections_of(Singleton):
         _into(properties[name], "when", _WHEN)
     _into(properties["check"]["additionalProperties"], "when", _WHEN)
     pieces = loosened(properties, definitions)

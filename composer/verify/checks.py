@@ -20,14 +20,18 @@ from composer.mujoco_errors.message import CRASHES
 from composer.plan.drawn_arrays import arrays_of_draw
 from composer.plan.part_record import PartRecord, of_part
 from composer.plan.plan import Plan
+from composer.recipe.check import KINDS
 from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
-from composer.verify.kinds.ask import ask
+from composer.recipe.rows import check_rows
+from composer.verify.kinds.ask import CHECKS, ask
 from composer.verify.kinds.finding import Finding
 from composer.verify.nested import Nested, checks_in
 from composer.verify.outcome import Hear, Outcome
 from composer.verify.parts import WHOLE, Compared, Judge
 from composer.verify.report import causes, changed, notes
+
+check_rows("the checks that composer/verify/kinds/ask.py runs", [*CHECKS, Unchanged.word], KINDS)
 
 
 def run_checks(
@@ -76,7 +80,7 @@ def _ask(
     angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
     asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
     about = f"check `{recipe.part}{check.name}`"
-    if check.word == "reachable" and asked["frame"] is None:
+    if KINDS[check.word].needs_world and asked["frame"] is None:
         message = (
             f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
         )

@@ -94,7 +94,7 @@ sink = Sink()
 node = load(open(sys.argv[1]).read(), "recipe.yaml", sink)
 own, recipe = timed(read)
 assert recipe is not None
-unwanted = {"lxml", "numpy", "mujoco", "composer.recipe.schema", "composer.recipe.element_schema"}
+unwanted = {"lxml", "numpy", "mujoco", "composer.recipe.schema"}
 print(own / base, *unwanted.intersection(sys.modules))
 """
 

@@ -24,9 +24,10 @@ class Check(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of check. `read` gives None where it told a fault; `example` is what messages advise to write.
+    """A kind of check. `read` gives None where it reported a fault; `example` is what messages advise to write.
 
-    What stands behind the word is a mapping, or a list where `listed`.
+    What stands behind the word is a mapping, or a list where `listed`. A check that `needs_world` is about
+    points in the world of its recipe, and cannot be run where it is not known where that is.
     """
 
     word: str
@@ -34,6 +35,7 @@ class Kind:
     schema: Schema
     example: str
     listed: bool = False
+    needs_world: bool = False
 
 
 def mapping_schema(description: str, properties: dict[str, Any], *required: str) -> Schema:

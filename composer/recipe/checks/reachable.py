@@ -65,4 +65,5 @@ KIND = Kind(
         "target",
     ),
     "{site: tcp, target: [0.5, 0, 0.8]}",
+    needs_world=True,
 )

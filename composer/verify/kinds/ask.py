@@ -11,7 +11,7 @@ from composer.verify.kinds import equal, exists, mass, no_penetration, reachable
 from composer.verify.kinds.finding import Finding
 from composer.verify.kinds.scope import Scope
 
-KINDS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Finding]]] = {
+CHECKS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Finding]]] = {
     "size": size.check,
     "mass": mass.check,
     "exists": exists.check,
@@ -29,7 +29,7 @@ def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
     """
     scope = Scope(mujoco, model, **question["scope"])
     try:
-        found = KINDS[question["kind"]](scope, question["asked"])
+        found = CHECKS[question["kind"]](scope, question["asked"])
     except BadPattern as bad:
         found = [Finding(bad.message, code="selector", help=bad.help)]
     return {"findings": [finding.to_json() for finding in found], "values": scope.values}
