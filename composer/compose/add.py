@@ -8,10 +8,10 @@ from composer.compose.elements import ElementBuilder, make
 from composer.compose.reference_check import not_there
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
-from composer.link.inertia import has_mass, own
+from composer.link.inertia import has_mass
 from composer.link.linking import Linking
-from composer.plan.plan import AddElement
-from composer.tree.classes import NESTED
+from composer.plan.steps.add_element import AddElement
+from composer.tree.classes import NESTED, own
 
 
 def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
@@ -67,6 +67,7 @@ def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None
             step.to_span,
             notes=(Note("it is added here", coming),),
             help="put that entry above this one",
+            subjects=(step.to,),
         )
         return
     help = None

@@ -147,6 +147,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
             locate(making.document, (*step.at, "mate")),
             notes=(Note("the frame", unit.origins.span(scaled, unit.file, "scale")),),
             help="mate with a site outside the frame",
+            subjects=(name, step.prefix),
         )
     outer = element.getparent()
     assert outer is not None
@@ -196,4 +197,5 @@ def _no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
         locate(making.document, (*step.at, "mate")),
         notes=[exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"],
         help=did_you_mean(name, [each for names in known.values() for each in names], "mate: {}"),
+        subjects=(name, step.prefix),
     )

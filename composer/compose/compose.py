@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -36,15 +36,19 @@ from composer.link.request import Request
 from composer.link.validate_values import STUMBLES, malformed
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.part_record import PartRecord
-from composer.plan.parts import BASE, called
-from composer.plan.plan import (
-    AddElement,
-    AppendElement,
-    Plan,
-    SetDefault,
-    SetSingleton,
-)
+from composer.plan.plan import BASE, Plan, called
+from composer.plan.steps.add_element import AddElement
+from composer.plan.steps.append_element import AppendElement
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.set_default import SetDefault
+from composer.plan.steps.set_singleton import SetSingleton
+from composer.plan.steps.step import Step
+from composer.plan.steps.table import STEPS
+from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.fault import Path as KeyPath
+from composer.recipe.rows import check_rows
+from composer.sources.source import Source
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
@@ -57,6 +61,16 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 _WEIGHTLESS = ("site", "camera", "light")
+# What writes a step into the joined model. The steps after these wait until all of it is there: edits and draws
+# (`model_edits.py`), and keys (`keyframe.py`).
+_WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
+    AddElement: add,
+    SetSingleton: set_singleton,
+    SetDefault: set_default,
+    AppendElement: append,
+}
+_AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe)
+check_rows("the steps that composer/compose/compose.py carries out", [*_WRITE, *_AFTERWARDS], STEPS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,29 +104,30 @@ class Composer:
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors, those of earlier stages included."""
-        self._expect(plan, True)
+        self._expect(plan)
         self.selects_parts = plan.selects_parts
         composed = self._compose(plan, True)
         if composed is None or self.context.sink.has_errors:
             return None
         return replace(composed, members=placed(self.hung[composed.model.root], composed.model.root))
 
-    def look(self, plan: Plan, stands: bool = True) -> None:
+    def look(self, plan: Plan) -> None:
         """Take the subtrees of a plan, and compose no more than they are taken of."""
-        self._expect(plan, stands)
+        self._expect(plan)
+        self._look(plan, True)
+
+    def _look(self, plan: Plan, stands: bool) -> None:
         for each in wanted(plan, stands):
             if each.body is not None or each.drop:
                 wanted_alone = replace(each, edit=())
                 self._guarded(plan, partial(self._unit, plan, wanted_alone))
             elif isinstance(each.model, Plan):
-                self.look(each.model, each.stands)
+                self._look(each.model, each.stands)
 
-    def _expect(self, plan: Plan, stands: bool) -> None:
-        for each in wanted(plan, stands):
-            if isinstance(each.model, Plan):
-                self._expect(each.model, each.stands)
-            elif each.model is not None:
-                self.loader.expect(each.model, each.stands)
+    def _expect(self, plan: Plan) -> None:
+        for place in plan.walk():
+            if isinstance(place.model, Source):
+                self.loader.expect(place.model, place.stands)
 
     def _compose(self, plan: Plan, stands: bool) -> Composed | None:
         """The model of a plan; `stands` says that it is fixed in the world of what is made in the end."""
@@ -145,7 +160,9 @@ class Composer:
     def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
         """The plan of the parts that there are, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
-        self.context.sink.forgive(called(step, plan.separator) for step in plan.parts if step not in kept)
+        self.context.sink.suppress_about(
+            called(step, plan.separator) for step in plan.parts if step not in kept
+        )
         return replace(plan, parts=tuple(kept))
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
@@ -223,11 +240,9 @@ class Composer:
 
     def _anew(self, plan: Plan) -> Iterator[Unit]:
         """The sources of a plan as their files have them."""
-        for each in wanted(plan, True):
-            if isinstance(each.model, Plan):
-                yield from self._anew(each.model)
-            elif each.model is not None and each.model.format == "mjcf":
-                unit = parse_file(each.model.path, Sink(), file=self.context.shown(each.model.path))
+        for each in plan.sources():
+            if each.format == "mjcf":
+                unit = parse_file(each.path, Sink(), file=self.context.shown(each.path))
                 if unit is not None:
                     yield unit
 
@@ -301,17 +316,9 @@ def _adds_mass(plan: Plan) -> bool:
 
 def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
     for step in plan.steps:
-        if isinstance(step, AddElement):
-            add(step, linking, making)
-        elif isinstance(step, SetSingleton):
-            set_singleton(step, linking, making)
-        elif isinstance(step, SetDefault):
-            set_default(step, linking, making)
-        elif isinstance(step, AppendElement):
-            append(step, linking, making)
-        else:
-            continue
-        linking.watch(linking.units, step)
+        if (write := _WRITE.get(type(step))) is not None:
+            write(step, linking, making)
+            linking.watch(linking.units, step)
     if making.pending:
         classes = linking.base.classes
 

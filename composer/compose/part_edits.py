@@ -21,7 +21,8 @@ from composer.link.linking import Linking, Measure
 from composer.link.multiplied import element_of
 from composer.link.request import Request
 from composer.link.subtree import Left
-from composer.plan.plan import DropElements, EditElements, Plan
+from composer.plan.plan import DropElements, Plan
+from composer.plan.steps.edit_elements import EditElements
 from composer.tree.key import Key, PartKeys
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch

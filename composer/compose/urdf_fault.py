@@ -9,10 +9,10 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.mujoco_errors.message import Fault
+from composer.mujoco_errors.translation import translate
 from composer.tree.files import stem
 from composer.tree.line import line_of
-from composer.verify.compiles import Fault
-from composer.verify.mujoco_errors import translate
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 _MISSING = re.compile(r"missing element: '(?P<tag>[^']*)'|attribute missing: '(?P<name>[^']*)'")

@@ -45,7 +45,7 @@ class Operand:
         origin = self.context.fetching.around(path) if self.context.fetching is not None else None
         if origin is None or not origin.is_fetched:
             return None
-        return f"{origin.id}#{os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root))}"
+        return origin.named(os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root)))
 
     def tell(self, sink: Sink) -> None:
         """Hand on what its own sink has been told."""

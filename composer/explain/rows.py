@@ -13,7 +13,8 @@ from composer.link.key_layouts import VECTORS as VECTORS
 from composer.link.key_layouts import holders
 from composer.link.layout import Layout, Unknown, lay_out
 from composer.link.multiplied import element_of
-from composer.plan.plan import DrawValues, EditElements
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
 from composer.tree.key_number import KeySource, Number
 from composer.tree.unit import Unit
 

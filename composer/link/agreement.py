@@ -180,7 +180,10 @@ def _tell(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[_W
         others.append("write `conflict: merge`")
     sentence, *lines = settling(asked, linking.request.overridden_options).split("\n")
     help = "\n".join([f"{sentence}; or {', or '.join(others)}", *lines])
-    linking.sink.error("option-conflict", message, span, notes=notes, help=help, cause=cause)
+    subjects = (part.called, *(wish.path for wish in wishes))
+    linking.sink.error(
+        "option-conflict", message, span, notes=notes, help=help, cause=cause, subjects=subjects
+    )
 
 
 def _tell_merged(linking: Linking, part: Part, wishes: list[_Wish]) -> None:

@@ -44,7 +44,7 @@ def bodies(linking: Linking) -> None:
             if not lost:
                 _ring(linking, waiting)
             prefixes = [part.prefix for part in waiting if part.prefix]
-            linking.sink.forgive(
+            linking.sink.suppress_about(
                 [*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)]
             )
             return
@@ -79,6 +79,7 @@ def _ring(linking: Linking, waiting: list[Part]) -> None:
         "parts hang on one another: " + " on ".join(f"`{part.called}`" for part in ring),
         host.place.span or host.span,
         help="one of them must hang on the base or on the world",
+        subjects=(part.called for part in ring),
     )
 
 
@@ -110,6 +111,7 @@ def _nowhere(linking: Linking, part: Part) -> None:
         part.place.span or part.span,
         notes=(*notes, *attached_notes(linking.base, name)),
         help=help,
+        subjects=(name, part.called),
     )
 
 
@@ -202,6 +204,7 @@ def _scaled(linking: Linking, part: Part, frame: Node) -> None:
         part.place.span or part.span,
         notes=(Note("the frame", linking.span(linking.base, frame, "scale")),),
         help="attach the part outside the frame, or apply the scale to the source",
+        subjects=(part.called, part.place.name),
     )
 
 
@@ -228,6 +231,7 @@ def _aligned(linking: Linking, part: Part, joint: Node) -> None:
         part.place.span or part.span,
         notes=(Note("the free joint that is aligned", linking.span(linking.base, joint)),),
         help='write `align="false"` on the free joint in the source, or in a copy of it',
+        subjects=(part.called, part.place.name),
     )
 
 
@@ -243,6 +247,7 @@ def _declare_joint(linking: Linking, part: Part, joint: Node) -> None:
             part.span,
             notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
             help="choose another name",
+            subjects=(name, part.called),
         )
 
 

@@ -150,6 +150,7 @@ def _refuse_set(linking: Linking, part: Part, flex: Flex) -> None:
         linking.span(flex.unit, flex.element),
         notes=(Note("a flex takes the joint defaults of the body it stands in"),),
         help="put the `<flexcomp>` into a `<body>` of its own",
+        subjects=(part.called, part.place.name),
     )
 
 

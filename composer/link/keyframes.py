@@ -176,6 +176,7 @@ def _not_apart(
         second.span(),
         notes=(Note("the first one is here", first.span()),),
         help=help,
+        subjects=(first.name,),
     )
 
 
@@ -202,6 +203,7 @@ def _check_attached(linking: Linking) -> None:
             f"the model attached here has keys that say where its free bodies are, and `{part.called}` moves it",
             linking.span(part.unit, attach),
             help=f"write `keyframes: none` for `{part.called}`, or attach that model in the recipe",
+            subjects=(part.called,),
         )
 
 

@@ -83,6 +83,7 @@ def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None)
                 f"a tuple refers to the key `{name}`, which `keyframes: none` leaves out",
                 linking.span(unit, element, "objname"),
                 help="leave out the tuple, too: `drop: [tuple]`",
+                subjects=(name,),
             )
 
 

@@ -124,6 +124,7 @@ def _check_flexes(
                 key.span(vector),
                 notes=(Note("the flex", linking.span(part.unit, block)),),
                 help="leave the keys out, `keyframes: none`, or put the `<flexcomp>` into a body",
+                subjects=(part.called,),
             )
 
 

@@ -55,6 +55,7 @@ def check_roots(linking: Linking) -> None:
                 part.place.span or part.span or linking.span(part.unit, geom),
                 notes=(Note("the plane", linking.span(linking.base, geom)),),
                 help="attach the part to the world or to what does not move, or take the plane out of its file",
+                subjects=(part.called,),
             )
 
 
@@ -110,6 +111,7 @@ def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: b
         part.place.span or part.span or linking.span(part.unit, joint),
         notes=(Note(f"the free joint of {called}", linking.span(part.unit, joint)),),
         help=help,
+        subjects=(part.called,),
     )
 
 
@@ -127,6 +129,7 @@ def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -
             if alone
             else f"leave `{part.place.kind}` out: then it stands in the world"
         ),
+        subjects=(part.called,),
     )
 
 

@@ -112,6 +112,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
             span,
             notes=(exists_note("body", names, name), *attached_notes(unit, name)),
             help=did_you_mean(name, names, "subtree: {}"),
+            subjects=(name,),
         )
         return None
     copies = next(body.iterancestors("replicate"), None)
@@ -122,6 +123,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
             span,
             notes=(Note("the `<replicate>`", unit.origins.span(copies, unit.file)),),
             help="take a body around the `<replicate>`",
+            subjects=(name,),
         )
         return None
     return body

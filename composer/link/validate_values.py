@@ -30,11 +30,13 @@ def malformed(units: Iterable[Unit], sink: Sink) -> bool:
         for element, attribute in _values(unit.root):
             answer = check_value(attribute, str(element.get(attribute.name)))
             if answer is not None:
-                message, _, help = answer.partition("; ")
                 code = "wrong-keyword" if attribute.type in ("keyword", "keywords") else "wrong-type"
                 span = unit.origins.span(element, unit.file, attribute.name)
                 sink.error(
-                    code, f"`{attribute.name}` of `<{element.tag}>` {message}", span, help=help or None
+                    code,
+                    f"`{attribute.name}` of `<{element.tag}>` {answer.message}",
+                    span,
+                    help=answer.advice,
                 )
     return sink.error_count > before
 

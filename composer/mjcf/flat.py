@@ -185,8 +185,8 @@ def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measur
         from composer.mjcf.detach_external import without_outward
 
         if not started:
-            from composer.compose.measure import measure_with
             from composer.engine import Session
+            from composer.link.measure import measure_with
 
             started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
         return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)

@@ -7,20 +7,22 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import cast
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.plan.choosing import is_one_choice
-from composer.plan.plan import Plan
+from composer.plan.plan import Place, Plan
 from composer.plan.read import EXTENDS, read_recipe
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
-from composer.sources.lock import Disputed, Lock, Locked, SourceKind, lock_path, read_lock
+from composer.sources.kind import PINS
+from composer.sources.lock import Lock, Locked, lock_path
+from composer.sources.lock_file import Disputed, kind_of, read_lock
 from composer.sources.origin import Origin
+from composer.sources.path import KIND as PATH
 from composer.sources.source import Source
 from composer.version import __version__
 
@@ -129,7 +131,9 @@ def check_lock(plan: Plan, context: Context) -> None:
             },
             now.files,
         ):
-            tell = context.sink.warning if now.is_local and not fetching.locked else context.sink.error
+            tell = (
+                context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
+            )
             tell(
                 "source-changed",
                 f"`{id}` is not what `{shown}` pins",
@@ -209,7 +213,9 @@ def _is_whole(id: str, use: _Use, context: Context) -> bool:
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:
     """What a lock says of a source, and its kind or its pin, which is right, contradicts: somebody has edited it."""
     if before.kind == now.kind:
-        yield from (f"a source of kind `{now.kind}` has no {what}" for what in before.foreign)
+        own = kind_of(now).pins
+        foreign = (pin for pin in PINS if pin not in own and getattr(before, pin) is not None)
+        yield from (f"a source of kind `{now.kind}` has no {pin}" for pin in foreign)
     for what in ("kind", "tree"):
         was, there = getattr(before, what), getattr(now, what)
         if was != there and before.pin == now.pin:
@@ -235,33 +241,28 @@ class _Gathering:
         self.uses: dict[str, _Use] = {}
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _Use]:
-        for plan in plans:
-            self._plan(plan, "", None)
+        for place in (place for plan in plans for place in plan.walk()):
+            if isinstance(place.model, Plan):
+                self._recipe(place.model, place)
+            elif place.model is not None:
+                self._put(place.model.path, self._files_of(place.model), place.model, place.part, place.span)
         return self.uses
 
-    def _plan(self, plan: Plan, prefix: str, asked: Span | None) -> None:
-        """`asked` is the place where the recipe that is built asks for this one, None for itself.
+    def _recipe(self, plan: Plan, place: Place) -> None:
+        """The files of a recipe itself.
 
         Of the recipe that is built, and of recipes beside it that it extends, anything may change that changes no
         source: they are not locked themselves. What is nested is, and what was fetched.
         """
-        if prefix:
-            self._put(plan.path, [plan.path], plan.source, prefix, asked)
-        label = f"{prefix}{plan.separator}{EXTENDS}" if prefix else EXTENDS
-        for source, place in plan.extended:
-            if prefix or source.origin is not None:
-                self._put(source.path, [source.path, *source.licences], source, label, asked or place)
+        if place.part:
+            self._put(plan.path, [plan.path], plan.source, place.part, place.span)
+        label = f"{place.part}{plan.separator}{EXTENDS}" if place.part else EXTENDS
+        for source, span in plan.extended:
+            if place.part or source.origin is not None:
+                self._put(source.path, [source.path, *source.licences], source, label, place.span or span)
         for file in files_of_recipe(plan, self.shown_from):
             main = plan.path if self.fetching.around(file) is None else file
-            self._put(main, [file], None, prefix or plan.path.name, asked)
-        models = [("base", plan.base.model, plan.base.span)]
-        models += [(part.prefix.removesuffix(plan.separator), part.model, part.span) for part in plan.parts]
-        for name, model, span in models:
-            label = f"{prefix}{plan.separator}{name}" if prefix else name
-            if isinstance(model, Plan):
-                self._plan(model, label, asked or span)
-            elif model is not None:
-                self._put(model.path, self._files_of(model), model, label, asked or span)
+            self._put(main, [file], None, place.part or plan.path.name, place.span)
 
     def _put(
         self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None
@@ -302,7 +303,7 @@ def _locked(use: _Use, fetching: Fetching) -> Locked | None:
         return None
     source, origin = use.source, use.origin
     return Locked(
-        kind=cast("SourceKind", str(origin.kind)) if origin is not None else "path",
+        kind=(PATH if origin is None else origin.kind).name,
         commit=origin.commit if origin else None,
         tree=origin.tree if origin else None,
         sha256=origin.sha256 if origin else None,

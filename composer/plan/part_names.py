@@ -5,7 +5,6 @@ from __future__ import annotations
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.document.node import locate
-from composer.plan.parts import parts_of
 from composer.plan.plan import Plan
 from composer.recipe.checks.unchanged import Unchanged
 from composer.recipe.keyframe import FROM
@@ -13,7 +12,7 @@ from composer.recipe.keyframe import FROM
 
 def check_part_names(plan: Plan, sink: Sink) -> None:
     """Tell those that are no parts of the recipe, or may be two."""
-    parts = list(parts_of(plan))
+    parts = list(plan.part_names)
     _of_checks(plan, parts, sink)
     _of_keys(plan, parts, sink)
 
@@ -30,6 +29,7 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
             locate(plan.document, (*check.at, "unchanged", "part")),
             notes=[exists_note("part", parts, check.part)],
             help=f"write `part: {near[0]}`" if near else None,
+            subjects=(check.name, check.part),
         )
 
 
@@ -43,6 +43,7 @@ def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
                     f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
                     locate(plan.document, (*step.key.at, FROM, part), key=True),
                     help="give the one without a prefix another key",
+                    subjects=(part,),
                 )
             elif part not in parts:
                 sink.error(
@@ -51,4 +52,5 @@ def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
                     locate(plan.document, (*step.key.at, FROM, part), key=True),
                     notes=(exists_note("part", parts, part),),
                     help=did_you_mean(part, parts),
+                    subjects=(part,),
                 )

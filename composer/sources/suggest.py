@@ -56,7 +56,7 @@ def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | N
     note = exists_note("model file", shown).message
     if "\\" in text:
         hint, near = _with_slashes(text, near), None
-    elif not wanted.parent.is_dir():
+    elif not os.path.isdir(wanted.parent):  # a path may be too long for `Path.is_dir`, which then raises
         message, note, corrected = _without_folder(text, wanted)
         near = corrected or near
     return SourceError(
@@ -79,7 +79,7 @@ def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
     missing = next(
         each
         for each in (wanted.parent, *wanted.parent.parents)
-        if each.parent.is_dir() or each == each.parent
+        if os.path.isdir(each.parent) or each == each.parent
     )
     depth = len(wanted.parts) - len(missing.parts)
     written = text.removesuffix("".join(f"/{part}" for part in wanted.parts[-depth:]))
@@ -95,7 +95,7 @@ def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
     listed = sorted(folders, key=lambda each: each not in near)
     note = exists_note("folder", [f"{inside}{each}" for each in listed]).message
     corrected = missing.with_name(near[0]).joinpath(*wanted.parts[-depth:]) if near else None
-    exists = corrected is not None and corrected.is_file()
+    exists = corrected is not None and os.path.isfile(corrected)
     return message, note, f"{inside}{near[0]}{text.removeprefix(written)}" if exists else None
 
 

@@ -12,14 +12,15 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
 from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
+from composer.mujoco_errors.message import Fault, crash_help
+from composer.mujoco_errors.report import report
+from composer.mujoco_errors.translation import kind_of, translate, unknown_attribute
 from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
-from composer.verify.compiles import Fault, crash_help, verify
-from composer.verify.fault_location import locate_fault
+from composer.verify.compiles import verify
 from composer.verify.ignored_attributes import unread
 from composer.verify.left_behind import left_behind
-from composer.verify.mujoco_errors import Translation, kind_of, translate, unknown_attribute
 
 _PLUGIN = re.compile(r"failed for plugin id (\d+)")
 # What MuJoCo says of a setting of the whole model, of which it knows no line.
@@ -61,7 +62,7 @@ def judge(
             context.sink.error(verified.code, message, help=crash_help(verified.code))
         else:
             element = _element(fault, bundle, model)
-            tell(translate(message, element), element, model, context)
+            report(translate(message, element), element, model, context)
         return None
     version = verified.compiled.mujoco_version
     if version is None or version_key(version) <= version_key(
@@ -92,7 +93,7 @@ def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> Non
     kind = kind_of(element)
     if kind is None or name not in kind.ignored:
         cause = Cause(f"{element.tag} {name}", _called(element))
-        tell(unknown_attribute(element, name), element, model, context, cause)
+        report(unknown_attribute(element, name), element, model, context, cause)
         return
     context.sink.warning(
         "unknown-attribute",
@@ -100,18 +101,6 @@ def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> Non
         model.origins.span(element, model.file, name, key=True),
         help=f"remove `{name}`",
     )
-
-
-def tell(
-    said: Translation, element: Node | None, model: Unit, context: Context, cause: Cause | None = None
-) -> None:
-    """An error at the element, or at the attribute that it lies in."""
-    if element is None:
-        context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
-        return
-    found = locate_fault(said, element, model)
-    notes = (*found.notes, *said.notes)
-    context.sink.error(said.code, said.message, found.span, notes=notes, help=said.help, cause=cause)
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:

@@ -7,17 +7,15 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from composer.bundle.assemble import sources
 from composer.bundle.manifest import Input, Manifest
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.plan.planner import make_plan
 from composer.sources.error import SourceError
+from composer.sources.kinds import kind_called
+from composer.sources.path import KIND as PATH
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
-
-_LOCAL = ("path", "package", "menagerie")
-"""Kinds of reference that are followed although nobody but the bundle asks for it: they run nothing."""
 
 
 class Inputs:
@@ -36,7 +34,7 @@ class Inputs:
         if found is not None:
             aside = Context(context.sink if self.given else Sink(), context.environment, context.folder)
             plan = make_plan(found, aside)
-            self.planned = [] if plan is None else [source for _, source in sources(plan)]
+            self.planned = [] if plan is None else list(plan.sources())
 
     def find(self, number: int) -> Source | str:
         """The source of an input, or a sentence that says why there is none."""
@@ -63,10 +61,12 @@ class Inputs:
     def _candidates(self, number: int, wanted: Input) -> Iterator[Source]:
         if len(self.planned) == len(self.manifest.inputs):
             yield self.planned[number]
-        if wanted.kind in _LOCAL:
+        kind = kind_called(wanted.kind)
+        # Nobody but the bundle asks for it: so nothing is fetched, and no code is run.
+        if kind is not None and not kind.is_fetched and not kind.runs_code:
             with suppress(SourceError):
                 yield resolve(wanted.reference, relative_to=self.folder, environment=self.context.environment)
-        yield Source(self.folder / wanted.path, wanted.kind, wanted.reference)
+        yield Source(self.folder / wanted.path, kind or PATH, wanted.reference)
 
 
 def _sha256(path: Path) -> str | None:

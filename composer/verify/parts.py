@@ -11,8 +11,8 @@ from composer.compiled.difference import Difference
 from composer.compiled.keyframes import Keys
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
 from composer.plan.part_record import PartRecord
-from composer.sources import ros_package
 from composer.verify.question import Question, ask, told
+from composer.verify.source_alone import keep_source
 
 _ROUNDING = 1e-12
 """Relative: `springdamper` and `dampratio` go by the inertia of the whole model, which is summed in another order."""
@@ -103,23 +103,7 @@ class Judge:
         """Keep the source compiled alone; a sentence where MuJoCo refuses it."""
         if member.subtree is not None:
             return self._take(member, name)
-        path, text = member.source.path, None
-        if member.source.format == "urdf":
-            try:
-                names = ros_package.packages_in(path.read_text(encoding="utf-8", errors="replace"))
-            except OSError as error:
-                return f"its source cannot be read: {(error.strerror or str(error)).lower()}"
-            packages = ros_package.folders(names, path, dict(member.source.packages))
-            converted = engine.convert_urdf(path, packages, stands=member.stands, session=self.session)
-            if (text := converted.text) is None:
-                return refused(converted.error or converted.crash)
-        file = path.name if text is None else f"{path.stem}.xml"
-        compiled = engine.compile(path.parent, file, text=text, keep=name, session=self.session)
-        return None if compiled.ok else refused(compiled.error or compiled.crash)
-
-
-def refused(said: str | None) -> str:
-    return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
+        return keep_source(member, self.session, name)
 
 
 def _kept(member: PartRecord) -> str:

@@ -17,6 +17,7 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
 from composer.numerics.pose import Pose
 from composer.plan.part_record import PartRecord
+from composer.sources.path import KIND as PATH
 from composer.sources.source import Source
 from composer.verify.compiles import Verified, verify
 from composer.verify.inputs import Inputs
@@ -97,7 +98,7 @@ def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compare
     for part in manifest.parts:
         found = inputs.find(part.input)
         if isinstance(found, str):
-            nowhere = Source(Path(), "path", "")
+            nowhere = Source(Path(), PATH, "")
             yield Compared(_member(part, nowhere), obscure=part.obscure or found)
         else:
             yield judge.compare(_member(part, found), part.changed, part.replaced_keys)

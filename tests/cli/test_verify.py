@@ -62,5 +62,5 @@ def test_what_is_not_there_is_called_as_it_was_written(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     result = runner.invoke(main, ["verify", "gone.zip"])
-    assert result.exit_code == 1
+    assert result.exit_code == 2
     assert "error[file-not-found]: there is no file or folder `gone.zip`\n" in result.stderr

@@ -15,13 +15,13 @@ from composer.compiled.difference import Difference
 from composer.compiled.keyframes import Keys
 from composer.compiled.mount import Mount
 from composer.compiled.unchanged import compare
-from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.link.link import finish, link
 from composer.link.linking import Linking
+from composer.link.measure import measure_with
 from composer.link.part import Joint, Part, Place
 from composer.link.request import Request
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise

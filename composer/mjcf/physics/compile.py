@@ -9,18 +9,18 @@ from lxml.etree import _Element as Node
 
 from composer.compiled.kinds import Model as MjModel
 from composer.compiled.kinds import NameTable
+from composer.compiled.order import compiled_kind, compiled_order, rows
 from composer.link.request import Policy
 from composer.mjcf.attachment import attachments_below
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.flat import Flat, contents, copied, flatten, name_files, tell
 from composer.mjcf.model import Model, Target
-from composer.mjcf.physics.order import compiled_kind, compiled_order, rows
+from composer.mujoco_errors.location import locate_fault
+from composer.mujoco_errors.message import parse
+from composer.mujoco_errors.translation import translate
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
-from composer.verify.compiles import parse
-from composer.verify.fault_location import locate_fault
-from composer.verify.mujoco_errors import translate
 
 _IN_PYTHON = {
     "put a body with a free joint into the world: `to: world`": "put a body with a free joint into the worldbody",
