@@ -76,7 +76,17 @@ class _Wish:
 
 
 def agreement(linking: Linking) -> None:
-    """Compare what every unit writes, then merge the sizes."""
+    """Compare what every unit writes, then merge the sizes.
+
+    Sizes make room for both; what contradicts the base is reported:
+
+    >>> from composer.link.example import after
+    >>> part = '<option gravity="0 0 0"/><size nuserdata="3"/>'
+    >>> base = '<option gravity="0 0 -1"/>'
+    >>> after(agreement, part, base)
+    base: <size nuserdata="3"/>
+    error: `p/` wants `option.gravity` to be `0 0 0`, the model has `0 0 -1`
+    """
     if not linking.parts:
         return
     model = dict(written(linking.base))

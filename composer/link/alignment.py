@@ -20,7 +20,16 @@ _INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
 
 
 def alignment(linking: Linking) -> None:
-    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says."""
+    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler alignfree="true"/>'
+    ...     '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
+    ... )
+    >>> after(alignment, part)
+    part: <worldbody><body><freejoint align="true"/><geom size=".1"/></body></worldbody>
+    """
     if not linking.composed:
         return
     stubborn = [

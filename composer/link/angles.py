@@ -25,7 +25,16 @@ _OF_BALLS = ("range", "springyield")
 
 
 def angles(linking: Linking) -> None:
-    """Rewrite each unit that differs from what the model will say."""
+    """Rewrite each unit that differs from what the model will say.
+
+    The part is in degrees, MuJoCo's default, and the base is not:
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><body euler="180 0 0"><joint range="0 90"/></body></worldbody>'
+    >>> base = '<compiler angle="radian"/>'
+    >>> after(angles, part, base)
+    part: <worldbody><body euler="3.141592653589793 0 0"><joint range="0 1.5707963267948966"/></body></worldbody>
+    """
     unit, sequence = model_angle(linking), linking.base.settings.eulerseq
     for part in linking.units:
         settings = part.settings

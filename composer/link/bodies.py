@@ -30,7 +30,14 @@ _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
 
 def bodies(linking: Linking) -> None:
-    """Hang the parts in their order; a part that hangs on another part waits for it."""
+    """Hang the parts in their order; a part that hangs on another part waits for it.
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><body/></worldbody>'
+    >>> base = '<worldbody><site name="s" pos="0 0 1"/></worldbody>'
+    >>> after(bodies, part, base, on="s")
+    model: <worldbody><site name="s" pos="0 0 1"/><frame pos="0 0 1" childclass="p/"><body/></frame></worldbody>
+    """
     waiting = list(linking.parts)
     tops: dict[Part, Node] = {}
     while waiting:

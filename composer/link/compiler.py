@@ -17,7 +17,13 @@ _NO_EFFECT = ("coordinate", "usethread", "conflict")
 
 
 def compiler(linking: Linking) -> None:
-    """Write the base's settings once, as they now hold for every part."""
+    """Write the base's settings once, as they now hold for every part.
+
+    >>> from composer.link.example import after
+    >>> base = '<compiler angle="radian" meshdir="m" inertiafromgeom="true"/>'
+    >>> after(compiler, base=base)
+    model: <compiler angle="radian"/>
+    """
     root = linking.base.root
     written: dict[str, str] = {}
     settings: list[Node] = []

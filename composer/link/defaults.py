@@ -29,7 +29,20 @@ _TREE = ("joint", "geom", "site", "camera", "light")
 
 
 def defaults(linking: Linking) -> None:
-    """Wrap the top classes, move all classes under the base's, and name the class of what has none."""
+    """Wrap the top classes, move all classes under the base's, and name the class of what has none.
+
+    The actuator stands outside of the body tree and has to name the class:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<default><motor gear="2"/></default>'
+    ...     '<worldbody><site name="s"/></worldbody>'
+    ...     '<actuator><motor site="s"/></actuator>'
+    ... )
+    >>> after(defaults, part)
+    base: <default><default class="p/"><motor gear="2"/></default></default>
+    part: <actuator><motor site="p/s" class="p/"/></actuator>
+    """
     base = linking.base
     for unit in linking.units:
         unit.forget_classes()

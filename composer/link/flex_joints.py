@@ -67,7 +67,19 @@ def taken_back(given: Mapping[str, str]) -> dict[str, str]:
 
 
 def check_flexes(linking: Linking) -> None:
-    """Refuse a flex whose vertices would get other joint defaults in the model than alone."""
+    """Refuse a flex whose vertices would get other joint defaults in the model than alone.
+
+    A flex takes the joint defaults of the body around it, which are those of the base here:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<default><joint armature="2"/></default>'
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2"/></worldbody>'
+    ... )
+    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
+    >>> after(check_flexes, part, base, on="tool")
+    error: the flex of `p/` takes the joint defaults `armature="2"` alone, and here of MuJoCo
+    """
     for flex in linking.notes.flexes:
         body = next(flex.element.iterancestors("body"), None)
         given = linking.notes.main_joint if body is None else _given_by(linking, body)

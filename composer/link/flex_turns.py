@@ -17,7 +17,17 @@ _TOLERABLE = 1e-3
 
 
 def flex_turns(linking: Linking) -> None:
-    """Tell what frames change of the flexes in the world of the parts."""
+    """Tell what frames change of the flexes in the world of the parts.
+
+    A `quat` that a frame would normalise is reported:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2" quat="2 0 0 0"/></worldbody>'
+    ... )
+    >>> after(flex_turns, part)
+    error: the flex of `p/` is turned by a `quat` of length 2: MuJoCo stretches it alone, and not below a frame
+    """
     for flex in linking.notes.flexes:
         parent = flex.element.getparent()
         if flex.part is None or parent is None or parent.tag != "worldbody":

@@ -23,7 +23,18 @@ _RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 
 
 def inertia(linking: Linking) -> None:
-    """Rewrite each unit whose rule differs; a model of one unit keeps its own rules."""
+    """Rewrite each unit whose rule differs; a model of one unit keeps its own rules.
+
+    A geom outside of `inertiagrouprange` gives its body no mass:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler inertiagrouprange="0 1"/>'
+    ...     '<worldbody><body><geom size=".1" group="2"/></body></worldbody>'
+    ... )
+    >>> after(inertia, part)
+    part: <worldbody><body><geom size=".1" group="2" mass="0"/></body></worldbody>
+    """
     if not linking.composed:
         return
     for unit in linking.units:

@@ -23,7 +23,16 @@ VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
 
 
 def layouts(linking: Linking) -> None:
-    """Note how each unit lays out its keys, while it is still by itself."""
+    """Note how each unit lays out its keys, while it is still by itself.
+
+    Keys that `nkey` asks for stay with their part when they are written:
+
+    >>> from composer.link.example import after
+    >>> part = '<size nkey="1"/>'
+    >>> after(layouts, part)
+    part: <size/>
+    part: <keyframe><key/></keyframe>
+    """
     for unit in linking.units if linking.parts else ():
         _write_padding(unit)
     for part in linking.parts:

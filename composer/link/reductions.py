@@ -18,7 +18,17 @@ _REDUCING = ("fusestatic", "discardvisual")
 
 
 def reductions(linking: Linking) -> None:
-    """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo."""
+    """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler discardvisual="true"/>'
+    ...     '<worldbody><geom size=".1"/><geom size=".2" contype="0" conaffinity="0"/></worldbody>'
+    ... )
+    >>> after(reductions, part)
+    part: <compiler/>
+    part: <worldbody><geom size=".1"/></worldbody>
+    """
     if not linking.composed:
         return
     _reduce(linking, linking.base, None)

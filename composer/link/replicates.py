@@ -6,7 +6,16 @@ from composer.link.linking import Linking
 
 
 def replicates(linking: Linking) -> None:
-    """Note every replicate, and write out those that would not mean in the model what they mean alone."""
+    """Note every replicate, and write out those that would not mean in the model what they mean alone.
+
+    Beside the clock of the base, MuJoCo would make two clocks with this replicate:
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody>'
+    >>> base = '<sensor><clock/></sensor>'
+    >>> after(replicates, part, base)
+    part: <worldbody><frame><geom name="g0" size=".1"/></frame><frame><geom name="g1" size=".1"/></frame></worldbody>
+    """
     if not linking.parts:
         return
     holding = [unit for unit in linking.units if next(unit.root.iter("replicate"), None) is not None]
