@@ -16,18 +16,17 @@ from composer.explain.trace import Cause, Change, Function, Life, Move, Trace
 from composer.link.agreement import agreement
 from composer.link.angles import angles, model_angle
 from composer.link.bodies import bodies
-from composer.link.compiler import compiler
+from composer.link.body_reduction import body_reduction
+from composer.link.compiler import compiler, model_autolimits
 from composer.link.defaults import defaults
 from composer.link.files import add_file, files
 from composer.link.fitting import fitting
 from composer.link.inertia import MEASURED, inertia
 from composer.link.keyframes import keyframes
 from composer.link.lengthranges import lengthranges
-from composer.link.limits import model_autolimits
 from composer.link.link import row_of
 from composer.link.names import names
 from composer.link.part import Part
-from composer.link.reductions import reductions
 from composer.link.replicates import replicates
 from composer.link.root_rules import roots
 from composer.link.sections import sections
@@ -428,7 +427,7 @@ def _summary(done: object) -> str:
 
 _CHANGES: dict[Function | None, Callable[[Causes, Change, Life], Reason | None]] = {
     names: Causes._names,
-    reductions: Causes._reductions,
+    body_reduction: Causes._reductions,
     angles: Causes._angles,
     inertia: Causes._inertia,
     fitting: Causes._fitting,
@@ -447,7 +446,7 @@ _CHANGES: dict[Function | None, Callable[[Causes, Change, Life], Reason | None]]
 }
 _MADE: dict[Function | None, Callable[[Causes, Life, Cause], Reason]] = {
     replicates: Causes._unrolled,
-    reductions: Causes._reduced,
+    body_reduction: Causes._reduced,
     inertia: Causes._inertia_made,
     submodel_options: Causes._adopted_made,
     agreement: Causes._agreement_made,
@@ -468,7 +467,7 @@ _COMPUTED = {
     "replicate": "computed: the place of this copy",
 }
 _GONE: dict[Function | None, Callable[[Causes, Life, Cause], Reason]] = {
-    reductions: Causes._reduced,
+    body_reduction: Causes._reduced,
     inertia: Causes._inertia_made,
     roots: Causes._weld,
 }

@@ -48,6 +48,8 @@ def alignment(linking: Linking) -> None:
             if joint.get("align") in (None, "", "auto"):
                 joint.set("align", str(wanted).lower())
         for joint, plain in list(_free_joints(unit)):
+            # MuJoCo 4.0 knows `align` on `<freejoint>` only: `<joint type="free" align="true"/>` violates the schema.
+            # But a `<freejoint/>` takes no joint defaults: its armature is 0 whatever they say.
             if plain:
                 _make_freejoint(joint, wanted)
             else:

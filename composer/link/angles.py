@@ -178,6 +178,7 @@ def _is_angle(unit: Unit, classes: Classes, joint: Node, childclass: str | None,
     if attribute != _LIMITED:
         return True
     limited = classes.effective(joint, childclass, "limited") or "auto"
+    # MuJoCo 4.0 turns only a range that limits: `<joint range="0 90" limited="false"/>` compiles to 0 90.
     if limited != "auto":
         return limited == "true"
     low, high = [*numbers.read(classes.effective(joint, childclass, "range") or ""), 0.0, 0.0][:2]

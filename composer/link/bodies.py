@@ -14,7 +14,7 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
 from composer.link.alignment import is_leaf
 from composer.link.angles import model_angle
-from composer.link.flex_joints import taken_back
+from composer.link.flexes import taken_back
 from composer.link.layout import JOINTS, joint_type
 from composer.link.linking import Linking
 from composer.link.part import Part

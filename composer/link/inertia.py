@@ -98,6 +98,8 @@ def _never_from_geoms(linking: Linking, unit: Unit) -> None:
 
 def _pose(body: Node) -> dict[str, str]:
     """The frame MuJoCo gives to an inertia that nothing sets: the body's own pose, as written."""
+    # MuJoCo 4.0 copies the frame of the body in its parent: with `<compiler inertiafromgeom="false"/>` the
+    # `<body pos="1 2 3"><geom size=".1"/></body>` has `body_ipos` 1 2 3.
     written = {name: str(body.get(name)) for name in ("pos", *ORIENTATIONS) if body.get(name)}
     return {"pos": "0 0 0", **written}
 

@@ -82,6 +82,8 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
 
 def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
     """MuJoCo fills up what is short, and is asked with what."""
+    # MuJoCo 4.0 fills `qpos` up from the reference configuration: `<key qpos="1"/>` with `<joint/><joint ref="30"/>`
+    # becomes 1 0.5236.
     keys = keys_of(unit)
     for vector in ("qpos", "qvel", "act", "ctrl") if keys else ():
         rows = [str(key.get(vector) or "").split() for key in keys]

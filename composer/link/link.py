@@ -8,13 +8,13 @@ from composer.link.agreement import agreement
 from composer.link.alignment import alignment
 from composer.link.angles import angles
 from composer.link.bodies import bodies
+from composer.link.body_reduction import body_reduction
 from composer.link.compiler import compiler
 from composer.link.contract import Fact, Pass, check_order
 from composer.link.defaults import choose_classes, defaults
 from composer.link.files import files
 from composer.link.fitting import fitting
-from composer.link.flex_joints import check_flexes, note_flexes
-from composer.link.flex_turns import flex_turns
+from composer.link.flexes import check_flexes, flex_turns, note_flexes
 from composer.link.inertia import inertia
 from composer.link.key_layouts import layouts
 from composer.link.keyframes import keyframes
@@ -22,7 +22,6 @@ from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
 from composer.link.passthrough import passthrough
-from composer.link.reductions import reductions
 from composer.link.replicate_capture import spurious
 from composer.link.replicates import replicates
 from composer.link.room import room
@@ -38,17 +37,22 @@ def _all(*facts: Fact) -> frozenset[Fact]:
 
 
 # The order. 10 of the 25 neighbouring pairs of these passes give another model or other faults when they are swapped
-# (measured on 1,043 models of the tests): `note_flexes flex_turns`, `replicates layouts`, `reductions choose_classes`,
-# `lengthranges angles`, `submodel_options agreement`, `files submodels`, `submodels names`, `names defaults`,
-# `defaults bodies`, `bodies spurious`. The other neighbours commute, but not with passes further away: `files` and
-# `layouts`, `note_flexes` and `defaults`, `submodels` and `inertia` do not. A few named stages would therefore allow
-# orders that are wrong. The needs say what is true; they come from the experiment and from the code:
+# (measured on 1,043 models of the tests):
+#
+#     note_flexes, flex_turns        replicates, layouts           body_reduction, choose_classes
+#     lengthranges, angles           submodel_options, agreement   files, submodels
+#     submodels, names               names, defaults               defaults, bodies
+#     bodies, spurious
+#
+# The other neighbours commute, but not with passes further away: `files` and `layouts`, `note_flexes` and `defaults`,
+# `submodels` and `inertia` do not. A few named stages would therefore allow orders that are wrong. The needs say what
+# is true; they come from the experiment and from the code:
 #
 # - What measures a unit compiles it alone, so that it runs before `angles` turns its numbers, `roots` takes joints out
 #   and `files` gives its files other paths.
-# - `replicates` comes before `layouts`, which counts a `<replicate>` as one block. It needs no fact that says so, but
-#   the unit as its file has it: names, angles, sequence.
-# - `reductions` settles the mass of what it fuses, by the rules that `inertia` would apply once more; it also takes
+# - `layouts` counts a `<replicate>` as one block, so that those to be written out must be gone (`replicates`). These
+#   are found by the names, the angles and the sequence of their own file.
+# - `body_reduction` settles the mass of what it fuses, by the rules that `inertia` would apply once more; it also takes
 #   settings out of the classes, so that the base's top class may set nothing any more (`choose_classes`).
 # - `submodels` gives a name to the models that have none, `names` puts the prefix before it.
 # - `defaults` writes names of classes that are final: `names` would prefix them again.
@@ -80,7 +84,7 @@ PASSES: tuple[Pass, ...] = (
         leaves=_all(Fact.LAID_OUT),
     ),
     Pass(
-        reductions,
+        body_reduction,
         "as MuJoCo has it in its file alone, by `fusestatic` or `discardvisual`",
         needs=_all(Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS),
         leaves=_all(Fact.REDUCED),

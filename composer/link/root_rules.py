@@ -151,6 +151,8 @@ def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -
 
 def _planes(linking: Linking, part: Part) -> None:
     """Note every plane of the part that stands still in the part alone."""
+    # MuJoCo 4.0 refuses `<body><joint/><geom type="plane" size="1 1 1"/></body>`: planes are "only allowed in static
+    # bodies".
     root, classes = part.unit.root, part.unit.classes
     by_class = any(
         geom.get("type") == "plane"

@@ -15,7 +15,7 @@ ALL = (*PASSES, *FINISHING)
 NOT_TO_BE_SWAPPED = {
     ("note_flexes", "flex_turns"),
     ("replicates", "layouts"),
-    ("reductions", "choose_classes"),
+    ("body_reduction", "choose_classes"),
     ("lengthranges", "angles"),
     ("submodel_options", "agreement"),
     ("files", "submodels"),
