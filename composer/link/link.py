@@ -98,7 +98,7 @@ PASSES: tuple[Pass, ...] = (
     Pass(
         several_defaults,
         "given by its class in its file alone, where the top class is written in several `<default>`",
-        needs=_all(Fact.ALONE, Fact.OWN_NAMES),
+        needs=_all(Fact.CLASSES_CHOSEN, Fact.ALONE, Fact.OWN_NAMES),
         stops=False,
     ),
     Pass(
@@ -193,7 +193,13 @@ PASSES: tuple[Pass, ...] = (
         bodies,
         "holds what the parts bring",
         needs=_all(
-            Fact.NAMES_FINAL, Fact.CLASSES_WRAPPED, Fact.ANGLES_SHARED, Fact.ALIGNED, Fact.ROOTS_NOTED
+            Fact.NAMES_FINAL,
+            Fact.CLASSES_WRAPPED,
+            Fact.ANGLES_SHARED,
+            Fact.ALIGNED,
+            Fact.ROOTS_NOTED,
+            Fact.FLEXES_NOTED,
+            Fact.LAID_OUT,
         ),
         leaves=_all(Fact.JOINED),
         stops=False,
