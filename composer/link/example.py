@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 from lxml import etree
 
-from composer import engine
+from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.link.contract import Fact
 from composer.link.link import FINISHING, PASSES, row_of
 from composer.link.linking import Linking
+from composer.link.measure import measure_with
 from composer.link.part import Joint, Part, Place
 from composer.tree.parse import parse_text
 from composer.tree.unit import Unit
-from composer.tree.write import write
-
-_SIZES = ("nq", "nv", "narena")
 
 
 def after(
@@ -34,7 +31,9 @@ def after(
     place = Place("site", on) if on else Place()
     joints = (Joint("joint", {"name": joint}),) if joint else ()
     hung = Part(_unit("part", part), "p/", place, joints=joints, weld=weld)
-    linking = Linking(_unit("base", base), [hung], sink, measure=_measure)
+    linking = Linking(
+        _unit("base", base), [hung], sink, measure=measure_with(Context(sink=sink, environment={}))
+    )
     facts: set[Fact] = set()
     before: list[list[str]] = []
     for each in (*PASSES, *FINISHING):
@@ -64,12 +63,3 @@ def _unit(label: str, text: str) -> Unit:
 def _sections(unit: Unit) -> list[str]:
     sections = unit.root.iterchildren("*")
     return [" ".join(etree.tostring(each, with_tail=False).decode().split()) for each in sections]
-
-
-def _measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
-    wanted = tuple(name for name in arrays if name not in _SIZES)
-    measured = engine.measure(unit.directory, arrays=wanted, text=write(unit.root).decode())
-    if not measured.compiled.ok:
-        return {}
-    found = {name: [float(value) for value in array.ravel()] for name, array in measured.arrays.items()}
-    return {**found, **{name: [float(measured.compiled.sizes[name])] for name in _SIZES}}
