@@ -24,7 +24,9 @@ def attached(arm: Path, hand: Path, site: str) -> bytes:
     sink = Sink()
     base, unit = parse_file(arm, sink), parse_file(hand, sink)
     assert base is not None and unit is not None
-    return _linked(Linking(base, [Part(unit, "hand/", Place("site", site))], sink, Request(settled=_SETTLED)))
+    return _linked(
+        Linking(base, [Part(unit, "hand/", Place("site", site))], sink, Request(overridden_options=_SETTLED))
+    )
 
 
 def copies(model: Path, count: int) -> bytes:
