@@ -108,11 +108,11 @@ def made_cells(
         own = replace(context, sink=Sink())
         outcomes: list[Outcome] = []
         values = {f"`{name}`": _text(node) for name, node in cell.given.items()}
-        question = maker.question(cell.name, {**values, "the sample": str(cell.sample)})
-        made, why = maker.recall(question, own, outcomes)
+        key = maker.key(cell.name, {**values, "the sample": str(cell.sample)})
+        made, why = maker.recall(key, own, outcomes)
         if made is None:
             made = maker.make(
-                own, session, {**given, **cell.given}, cell.name, cell.sample, question, why, outcomes
+                own, session, {**given, **cell.given}, cell.name, cell.sample, key, why, outcomes
             )
         yield MadeCell(cell, own, made, outcomes)
 
