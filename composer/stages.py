@@ -13,9 +13,9 @@ from composer.bundle.bundle import Bundle
 from composer.bundle.renamed import renamed_in
 from composer.compose.compose import Composed, Composer
 from composer.compose.load import Library
-from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.document.node import locate
+from composer.link.measure import measure_with
 from composer.plan.locked import check_lock
 from composer.plan.plan import Plan
 from composer.plan.planner import Given, plan_what_remains

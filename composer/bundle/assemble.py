@@ -205,7 +205,7 @@ def _input(source: Source, licences: tuple[str, ...], portable: Portable) -> Inp
     return Input(
         path=as_text(_path_of(source, portable)),
         reference=source.reference,
-        kind=source.kind,
+        kind=source.kind.name,
         sha256=sha256_of(source.path),
         origin=None
         if origin is None

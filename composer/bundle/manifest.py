@@ -40,12 +40,18 @@ class Origin(_Part):
     sha256: str | None = Field(default=None, description="Of an archive.")
 
 
+def _list_kinds(schema: dict[str, Any]) -> None:
+    from composer.sources.kinds import KINDS  # reading a manifest does not need it
+
+    schema["description"] = f"The kind of reference: {', '.join(kind.name for kind in KINDS)}."
+
+
 class Input(_Part):
     """One model file that the model was made from."""
 
     path: str = Field(description="Relative to the recipe, or to the package or repository it came from.")
     reference: str = Field(description="The model reference as the recipe writes it.")
-    kind: str = Field(description="The kind of reference: file, package, menagerie, git, ...")
+    kind: str = Field(description="The kind of reference.", json_schema_extra=_list_kinds)
     sha256: str
     origin: Origin | None = Field(default=None, description="null for a file that is named by its path.")
     licence: str | None = Field(default=None, description="As an SPDX expression; null when it is not known.")

@@ -5,18 +5,11 @@ from __future__ import annotations
 import errno
 from os import PathLike
 
+from composer.diagnostics.error import DiagnosticError
 
-class OutputError(Exception):
-    """What the user is told when an output cannot be written; `code` is one of the diagnostics' codes.
 
-    Whoever raises it has put everything back as it was.
-    """
-
-    def __init__(self, code: str, message: str, help: str | None = None) -> None:
-        super().__init__(message)
-        self.code = code
-        self.message = message
-        self.help = help
+class OutputError(DiagnosticError):
+    """An output cannot be written. Whoever raises it has put everything back as it was."""
 
 
 _HELP = {

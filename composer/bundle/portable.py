@@ -13,9 +13,6 @@ from composer.sources.origin import Origin
 from composer.sources.source import Source
 from composer.tree.unit import Unit
 
-_PINNED = ("git", "archive")
-"""Kinds of reference in which a `#` stands before the file."""
-
 
 class Portable:
     """Names files of one composition: of the recipe at `recipe`, its `sources`, what recipes were `fetched` with."""
@@ -47,7 +44,7 @@ class Portable:
         if (origin := self.origin_of(real)) is not None:
             root, known = origin
             inside = real.relative_to(root).as_posix()
-            return as_text(f"{known.id}{'#' if known.kind in _PINNED else '/'}{inside}")
+            return as_text(known.named(inside))
         if real.is_relative_to(self.folder):
             return as_text(real.relative_to(self.folder).as_posix())
         return as_text(self._beside(real))

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths
+from composer.diagnostics.error import DiagnosticError
 
 _ROOT = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!.*?-->\s*)*<mujoco[\s>/]", re.DOTALL)
 _NAMED = re.compile(rb"""<(?:include|model)\s[^>]*?file\s*=\s*["']([^"']*)["']""")
@@ -27,49 +28,44 @@ class ReadLimits:
     bytes: int = 4 << 30
 
 
-class ReadError(Exception):
-    """Why something is not a bundle that can be read; `code` is one of the diagnostics' codes."""
-
-    def __init__(self, code: str, message: str) -> None:
-        super().__init__(message)
-        self.code = code
-        self.message = message
+class ReadError(DiagnosticError):
+    """Why something is not a bundle that can be read."""
 
 
-def read(path: Path, limits: ReadLimits | None = None) -> Bundle:
-    """The bundle in a folder, a zip or an MJZ. Raises ReadError.
+def read(path: Path, limits: ReadLimits | None = None, shown: str | None = None) -> Bundle:
+    """The bundle in a folder, a zip or an MJZ. Raises ReadError, whose message calls the path `shown`.
 
     Links, paths that lead out, packed files that exceed the limits and encrypted ones are refused before
     anything is unpacked. The model is what the manifest says, otherwise `model.xml`, otherwise `STEM.xml`,
     otherwise the one model there is that no other names.
     """
-    limits = limits or ReadLimits()
+    limits, shown = limits or ReadLimits(), shown or str(path)
     try:
         if path.is_dir():
-            files = _read_folder(path, limits)
+            files = _read_folder(path, limits, shown)
         elif path.suffix.lower() == ".mjb" and path.exists():
             raise ReadError(
                 "file-unreadable",
-                f"`{path}` is MuJoCo's binary form, which has no files to be read:"
+                f"`{shown}` is MuJoCo's binary form, which has no files to be read:"
                 " `composer.load` holds it against its manifest",
             )
         elif path.suffix.lower() == ".xml" and path.exists():
             raise ReadError(
                 "file-unreadable",
-                f"`{path}` is text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`",
+                f"`{shown}` is text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`",
             )
         elif path.exists():
-            files = _read_archive(path, limits)
+            files = _read_archive(path, limits, shown)
         else:
-            raise ReadError("file-not-found", f"there is no file or folder `{path}`")
-        return Bundle(files, _model(files, path))
+            raise ReadError("file-not-found", f"there is no file or folder `{shown}`")
+        return Bundle(files, _model(files, path, shown))
     except BundleError as error:
-        raise ReadError("file-unreadable", f"`{path}` is not a bundle: {error}") from error
+        raise ReadError("file-unreadable", f"`{shown}` is not a bundle: {error}") from error
     except OSError as error:
-        raise ReadError("file-unreadable", f"cannot read `{path}`: {error.strerror or error}") from error
+        raise ReadError("file-unreadable", f"cannot read `{shown}`: {error.strerror or error}") from error
 
 
-def _read_folder(folder: Path, limits: ReadLimits) -> dict[str, bytes]:
+def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, bytes]:
     sizes: dict[str, int] = {}
     for parent, folders, names in os.walk(folder, onerror=_raise):
         for name in [*folders, *names]:
@@ -80,11 +76,11 @@ def _read_folder(folder: Path, limits: ReadLimits) -> dict[str, bytes]:
             path = file.relative_to(folder).as_posix()
             if not stat.S_ISREG(status.st_mode):
                 kind = "a link" if stat.S_ISLNK(status.st_mode) else "no ordinary file"
-                raise ReadError("file-unreadable", f"`{path}` in `{folder}` is {kind}")
+                raise ReadError("file-unreadable", f"`{path}` in `{shown}` is {kind}")
             sizes[path] = status.st_size
             if len(sizes) > limits.files:
                 break
-    _check_sizes(sizes, folder, limits)
+    _check_sizes(sizes, shown, limits)
     files = {path: (folder / path).read_bytes() for path in sizes}
     if b'"../assets/' not in files.get(MANIFEST, b""):
         return files
@@ -93,40 +89,40 @@ def _read_folder(folder: Path, limits: ReadLimits) -> dict[str, bytes]:
     return gathered(files, folder)
 
 
-def _read_archive(file: Path, limits: ReadLimits) -> dict[str, bytes]:
+def _read_archive(file: Path, limits: ReadLimits, shown: str) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(file) as archive:
             entries = [entry for entry in archive.infolist() if not entry.is_dir()]
-            _check_entries(entries, file, limits)
+            _check_entries(entries, shown, limits)
             return {entry.filename: archive.read(entry) for entry in entries}
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError) as error:
-        raise ReadError("file-unreadable", f"`{file}` is not a readable zip: {error}") from error
+        raise ReadError("file-unreadable", f"`{shown}` is not a readable zip: {error}") from error
 
 
-def _check_entries(entries: list[zipfile.ZipInfo], file: Path, limits: ReadLimits) -> None:
+def _check_entries(entries: list[zipfile.ZipInfo], shown: str, limits: ReadLimits) -> None:
     sizes: dict[str, int] = {}
     for entry in entries:
         path = entry.filename
         mode = entry.external_attr >> 16
         if path in sizes:
-            raise ReadError("file-unreadable", f"`{file}` has `{path}` twice")
+            raise ReadError("file-unreadable", f"`{shown}` has `{path}` twice")
         if stat.S_IFMT(mode) not in (0, stat.S_IFREG):
-            raise ReadError("file-unreadable", f"`{path}` in `{file}` is a link or no ordinary file")
+            raise ReadError("file-unreadable", f"`{path}` in `{shown}` is a link or no ordinary file")
         if entry.flag_bits & 1:
-            raise ReadError("file-unreadable", f"`{path}` in `{file}` is encrypted")
+            raise ReadError("file-unreadable", f"`{path}` in `{shown}` is encrypted")
         sizes[path] = entry.file_size
-    _check_sizes(sizes, file, limits)
+    _check_sizes(sizes, shown, limits)
     check_paths(sizes)
 
 
-def _check_sizes(sizes: dict[str, int], whole: Path, limits: ReadLimits) -> None:
+def _check_sizes(sizes: dict[str, int], shown: str, limits: ReadLimits) -> None:
     if len(sizes) > limits.files:
-        raise ReadError("file-unreadable", f"`{whole}` has more than {limits.files} files")
+        raise ReadError("file-unreadable", f"`{shown}` has more than {limits.files} files")
     if sum(sizes.values()) > limits.bytes:
-        raise ReadError("file-unreadable", f"`{whole}` holds more than {limits.bytes} bytes")
+        raise ReadError("file-unreadable", f"`{shown}` holds more than {limits.bytes} bytes")
 
 
-def _model(files: dict[str, bytes], path: Path) -> str:
+def _model(files: dict[str, bytes], path: Path, shown: str) -> str:
     for candidate in (named_model(files.get(MANIFEST, b"")), MODEL, f"{path.stem}.xml"):
         if candidate in files:
             return candidate
@@ -134,7 +130,7 @@ def _model(files: dict[str, bytes], path: Path) -> str:
     if len(models) == 1:
         return models[0]
     several = f", and several other models: {', '.join(f'`{each}`' for each in models)}" if models else ""
-    raise ReadError("file-unreadable", f"`{path}` has neither `{MODEL}` nor `{path.stem}.xml`{several}")
+    raise ReadError("file-unreadable", f"`{shown}` has neither `{MODEL}` nor `{path.stem}.xml`{several}")
 
 
 def named_model(manifest: bytes) -> str:

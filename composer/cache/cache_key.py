@@ -112,7 +112,7 @@ def _source(model: Plan | Source | None) -> object:
     if not isinstance(model, Source):
         return model is None
     licences, packages = [map(str, model.licences), ((name, str(path)) for name, path in model.packages)]
-    about = [str(model.path), model.kind, model.reference, model.package, model.version]
+    about = [str(model.path), model.kind.name, model.reference, model.package, model.version]
     return [*about, list(licences), list(packages), model.origin.id if model.origin else None]
 
 

@@ -47,7 +47,10 @@ class Inputs:
 
     def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
         """The packages that decide what comes out, and those that sources are in."""
-        for name in dict.fromkeys([*PACKAGES, *(each.package for each in plan.sources() if each.package)]):
+        known = list(plan.sources())
+        named = [each.package for each in known if each.package]
+        named += [library.name for each in known for library in each.kind.libraries]
+        for name in dict.fromkeys([*PACKAGES, *named]):
             if name not in self._packages:
                 self._packages[name] = tuple(installed((name,)))
             yield from self._packages[name]

@@ -8,12 +8,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-# Other values may lead to other files.
-_VARIABLES = (
-    "MENAGERIE_ROOT", "MENAGERIE_CACHE_DIR", "MENAGERIE_BASE_URL", "ROBOT_DESCRIPTIONS_CACHE",
-    "ROBOT_DESCRIPTION_COMMIT", "PYTHONPATH", "XDG_CACHE_HOME", "HOME",
-)  # fmt: skip
-
 
 def python_version() -> str:
     """The interpreter, and where its packages are."""
@@ -21,5 +15,8 @@ def python_version() -> str:
 
 
 def environment_parts(environment: Mapping[str, str]) -> dict[str, str]:
-    """The variables by what a person calls them."""
-    return {f"the variable `{name}`": environment[name] for name in _VARIABLES if environment.get(name)}
+    """The variables that decide which file a model reference stands for, by what a person calls them."""
+    from composer.sources.kinds import KINDS
+
+    names = sorted({name for kind in KINDS for name in kind.variables})
+    return {f"the variable `{name}`": environment[name] for name in names if name in environment}

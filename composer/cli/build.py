@@ -75,7 +75,7 @@ def command(
         else:
             kind = kind_of_output(out)
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         report(context, form)
         sys.exit(USAGE)
     wanted = Wanted(

@@ -52,7 +52,7 @@ def build_cells(
     try:
         kind_of_output(wanted.out, len(chosen))
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         report(context, wanted.form)
         return USAGE
     tally = Tally(recipe, len(chosen))
@@ -92,7 +92,7 @@ def _put_table(samples: SampleTable, path: str | None, form: str, context: Conte
         try:
             samples.write(context.folder / path)
         except OutputError as error:
-            context.sink.error(error.code, error.message, help=error.help)
+            context.sink.add(error.diagnostic)
         else:
             if form == "text":
                 say(f"wrote {path}: what was drawn for {samples.count} models")

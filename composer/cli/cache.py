@@ -177,7 +177,7 @@ def _store() -> tuple[Store, Context]:
 
 
 def _fail(error: SourceError, context: Context, code: int = FINDINGS, form: str = "text") -> NoReturn:
-    context.sink.error(error.code, error.message, help=error.help)
+    context.sink.add(error.diagnostic)
     report(context, form)
     sys.exit(code)
 

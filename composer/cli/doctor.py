@@ -19,11 +19,6 @@ import click
 from composer.cli.reporting import FINDINGS, format_options
 
 _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3")
-_EXTRAS = {
-    "mujoco-menagerie": ("menagerie", "`menagerie:` references"),
-    "robot_descriptions": (None, "`descriptions:` references"),
-    "mujoco-usd-converter": ("usd", "USD as an output"),
-}
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
 
 
@@ -113,11 +108,16 @@ def _store() -> Finding:
 
 
 def _extras() -> Iterator[Finding]:
-    for name, (extra, use) in _EXTRAS.items():
-        version = _version(name)
-        package = name if extra is None else f'"mjcompose[{extra}]"'
+    from composer.sources.kind import Library
+    from composer.sources.kinds import KINDS
+
+    uses = {each: f"`{kind.forms[0].scheme}:` references" for kind in KINDS for each in kind.libraries}
+    uses[Library("mujoco-usd-converter", "usd")] = "USD as an output"
+    for library, use in uses.items():
+        version = _version(library.name)
+        package = library.name if library.extra is None else f'"mjcompose[{library.extra}]"'
         yield Finding(
-            name,
+            library.name,
             version or f"is not installed; it is for {use}: pip install {package}",
             True if version else None,
         )

@@ -96,7 +96,7 @@ def _write(recipe: Path, result: bytes, context: Context) -> bool:
             with contextlib.suppress(OSError):
                 stage.chmod(stat.S_IMODE(os.stat(recipe).st_mode))
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         return False
     return True
 

@@ -44,7 +44,7 @@ def command(merged: Path, parts: tuple[Path, ...], out: str | None, form: str) -
             with staged_file(target) as stage:
                 stage.write_text(found.text, encoding="utf-8")
         except OutputError as error:
-            context.sink.error(error.code, error.message, help=error.help)
+            context.sink.add(error.diagnostic)
         for fault in found.faults:
             context.sink.add(fault)
     report(context, form)

@@ -38,10 +38,10 @@ def command(path: Path | None, project: bool, form: str) -> None:
     try:
         told = _project(path, context) if project else _recipe(path or Path("model.yaml"), context)
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
     except OSError as error:
         failure = unwritable(path or Path("model.yaml"), error)
-        context.sink.error(failure.code, failure.message, help=failure.help)
+        context.sink.add(failure.diagnostic)
     report(context, form)
     if context.sink.has_errors:
         sys.exit(FINDINGS)

@@ -78,7 +78,7 @@ def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Ses
             if before is not None and now is not None:
                 made = replace(made, replaced=before.other_than(now))
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         return None
     tell_unlicensed(made.licences, context)
     return made

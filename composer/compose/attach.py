@@ -15,7 +15,8 @@ from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import locate
 from composer.link import numbers
 from composer.link.bodies import effective_pose
-from composer.link.linking import Joint, Linking, Part, Place
+from composer.link.linking import Linking
+from composer.link.part import Joint, Part, Place
 from composer.link.placing import pose_in_world, read_pose
 from composer.link.root_rules import floats_by_itself
 from composer.numerics.pose import IDENTITY_QUAT, Pose, quat_from_axisangle, quat_from_euler
@@ -146,6 +147,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
             locate(making.document, (*step.at, "mate")),
             notes=(Note("the frame", unit.origins.span(scaled, unit.file, "scale")),),
             help="mate with a site outside the frame",
+            subjects=(name, step.prefix),
         )
     outer = element.getparent()
     assert outer is not None
@@ -195,4 +197,5 @@ def _no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
         locate(making.document, (*step.at, "mate")),
         notes=[exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"],
         help=did_you_mean(name, [each for names in known.values() for each in names], "mate: {}"),
+        subjects=(name, step.prefix),
     )

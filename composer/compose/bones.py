@@ -1,4 +1,4 @@
-"""Skin files have names of bodies inside: they follow a rename like every other reference."""
+"""Names of bodies in skin files, which follow a rename like every other reference."""
 
 from __future__ import annotations
 
@@ -7,40 +7,25 @@ from pathlib import Path
 
 from composer.compose.editing import Editing
 from composer.recipe.fault import Path as KeyPath
-from composer.tree.files import file_attributes, join, written_path
-from composer.tree.skin_file import BadSkin, rename_bones
+from composer.tree.skin_file import BadBone, renamed_skin, skins
 
 
 def rename_in_skins(editing: Editing, names: Mapping[str, str], at: KeyPath) -> None:
-    """Rewrite every skin file in which one of these bodies is a bone; one that cannot be read is left for later."""
-    unit = editing.linking.base
-    for element, _, written in list(file_attributes(unit.root)):
-        if element.tag != "skin":
-            continue
-        use = next((each for each in editing.linking.files if each.element is element), None)
-        path = written_path(unit.settings, element, written)
+    """Rewrite every skin file in which one of these bodies is a bone."""
+    unit, files = editing.linking.base, editing.linking.files
+    for skin in skins(unit.root):
+        use = next((each for each in files if each.element is skin.element), None)
+        source = unit.source_of(skin.path)
         if use is not None:
-            known: bytes | Path = use.content if use.content is not None else Path(use.source)
-        else:
-            known = unit.contents.get(path, Path(join(str(unit.directory), path)))
-        found: list[str] = []
-
-        def new_name(name: str, found: list[str] = found) -> str:
-            found.append(name)
-            return names.get(name, name)
-
+            source = Path(use.source) if use.content is None else use.content
         try:
-            content = rename_bones(known if isinstance(known, bytes) else known.read_bytes(), new_name)
-        except OSError:
+            content = renamed_skin(source, names.get)
+        except BadBone as fault:
+            editing.sink.error("bad-name", str(fault), editing.span(at))
             continue
-        except BadSkin as error:
-            if found:
-                editing.sink.error("bad-name", str(error), editing.span(at))
+        if content is None:
             continue
-        if names.keys().isdisjoint(found):
-            continue
-        if use is not None:
-            index = editing.linking.files.index(use)
-            editing.linking.files[index] = use._replace(content=content, shared=False)
+        if use is None:
+            unit.contents = {**unit.contents, skin.path: content}
         else:
-            unit.contents = {**unit.contents, path: content}
+            files[files.index(use)] = use._replace(content=content, shared=False)

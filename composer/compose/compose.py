@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -16,7 +17,7 @@ from composer.compose.attach import add_joints, check_joints, part_of
 from composer.compose.elements import ElementBuilder, settle_joints
 from composer.compose.intervals import check_intervals
 from composer.compose.keyframe import write_keyframes
-from composer.compose.load import Library, Loader
+from composer.compose.load import Key, Library, Loader, key_of
 from composer.compose.massless import check_mass
 from composer.compose.members import Hung, hung, placed
 from composer.compose.reference_check import check_names, check_names_of_keys
@@ -32,19 +33,22 @@ from composer.link.key_layouts import remove_keys
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
-from composer.link.validate_values import STUMBLES, malformed
+from composer.link.request import Request
+from composer.link.validate_values import STUMBLES, malformed, put_right
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.part_record import PartRecord
-from composer.plan.plan import (
-    BASE,
-    AddElement,
-    AppendElement,
-    Plan,
-    SetDefault,
-    SetSingleton,
-    called,
-)
+from composer.plan.plan import BASE, Plan, called
+from composer.plan.steps.add_element import AddElement
+from composer.plan.steps.append_element import AppendElement
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.set_default import SetDefault
+from composer.plan.steps.set_singleton import SetSingleton
+from composer.plan.steps.step import Step
+from composer.plan.steps.table import STEPS
+from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.fault import Path as KeyPath
+from composer.recipe.rows import check_rows
 from composer.sources.source import Source
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
@@ -58,6 +62,16 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 _WEIGHTLESS = ("site", "camera", "light")
+# What writes a step into the joined model. The steps after these wait until all of it is there: edits and draws
+# (`model_edits.py`), and keys (`keyframe.py`).
+_WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
+    AddElement: add,
+    SetSingleton: set_singleton,
+    SetDefault: set_default,
+    AppendElement: append,
+}
+_AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe)
+check_rows("the steps that composer/compose/compose.py carries out", [*_WRITE, *_AFTERWARDS], STEPS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,32 +121,48 @@ class Composer:
         for each in wanted(plan, stands):
             if each.body is not None or each.drop:
                 wanted_alone = replace(each, edit=())
-                self._guarded(plan, partial(self._unit, plan, wanted_alone))
+                self._guarded(plan, stands, partial(Composer._unit, plan=plan, wanted=wanted_alone))
             elif isinstance(each.model, Plan):
                 self._look(each.model, each.stands)
 
-    def _expect(self, plan: Plan) -> None:
-        for place in plan.walk():
+    def _expect(self, plan: Plan, stands: bool = True) -> None:
+        for place in plan.walk(stands):
             if isinstance(place.model, Source):
                 self.loader.expect(place.model, place.stands)
 
     def _compose(self, plan: Plan, stands: bool) -> Composed | None:
         """The model of a plan; `stands` says that it is fixed in the world of what is made in the end."""
-        return self._guarded(plan, partial(self._composed, plan, stands))
+        return self._guarded(plan, stands, partial(Composer._composed, plan=plan, stands=stands))
 
-    def _guarded(self, plan: Plan, work: Callable[[], Result | None]) -> Result | None:
+    def _guarded(self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None]) -> Result | None:
         """What the work gives; None where it stumbles over a source that says what MJCF does not have."""
         try:
-            return work()
+            return work(self)
         except STUMBLES:
-            if malformed(self._anew(plan), self.context.sink):
-                return None
-            raise
+            library = dict(self._anew(plan, stands))
+            if not malformed(library.values(), self.context.sink):
+                raise
+            self._try_put_right(plan, stands, work, library)
+            return None
         except RecursionError:
             self.context.sink.error(
                 "not-supported", f"elements of a model in `{plan.file}` stand too deep inside one another"
             )
             return None
+
+    def _try_put_right(
+        self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None], library: Library
+    ) -> None:
+        """Do the work aside with the malformed values put right: what it raises then is a bug, to be seen."""
+        for unit in library.values():
+            put_right(unit)
+        again = Composer(
+            replace(self.context, sink=Sink()), self.measure, self.loader.session, library=library
+        )
+        again.selects_parts = self.selects_parts
+        again._expect(plan, stands)
+        with suppress(RecursionError):
+            work(again)
 
     def _composed(self, plan: Plan, stands: bool) -> Composed | None:
         base, *units = [self._unit(plan, each) for each in wanted(plan, stands)]
@@ -147,7 +177,9 @@ class Composer:
     def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
         """The plan of the parts that there are, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
-        self.context.sink.forgive(called(step, plan.separator) for step in plan.parts if step not in kept)
+        self.context.sink.suppress_about(
+            called(step, plan.separator) for step in plan.parts if step not in kept
+        )
         return replace(plan, parts=tuple(kept))
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
@@ -164,11 +196,8 @@ class Composer:
         base.origins.texts[plan.file] = plan.path
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
         linking = Linking(
-            base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
-            isolate_base=frozenset(_top_tags(plan)),
-            base_keyframes=plan.base.keyframes, asked=plan.asked if plan.keyframes else None,
-            measure=self.measure, watch=self.watch, coming=plan.added_places, grows=_grows(plan),
-        )  # fmt: skip
+            base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
+        )
         self.watch(linking.units, linking)
         if self.selects_parts:
             self._note_parts(plan, units)
@@ -226,13 +255,14 @@ class Composer:
                 inner = self.parts.get(node)
                 self.parts[node] = f"{name}/{inner}" if inner else name
 
-    def _anew(self, plan: Plan) -> Iterator[Unit]:
+    def _anew(self, plan: Plan, stands: bool) -> Iterator[tuple[Key, Unit]]:
         """The sources of a plan as their files have them."""
-        for each in plan.sources():
-            if each.format == "mjcf":
-                unit = parse_file(each.path, Sink(), file=self.context.shown(each.path))
+        for place in plan.walk(stands):
+            if isinstance(place.model, Source) and place.model.format == "mjcf":
+                path = place.model.path
+                unit = parse_file(path, Sink(), file=self.context.shown(path))
                 if unit is not None:
-                    yield unit
+                    yield key_of(place.model, place.stands), unit
 
     def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """The base or a part of a plan, cut down to what is wanted of it."""
@@ -280,7 +310,17 @@ def _empty(plan: Plan) -> Unit:
     return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
 
 
-def _grows(plan: Plan) -> bool:
+def _request(plan: Plan) -> Request:
+    return Request(
+        plan.separator, plan.conflict, plan.settled, plan.base.keyframes,
+        requested_keys=plan.asked if plan.keyframes else None,
+        isolated_tags=frozenset(_top_tags(plan)),
+        adds_mass=_adds_mass(plan),
+        later_places=plan.added_places,
+    )  # fmt: skip
+
+
+def _adds_mass(plan: Plan) -> bool:
     """Whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
     if any(isinstance(step, SetSingleton) and step.section == "compiler" for step in plan.steps):
         return False
@@ -294,17 +334,9 @@ def _grows(plan: Plan) -> bool:
 
 def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
     for step in plan.steps:
-        if isinstance(step, AddElement):
-            add(step, linking, making)
-        elif isinstance(step, SetSingleton):
-            set_singleton(step, linking, making)
-        elif isinstance(step, SetDefault):
-            set_default(step, linking, making)
-        elif isinstance(step, AppendElement):
-            append(step, linking, making)
-        else:
-            continue
-        linking.watch(linking.units, step)
+        if (write := _WRITE.get(type(step))) is not None:
+            write(step, linking, making)
+            linking.watch(linking.units, step)
     if making.pending:
         classes = linking.base.classes
 

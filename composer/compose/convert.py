@@ -21,9 +21,9 @@ from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.link.multiplied import element_of
 from composer.link.part_keys import part_keys
-from composer.recipe.edit_values import FROM
 from composer.recipe.fault import Fault, Path
 from composer.recipe.value import read_value
+from composer.recipe.verbs.convert import FROM
 from composer.tree.effective import levels
 from composer.tree.key_number import texts
 
@@ -55,6 +55,7 @@ def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at:
                 f"{editing.called(node)} cannot be converted: MuJoCo does not tell what it does",
                 editing.span(at),
                 notes=(Note("it is written here", editing.span_of(node)),),
+                subjects=editing.subjects(node),
             )
             raise Unusable
         given = _given(editing, node, index, to, written, at)
@@ -151,7 +152,7 @@ def _converted(
     editing.note(node)
     if not keeps:
         lost += _lost_in_keys(editing, node)
-        editing.linking.emptied.add(node)
+        editing.linking.keys.void_keys.add(node)
     return lost
 
 
@@ -376,5 +377,6 @@ def _few(names: list[str], shown: int = 8) -> str:
 
 def _fault(editing: Editing, node: Node, fault: Fault) -> None:
     note = Note(f"{editing.called(node)} is written here", editing.span_of(node))
-    editing.sink.error(fault.code, fault.message, editing.span(fault.at), notes=(note,), help=fault.help)
+    span, subjects = editing.span(fault.at), (*fault.names, *editing.subjects(node))
+    editing.sink.error(fault.code, fault.message, span, notes=(note,), help=fault.help, subjects=subjects)
     raise Unusable

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from lxml.etree import _Element as Node
@@ -29,14 +30,18 @@ from composer.link import numbers
 from composer.link.files import add_file
 from composer.link.layout import joint_type
 from composer.link.names import may_be_generated
-from composer.plan.plan import DrawValues, EditElements
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
 from composer.recipe.angles import bare_angle
-from composer.recipe.edit_values import MASS
 from composer.recipe.element import Element
 from composer.recipe.fault import Fault, Path
+from composer.recipe.rows import check_rows
 from composer.recipe.select import unknown_attribute
 from composer.recipe.subscript import attribute_and_index
 from composer.recipe.value import read_value
+from composer.recipe.verbs.remove import CASCADE
+from composer.recipe.verbs.table import VERBS
+from composer.recipe.verbs.values import MASS
 from composer.tree.classes import MAIN, ORIENTATIONS
 from composer.tree.effective import levels
 from composer.tree.kinds import kind_of, section_of
@@ -52,11 +57,11 @@ def edit(step: EditElements, editing: Editing) -> None:
     )
     if not found:
         return
-    if entry.remove is not None:
-        remove(editing, found, cascade=entry.remove == "cascade", at=(*entry.at, "remove"))
-        return
+    work = _Entry(editing, found, Masses(editing, found))
     try:
-        _carry_out(step, editing, found)
+        for name, value in entry.verbs.items():
+            _CARRY_OUT[name](work, value, (*entry.at, name))
+        work.check()
     except Unusable:
         return
 
@@ -67,29 +72,67 @@ def is_of_keys(step: EditElements | DrawValues) -> bool:
     return select is not None and "keyframe/key" in paths_of(select.tag)
 
 
-def _carry_out(step: EditElements, editing: Editing, found: list[Node]) -> None:
-    entry = step.edit
-    names = () if isinstance(entry.unset, Mapping) else tuple(entry.unset)
-    lacked = {node: missed(editing, node) for node in found} if names else {}
-    if entry.unset:
-        unset(editing, found, entry.unset, (*entry.at, "unset"))
-    masses = Masses(editing, found)
-    for verb in ("set", "scale", "offset"):
-        written: Mapping[str, Any] = getattr(entry, verb)
-        if written:
-            for index, node in enumerate(found):
-                Change(editing, verb, masses).carry_out(node, index, written, (*entry.at, verb))
-    if entry.convert is not None:
-        convert(editing, found, entry.convert, (*entry.at, "convert"))
-    if entry.move is not None:
-        for index, node in enumerate(found):
-            move(editing, node, index, entry.move, (*entry.at, "move"))
-            pose = {name: value for name, value in entry.move.items() if name != "to"}
-            if pose:
-                Change(editing, "set", masses).carry_out(node, index, pose, (*entry.at, "move"))
-    tell_missed(editing, lacked, names, (*entry.at, "unset"))
-    if entry.rename is not None:
-        rename(editing, found, entry.rename, (*entry.at, "rename"))
+@dataclass(slots=True)
+class _Entry:
+    """An entry that is carried out on the elements that were found. `checks` wait until all values are in place."""
+
+    editing: Editing
+    found: list[Node]
+    masses: Masses
+    checks: list[Callable[[], None]] = field(default_factory=list)
+
+    def check(self) -> None:
+        while self.checks:
+            self.checks.pop(0)()
+
+
+def _unset(work: _Entry, value: Any, at: Path) -> None:
+    if not isinstance(value, Mapping):
+        lacked = {node: missed(work.editing, node) for node in work.found}
+        work.checks.append(lambda: tell_missed(work.editing, lacked, value, at))
+    unset(work.editing, work.found, value, at)
+
+
+def _assigning(verb: str) -> Callable[[_Entry, Any, Path], None]:
+    def assign(work: _Entry, value: Any, at: Path) -> None:
+        for index, node in enumerate(work.found):
+            Change(work.editing, verb, work.masses).carry_out(node, index, value, at)
+
+    return assign
+
+
+def _convert(work: _Entry, value: Any, at: Path) -> None:
+    convert(work.editing, work.found, value, at)
+
+
+def _move(work: _Entry, value: Any, at: Path) -> None:
+    pose = {name: each for name, each in value.items() if name != "to"}
+    for index, node in enumerate(work.found):
+        move(work.editing, node, index, value, at)
+        if pose:
+            Change(work.editing, "set", work.masses).carry_out(node, index, pose, at)
+
+
+def _rename(work: _Entry, value: Any, at: Path) -> None:
+    work.check()  # messages name the elements as they are written
+    rename(work.editing, work.found, value, at)
+
+
+def _remove(work: _Entry, value: Any, at: Path) -> None:
+    remove(work.editing, work.found, cascade=value == CASCADE, at=at)
+
+
+_CARRY_OUT: Mapping[str, Callable[[_Entry, Any, Path], None]] = {
+    "unset": _unset,
+    "set": _assigning("set"),
+    "scale": _assigning("scale"),
+    "offset": _assigning("offset"),
+    "convert": _convert,
+    "move": _move,
+    "rename": _rename,
+    "remove": _remove,
+}
+check_rows("the verbs of `edit` that composer/compose/edit.py carries out", _CARRY_OUT, VERBS)
 
 
 class Change:
@@ -323,7 +366,12 @@ class Change:
         if fault.code != "bare-angle":
             notes.append(Note(f"{editing.called(node)} is written here", editing.span_of(node)))
         editing.sink.error(
-            fault.code, fault.message, editing.span(fault.at, key=fault.key), notes=notes, help=fault.help
+            fault.code,
+            fault.message,
+            editing.span(fault.at, key=fault.key),
+            notes=notes,
+            help=fault.help,
+            subjects=editing.subjects(node),
         )
         raise Unusable
 
@@ -355,7 +403,7 @@ def _check_references(editing: Editing, node: Node, attribute: Attribute, at: Pa
     for namespace, name in references(node, section_of(node)):
         if name not in written or (namespace == "body" and name == WORLD):
             continue
-        if editing.index.find(namespace, name) is None and not may_be_generated(name, editing.root):
+        if editing.names.find(namespace, name) is None and not may_be_generated(name, editing.root):
             not_there(
                 editing.linking, editing.sink, namespace, name, editing.span(at), f"{attribute.name}: NAME"
             )

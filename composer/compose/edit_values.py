@@ -86,17 +86,38 @@ class Values:
         node = find(editing.making.document, at)
         span = locate(editing.making.document, at)
         notes = (Note(f"for {editing.called(self.node)}", editing.span_of(self.node)),)
+        subjects = editing.subjects(self.node)
         if not isinstance(error, UnknownName):
-            editing.sink.error("expression", error.message, span, notes=notes, help=error.help)
+            editing.sink.error(
+                "expression",
+                error.message,
+                span,
+                notes=notes,
+                help=error.help,
+                subjects=subjects,
+            )
             return
+        subjects = (error.name, *subjects)
         if error.name == VALUE and needs_value:
             what = next(step for step in reversed(at) if isinstance(step, str))
             message = f"there is no `value`: {editing.called(self.node)} has no `{what}` yet"
-            editing.sink.error("expression", message, span, notes=notes)
+            editing.sink.error(
+                "expression",
+                message,
+                span,
+                notes=notes,
+                subjects=subjects,
+            )
             return
         if error.name in kind_of(self.node).attributes:
             message = f"{editing.called(self.node)} has no `{error.name}`: nothing gives it one"
-            editing.sink.error("expression", message, span, notes=notes)
+            editing.sink.error(
+                "expression",
+                message,
+                span,
+                notes=notes,
+                subjects=subjects,
+            )
             return
         editing.sink.error(
             "unknown-name",
@@ -104,6 +125,7 @@ class Values:
             span if not isinstance(node, Scalar) else node.span,
             notes=(exists_note("name", list(scope), error.name),),
             help=did_you_mean(error.name, list(scope)),
+            subjects=subjects,
         )
 
     # -- what is there now -------------------------------------------------------------------------------------

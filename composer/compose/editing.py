@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -22,6 +22,7 @@ from composer.tree.effective import text_in_effect
 from composer.tree.kinds import kind_of, section_of
 from composer.tree.name_index import NameIndex
 from composer.tree.names import WORLD
+from composer.tree.removal import names_in
 from composer.tree.select import name_of
 
 _LAID_OUT = (*JOINTS, "default")
@@ -40,7 +41,7 @@ class Editing:
     own: bool = False
 
     def __post_init__(self) -> None:
-        self.linking.edited = True
+        self.linking.keys.edited = True
 
     @property
     def root(self) -> Node:
@@ -55,19 +56,31 @@ class Editing:
         return self.linking.base.classes
 
     @cached_property
-    def index(self) -> NameIndex:
+    def names(self) -> NameIndex:
         """The names of the model and who refers to them; the linking's names are these from now on."""
         index = NameIndex.of(self.root)
         self.linking.names.declared = index.declared
         return index
 
+    def levels(self) -> Iterator[tuple[Editing, str]]:
+        """The model alone: it is attached to nothing."""
+        yield self, ""
+
+    def find_node(self, namespace: str, name: str) -> Node | None:
+        """The element of a name."""
+        return self.names.find(namespace, name)
+
+    def names_of(self, node: Node) -> list[tuple[str, str]]:
+        """Namespace and name of everything that goes with an element."""
+        return names_in(node)
+
     def forget(self, node: Node) -> None:
         """Drop the names of a node that is about to change."""
-        self.index.forget(node, section_of(node))
+        self.names.forget(node, section_of(node))
 
     def note(self, node: Node) -> None:
         """Take up its names again, and what else follows from a change."""
-        self.index.note(node, section_of(node))
+        self.names.note(node, section_of(node))
         if section_of(node) == "default":
             self.linking.base.forget_classes()
         if node.tag in _LAID_OUT or section_of(node) in ("default", "actuator"):
@@ -75,7 +88,7 @@ class Editing:
 
     def reshaped(self, node: Node) -> None:
         """That a node may have another number of values in a key than before; a class may reach any."""
-        changed = self.linking.reshaped
+        changed = self.linking.keys.reshaped
         changed.add(node)
         if section_of(node) == "default":
             for section in self.root.iterchildren("worldbody", "actuator"):
@@ -94,6 +107,11 @@ class Editing:
         name = name_of(node)
         tag = "default class" if node.tag == "default" else str(node.tag)
         return f"{tag} `{name}`" if name else f"a {tag} without a name"
+
+    def subjects(self, node: Node) -> tuple[str, ...]:
+        """The names that an error about an element is about."""
+        name = name_of(node)
+        return (name,) if name else ()
 
     def span(self, path: Path, key: bool = False) -> Span:
         """A place in the recipe."""

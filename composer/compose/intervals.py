@@ -29,5 +29,6 @@ def check_intervals(making: ElementBuilder) -> None:
             help="write the lower end first, then the upper one"
             if ends[0] > ends[1]
             else "write two numbers, or `[0, 0]` for no range",
+            subjects=(name,),
         )
     making.intervals.clear()

@@ -23,7 +23,8 @@ from composer.link.linking import Linking
 from composer.link.multiplied import Copy
 from composer.link.names import may_be_generated
 from composer.link.part_keys import part_keys
-from composer.plan.plan import Plan, WriteKeyframe
+from composer.plan.plan import Plan
+from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.element import Single
 from composer.recipe.keyframe import FROM, TIME, VECTORS, Entry
 from composer.recipe.shown import shown
@@ -70,7 +71,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
     units = ControlUnits(linking, making.sink, types, making.sink.has_errors)
     for step in plan.keyframes:
-        linking.written_keys.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
+        linking.keys.written.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
@@ -163,6 +164,7 @@ class _Writing:
                 self._at(FROM, part),
                 notes=(exists_note("key", names, name),),
                 help=did_you_mean(name, names, f"{part}: {{}}"),
+                subjects=(part, name),
             )
         return [key for _, key in sorted(found, key=lambda each: each[0])]
 
@@ -177,6 +179,7 @@ class _Writing:
                 self._at(FROM, key=True),
                 notes=(Note("the second one is here", source.span(TIME)),),
                 help=f"write the time of the key: `{TIME}: {source.time.text}`",
+                subjects=(key.name,),
             )
 
     def _set(self, vector: str, name: str, entry: Entry) -> None:
@@ -236,6 +239,7 @@ class _Writing:
             f"`{vector}` of the {kind} `{name}` has {count}, got {len(entry)}",
             self._at(vector, name),
             help=f"write {meant}" if meant else "leave it out" if not width else None,
+            subjects=(name,),
         )
 
     def _unknown(self, vector: str, name: str) -> None:
@@ -244,7 +248,7 @@ class _Writing:
         names = list(self.holders[kind])
         declared = linking.names.find(kind, name)
         if declared is not None and declared.getroottree().getroot() is not linking.base.root:
-            sink.forgive([name])  # it was lost with another fault
+            sink.suppress_about([name])  # it was lost with another fault
         if kind == "joint" and declared is None and may_be_generated(name, linking.base.root):
             sink.error(
                 "not-supported",
@@ -253,6 +257,7 @@ class _Writing:
                 span,
                 notes=(exists_note(kind, names, name),),
                 help="attach the part as often as it is needed: `replicate` in `attach`",
+                subjects=(name,),
             )
             return
         near = closest(name, names)
@@ -270,7 +275,12 @@ class _Writing:
             notes.append(Note(f"{_count(len(self.unnamed))} no name, and a key goes by names"))
             help = help or _naming(self.unnamed, name)
         sink.error(
-            "unknown-name", f"there is no {kind} `{name}` to set `{vector}` of", span, notes=notes, help=help
+            "unknown-name",
+            f"there is no {kind} `{name}` to set `{vector}` of",
+            span,
+            notes=notes,
+            help=help,
+            subjects=(name,),
         )
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from composer.compose.compose import Composer
-from composer.compose.measure import measure_with
 from composer.context import Context
+from composer.link.measure import measure_with
 from composer.link.subtree import Subtree
 from composer.plan.plan import Plan
 from composer.recipe.fault import Path

@@ -17,10 +17,10 @@ from composer.tree.watch import Watch, nobody
 if TYPE_CHECKING:
     from composer.engine import Session
 
-_Key = tuple[Path, tuple[tuple[str, Path], ...], bool]
+Key = tuple[Path, tuple[tuple[str, Path], ...], bool]
 
 
-Library = dict[_Key, Unit]
+Library = dict[Key, Unit]
 """Units as their files have them, for all that are composed with it."""
 
 
@@ -35,15 +35,15 @@ class Loader:
     session: Session | None = None
     watch: Watch = nobody
     library: Library | None = None
-    parsed: dict[_Key, Unit | None] = field(default_factory=dict)
-    uses: Counter[_Key] = field(default_factory=Counter)
+    parsed: dict[Key, Unit | None] = field(default_factory=dict)
+    uses: Counter[Key] = field(default_factory=Counter)
 
     def expect(self, model: Source, stands: bool) -> None:
-        self.uses[_key(model, stands)] += 1
+        self.uses[key_of(model, stands)] += 1
 
     def unit(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
         """The unit of a source, None where it has faults; `stands` says that it is fixed in the world."""
-        key = _key(model, stands)
+        key = key_of(model, stands)
         if key not in self.parsed:
             refused = self.parsed.get((*key[:2], not key[2]), ...) is None  # one fault of a file is told once
             self.parsed[key] = None if refused else self._known(key) or self._read(model, span, stands)
@@ -55,14 +55,14 @@ class Loader:
             self.watch([unit], model)
         return unit
 
-    def _known(self, key: _Key) -> Unit | None:
+    def _known(self, key: Key) -> Unit | None:
         unit = self.library.get(key) if self.library is not None else None
         return None if unit is None else unit.copied()
 
     def _read(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
         unit = self._new(model, span, stands)
         if unit is not None and self.library is not None:
-            self.library[_key(model, stands)] = unit.copied()
+            self.library[key_of(model, stands)] = unit.copied()
         return unit
 
     def _new(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
@@ -73,6 +73,6 @@ class Loader:
         return parse_file(model.path, self.context.sink, file=self.context.shown(model.path), span=span)
 
 
-def _key(model: Source, stands: bool) -> _Key:
+def key_of(model: Source, stands: bool) -> Key:
     """What sources that read the same have in common; of MJCF it does not matter where it stands."""
     return model.path, model.packages, stands or model.format != "urdf"

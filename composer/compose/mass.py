@@ -14,15 +14,14 @@ from composer.compose.without_keyframes import without_keys
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.link import numbers
-from composer.link.inertia import MEASURED, has_mass, own, write_inertias
+from composer.link.inertia import MEASURED, has_mass, write_inertias
 from composer.link.linking import Linking
-from composer.link.measured_unit import Survey, survey
+from composer.link.measured_unit import Survey, Unmeasurable, measured
 from composer.recipe.fault import Path
-from composer.tree.classes import childclass_of
+from composer.tree.classes import childclass_of, own
 from composer.tree.settings import Settings
 
 _DENSITY = 1000.0
-_NOT_TO_BE_HAD = "compiler-setting"
 _DEFAULT = Settings()
 
 
@@ -52,6 +51,7 @@ class Masses:
                 self.editing.span(at),
                 notes=(Note("it is written here", self.editing.span_of(body)),),
                 help="`scale` needs not know it; or write a `mass` on each of its geoms",
+                subjects=self.editing.subjects(body),
             )
             raise Unusable
         return mass[0]
@@ -70,6 +70,7 @@ class Masses:
                 "out-of-range",
                 f"the mass of {self.editing.called(body)} would be negative",
                 self.editing.span(at),
+                subjects=self.editing.subjects(body),
             )
             raise Unusable
         self._settle()
@@ -81,12 +82,11 @@ class Masses:
         editing = self.editing
         unit = editing.linking.flat()
         aside = Sink()
+        linking = Linking(unit, [], aside, measure=editing.linking.measure)
         with without_keys(unit.root):
-            found = survey(
-                Linking(unit, [], aside, measure=editing.linking.measure), unit, "`mass`", ("body_mass",)
-            )
-        if any(each.code == _NOT_TO_BE_HAD for each in aside.diagnostics):
-            return None, f": {aside.diagnostics[0].message.rpartition(': ')[2]}"
+            found = measured(linking, unit, ("body_mass",))
+        if isinstance(found, Unmeasurable):
+            return None, f": {found.why}"
         for each in aside.diagnostics:
             editing.sink.add(each)
         return found, ""
@@ -145,5 +145,6 @@ class Masses:
             editing.span(at, key=True),
             notes=(Note("it is written here", editing.span_of(body)),),
             help="set `mass` or `density` of a geom in it",
+            subjects=editing.subjects(body),
         )
         raise Unusable

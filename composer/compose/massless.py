@@ -10,9 +10,11 @@ from composer.compose.elements import ElementBuilder
 from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.link import numbers
-from composer.link.inertia import MEASURED, has_mass, own
-from composer.link.linking import Linking, Part
+from composer.link.inertia import MEASURED, has_mass
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.plan.plan import AttachPart
+from composer.tree.classes import own
 from composer.tree.settings import Settings
 
 # What MuJoCo expands may bring mass.
@@ -45,6 +47,7 @@ def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBu
         help=f"give it mass, for example {give}, or leave `joint` out"
         if part.prefix
         else "give a body in it mass",
+        subjects=(part.called,),
     )
 
 

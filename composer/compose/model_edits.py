@@ -20,9 +20,11 @@ from composer.link.key_layouts import keys_of
 from composer.link.keyframes import lay_out_replaced
 from composer.link.linking import Linking
 from composer.plan.drawn import Drawn, Tabled
-from composer.plan.plan import EditElements, Plan
+from composer.plan.plan import Plan
+from composer.plan.steps.edit_elements import EditElements
 
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
+_UNNAMING = {"remove", "rename"}  # after which an element does not have its name any more
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 
@@ -49,7 +51,7 @@ class Changes:
         """
         making, told = self.making, self.making.sink
         making.sink = self.linking.sink = aside = told.fork()
-        aside.forgive(_declared(self.plan.document))
+        aside.suppress_about(_declared(self.plan.document))
         try:
             return self._edit_by_name(aside)
         finally:
@@ -62,10 +64,10 @@ class Changes:
         editing = self._editing()
         for step in self.plan.edits:
             before, selector = sink.error_count, step.edit.select
-            is_certain = selector.is_one_name and not sink.forgives(selector.pattern)
+            is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
             if is_certain and not is_of_keys(step):
                 edit(step, editing)
-            if step.edit.rename is not None and (not is_certain or sink.error_count > before):
+            if "rename" in step.edit.verbs and (not is_certain or sink.error_count > before):
                 return False
         return True
 
@@ -83,7 +85,7 @@ class Changes:
         for step in self.plan.edits:
             if is_of_keys(step) == of_keys:
                 # What else is done to a key that the recipe writes anew would be lost.
-                stand_ins = replaced if step.edit.remove or step.edit.rename is not None else []
+                stand_ins = replaced if _UNNAMING & step.edit.verbs.keys() else []
                 replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
                 if not stand_ins:
                     edit(step, editing)
@@ -121,7 +123,7 @@ class Changes:
 
     def _taken_out(self) -> list[tuple[Node, Node]]:
         """The keys that the recipe writes, taken out of the model, each with what stands in its place."""
-        names = {key.name for key in self.linking.written_keys}
+        names = {key.name for key in self.linking.keys.written}
         places: list[tuple[Node, Node]] = []
         for key in keys_of(self.linking.base):
             if key.get("name") in names:
@@ -146,6 +148,7 @@ class Changes:
                     base.origins.span(other, base.file, "name"),
                     notes=(Note("the other one", base.origins.span(key, base.file)),),
                     help="choose another name",
+                    subjects=(str(key.get("name")),),
                 )
 
 

@@ -23,7 +23,12 @@ def move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], a
     target = _target(editing, node, index, written["to"], (*at, "to"))
     span = editing.span((*at, "to"))
     if node is target or node in list(target.iterancestors()):
-        editing.sink.error("wrong-type", f"{editing.called(node)} cannot be moved into itself", span)
+        editing.sink.error(
+            "wrong-type",
+            f"{editing.called(node)} cannot be moved into itself",
+            span,
+            subjects=(*editing.subjects(node), *editing.subjects(target)),
+        )
         raise Unusable
     kind = kind_of(target)
     if str(node.tag) not in kind.children:
@@ -32,6 +37,7 @@ def move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], a
             f"{editing.called(node)} cannot stand in {editing.called(target)}",
             span,
             notes=(Note("it is written here", editing.span_of(node)),),
+            subjects=(*editing.subjects(node), *editing.subjects(target)),
         )
         raise Unusable
     _check_free(editing, node, target, at)
@@ -39,7 +45,7 @@ def move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], a
     origins = editing.making.origins
     owner = origins.owner(node, editing.making.base_file)
     for joint in node.iter(*JOINTS):
-        editing.linking.reshaped.add(joint)
+        editing.linking.keys.reshaped.add(joint)
     target.append(node)
     origins.owners.setdefault(node, owner)
 
@@ -51,7 +57,7 @@ def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) ->
     name = str(Values(editing, node, index, at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")
-    found = editing.index.find(kind, name)
+    found = editing.names.find(kind, name)
     if found is None:
         shown = "to: NAME" if kind == "body" else "to: {frame: NAME}"
         not_there(editing.linking, editing.sink, kind, name, editing.span(at), shown, purpose=" to move to")
@@ -82,6 +88,7 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
         help="set `mocap: false` first"
         if is_mocap
         else "remove its free joint first, or move it to the world",
+        subjects=(*editing.subjects(node), *editing.subjects(outer)),
     )
     raise Unusable
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 
 from composer.compiled.affected_arrays import arrays_of
 from composer.plan.part_record import PartRecord
 from composer.recipe.edit import Edit
-from composer.recipe.subscript import attribute_and_index
+from composer.recipe.verbs.table import VERBS
 from composer.tree.selector import XPATH, Selector
 
-_REBUILDING = ("convert", "move", "remove")
 _HEAD = re.compile(r"[^*?{\[]*")
 
 
@@ -20,9 +19,9 @@ def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
     """The member with the arrays that edits change in it, or why it is not what its source is at all."""
     changed, reduced = set(member.changed), member.reduced
     for edit in edits:
-        if any(getattr(edit, verb) for verb in _REBUILDING):
+        if any(VERBS[name].changes is None for name in edit.verbs):
             reduced = reduced or "the recipe takes away, moves or converts elements"
-        changed |= {array for tag, name in _attributes(edit) for array in arrays_of(name, tag)}
+        changed |= {array for tag, name in _changed(edit) for array in arrays_of(name, tag)}
     return replace(member, changed=tuple(sorted(changed)), reduced=reduced)
 
 
@@ -37,16 +36,9 @@ def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
     return prefix == max((each for each in prefixes if head.startswith(each)), key=len, default=prefix)
 
 
-def _attributes(edit: Edit) -> Iterator[tuple[str | None, str]]:
-    """What is set, scaled, offset and unset: the tag, where it is known, and the attribute."""
+def _changed(edit: Edit) -> Iterator[tuple[str | None, str]]:
+    """The attributes that an edit changes, with the tag where it is known."""
     tag = None if "/" in edit.select.tag or edit.select.tag == XPATH else edit.select.tag
-    for values in (edit.set, edit.scale, edit.offset):
-        for name, value in values.items():
-            if isinstance(value, Mapping):  # of a class or of a section
-                yield from ((name, attribute_and_index(inner)[0]) for inner in value)
-            else:
-                yield tag, attribute_and_index(name)[0]
-    if isinstance(edit.unset, Mapping):
-        yield from ((tag, name) for tag, names in edit.unset.items() for name in names)
-    else:
-        yield from ((tag, name) for name in edit.unset)
+    for name, value in edit.verbs.items():
+        if (changes := VERBS[name].changes) is not None:
+            yield from changes(tag, value)

@@ -21,11 +21,11 @@ from composer.grammar.degrees import is_in_degrees
 from composer.numerics.stream import bits
 from composer.plan.angle_context import Reading
 from composer.plan.drawn import Drawn, Tabled
-from composer.plan.plan import DrawValues
+from composer.plan.steps.draw_values import DrawValues
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import must_not_be_negative
-from composer.recipe.edit_values import MASS
 from composer.recipe.subscript import attribute_and_index
+from composer.recipe.verbs.values import MASS
 from composer.tree.kinds import kind_of
 from composer.tree.select import name_of, parent_of
 from composer.tree.selector import XPATH
@@ -73,7 +73,7 @@ class _Draws:
         drawn = self._drawn(node, step.sample)
         at = (*entry.at, "attr")
         written = self._with_unit(node, drawn)
-        self.editing.linking.drawn.setdefault(node, {})[entry.name] = written
+        self.editing.linking.notes.drawn.setdefault(node, {})[entry.name] = written
         Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
         return self._told(node, drawn)
 
@@ -282,7 +282,8 @@ class _Draws:
     def _fault(self, code: str, message: str, node: Node, help: str | None = None) -> None:
         editing = self.editing
         notes = (Note(f"{editing.called(node)} is written here", editing.span_of(node)),)
-        editing.sink.error(code, message, editing.span(self.step.field.drawn_at), notes=notes, help=help)
+        span, subjects = editing.span(self.step.field.drawn_at), editing.subjects(node)
+        editing.sink.error(code, message, span, notes=notes, help=help, subjects=subjects)
         raise Unusable
 
 

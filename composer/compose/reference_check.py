@@ -97,7 +97,12 @@ def not_there(
         other = [kind for kind in linking.names.kinds_of(name) if kind != namespace]
         notes = (*(Note(f"`{name}` is {word(kind, article=True)}") for kind in other[:1]), *notes)
     sink.error(
-        "unknown-name", f"there is no {word(namespace)} `{name}`{purpose}", span, notes=notes, help=help
+        "unknown-name",
+        f"there is no {word(namespace)} `{name}`{purpose}",
+        span,
+        notes=notes,
+        help=help,
+        subjects=(name,),
     )
 
 
@@ -113,6 +118,7 @@ def _declare(
             making.span_of(node, name),
             notes=(Note("it is declared here", linking.span(linking.base, earlier, "name")),),
             help="choose another name",
+            subjects=(value,),
         )
 
 

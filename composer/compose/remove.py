@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from lxml.etree import _Element as Node
 
 from composer.compose.editing import Editing
@@ -13,29 +11,21 @@ from composer.recipe.fault import Path
 from composer.tree.kinds import kind_of, naming_attribute, section_of
 from composer.tree.name_index import is_list
 from composer.tree.names import declaration, word
-from composer.tree.removal import can_do_without, is_section, referrers, whole
+from composer.tree.removal import Removal, is_section, whole
 
 _SHOWN = 20
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[Left]:
     """Take the nodes out; gives all that has gone. Without `cascade` it is told who refers to them, and all stays."""
-    going = _outermost(nodes)
-    using = referrers(editing.index, going)
-    if not cascade and using:
-        _still_needed(editing, going, using, at)
+    removal = Removal.of((editing, node) for node in nodes)
+    if not cascade and removal.references:
+        _still_needed(removal, editing, at)
         return []
-    while falling := [
-        whole(node) for (node, _), namespace, _ in using if not can_do_without(node, namespace)
-    ]:
-        going = _outermost([*going, *falling])
-        using = referrers(editing.index, going)
-    for (node, attribute), _, _ in using:
-        editing.forget(node)
-        node.attrib.pop(attribute, "")
-        editing.note(node)
+    removal = removal.with_referrers()
+    removal.drop_references()
     gone: list[Left] = []
-    for node in going:
+    for _, node in removal.going:
         gone += _named(node)
         _take_out(editing, node)
     linking = editing.linking
@@ -45,12 +35,6 @@ def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> l
 
 def _stands(node: Node, root: Node) -> bool:
     return node.getroottree().getroot() is root
-
-
-def _outermost(nodes: Iterable[Node]) -> list[Node]:
-    """Each node once, none that is inside another."""
-    wanted = dict.fromkeys(nodes)
-    return [node for node in wanted if not any(above in wanted for above in node.iterancestors())]
 
 
 def _take_out(editing: Editing, node: Node) -> None:
@@ -87,12 +71,10 @@ def _what(node: Node, section: str) -> str:
     return "joint" if node.tag == "freejoint" else word(str(node.tag))
 
 
-def _still_needed(
-    editing: Editing, going: list[Node], using: list[tuple[tuple[Node, str], str, str]], at: Path
-) -> None:
+def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None:
     notes = []
     seen: set[Node] = set()
-    for (node, attribute), namespace, name in using:
+    for _, node, attribute, namespace, name in removal.references:
         user = whole(node)
         if user in seen:
             continue
@@ -108,12 +90,13 @@ def _still_needed(
             )
     if len(seen) > _SHOWN:
         notes.append(Note(f"and {len(seen) - _SHOWN} more"))
-    what = editing.called(going[0]) if len(going) == 1 else f"{len(going)} elements"
-    alone = len(going) == 1
+    alone = len(removal.going) == 1
+    what = editing.called(removal.going[0][1]) if alone else f"{len(removal.going)} elements"
     editing.sink.error(
         "still-referred-to",
         f"{what} cannot be removed alone: {'it is' if alone else 'they are'} referred to",
         editing.span(at),
         notes=notes,
         help="write `remove: cascade` to take along what refers to it",
+        subjects=[name for _, node in removal.going for name in editing.subjects(node)],
     )

@@ -10,10 +10,10 @@ from composer.compose.editing import Editing
 from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.recipe.fault import Path
-from composer.tree.kinds import kind_of, naming_attribute, section_of
-from composer.tree.name_index import MAY_REPEAT, is_list, own_name
+from composer.tree.kinds import kind_of, naming_attribute
+from composer.tree.name_index import MAY_REPEAT, own_name
 from composer.tree.names import WORLD
-from composer.tree.removal import is_copy, multiplies
+from composer.tree.renaming import NewName, Renaming, unlistable_message
 
 
 def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
@@ -22,17 +22,13 @@ def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
     for index, node in enumerate(found):
         new[node] = _new_name(editing, node, index, written, at)
     _check(editing, new, at)
-    following: list[tuple[Node, str, str, str]] = []
-    for node, name in new.items():
-        naming = naming_attribute(kind_of(node))
-        assert naming is not None and naming.declares is not None
-        old = own_name(node, naming.name)
-        if old is None:
-            continue
-        namespace = naming.declares
-        for used in [old, *_copies(editing, node, namespace, old)]:
-            meant = name + used[len(old) :]
-            following += [(user, key, used, meant) for user, key in editing.index.users(namespace, used)]
+    renaming = _renaming(editing, new)
+    for reference, name in renaming.unlistable():
+        user = reference.node
+        message = unlistable_message(reference, name, editing.called(user))
+        note = Note("the list is here", editing.span_of(user))
+        editing.sink.error("bad-name", message, editing.span(at), notes=(note,))
+        raise Unusable
     for node in new:
         naming = naming_attribute(kind_of(node))
         assert naming is not None
@@ -47,9 +43,9 @@ def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
         if old := own_name(node, naming.name):
             editing.making.origins.renamed.setdefault(node, []).append((old, name))
         node.set(naming.name, name)
-    _follow(editing, following)
     for node in new:
         editing.note(node)
+    renaming.carry_out()
     if bodies:
         rename_in_skins(editing, bodies, at)
 
@@ -59,7 +55,9 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
     naming = naming_attribute(kind_of(node))
     span = locate(editing.making.document, at)
     if naming is None or node.tag == "worldbody":
-        editing.sink.error("wrong-type", f"{editing.called(node)} can have no name", span)
+        editing.sink.error(
+            "wrong-type", f"{editing.called(node)} can have no name", span, subjects=editing.subjects(node)
+        )
         raise Unusable
     now = own_name(node, naming.name)
     if node.tag == "default" and now is None:
@@ -69,7 +67,13 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
     name = name if isinstance(name, str) else str(name)
     if not name.strip() or (naming.declares == "body" and name == WORLD):
         message = "a name is empty" if not name.strip() else f"the name `{WORLD}` is taken"
-        editing.sink.error("bad-name", message, span, notes=(Note(f"for {editing.called(node)}"),))
+        editing.sink.error(
+            "bad-name",
+            message,
+            span,
+            notes=(Note(f"for {editing.called(node)}"),),
+            subjects=editing.subjects(node),
+        )
         raise Unusable
     return name
 
@@ -85,7 +89,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
         other = taken.setdefault((naming.declares, name), node)
         help = _advice(editing, node, other, at)
         if other is node:
-            there = editing.index.find(naming.declares, name)
+            there = editing.names.find(naming.declares, name)
             if there is None or there in new:
                 continue
             other, help = there, "choose another name"
@@ -97,6 +101,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
             editing.span(at),
             notes=(Note("the other one", editing.span_of(other)),),
             help=help,
+            subjects=(name, *editing.subjects(node), *editing.subjects(other)),
         )
         raise Unusable
 
@@ -116,24 +121,11 @@ def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
     return f"write {' or '.join([', '.join(words[:-1]), words[-1]] if words[1:] else words)} in the new name"
 
 
-def _copies(editing: Editing, node: Node, namespace: str, name: str) -> list[str]:
-    """The names in use that MuJoCo makes of this one."""
-    if not multiplies(node):
-        return []
-    used = editing.index.uses.get(namespace, {})
-    return [other for other in used if is_copy(other, name) and editing.index.find(namespace, other) is None]
-
-
-def _follow(editing: Editing, following: list[tuple[Node, str, str, str]]) -> None:
-    """Write the references anew; those in lists all at once, as two names may have changed places."""
-    changes: dict[tuple[Node, str], dict[str, str]] = {}
-    for user, key, old, new in following:
-        changes.setdefault((user, key), {})[old] = new
-    for (user, key), names in changes.items():
-        editing.forget(user)
-        text = str(user.get(key))
-        if is_list(user, key, section_of(user)):
-            user.set(key, " ".join(names.get(each, each) for each in text.split()))
-        else:
-            user.set(key, names.get(text, text))
-        editing.note(user)
+def _renaming(editing: Editing, new: dict[Node, str]) -> Renaming[Editing]:
+    names = []
+    for node, name in new.items():
+        naming = naming_attribute(kind_of(node))
+        assert naming is not None and naming.declares is not None
+        if (old := own_name(node, naming.name)) is not None:
+            names.append(NewName(editing, naming.declares, old, name))
+    return Renaming.of(names)

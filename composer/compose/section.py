@@ -9,7 +9,9 @@ from composer.compose.reference_check import not_there
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.link.linking import Linking
-from composer.plan.plan import AppendElement, SetDefault, SetSingleton
+from composer.plan.steps.append_element import AppendElement
+from composer.plan.steps.set_default import SetDefault
+from composer.plan.steps.set_singleton import SetSingleton
 from composer.tree.classes import MAIN
 
 
@@ -39,6 +41,7 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
             making.span(step.element, "parent"),
             notes=(Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),),
             help="leave `parent` out to change the class, or choose another name",
+            subjects=(step.name,),
         )
         return
     for child in step.element.children:

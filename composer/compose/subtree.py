@@ -10,7 +10,8 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
-from composer.link.linking import KeyPolicy, Measure
+from composer.link.linking import Measure
+from composer.link.request import KeyPolicy
 from composer.plan.plan import BASE, Plan, called, stands_in_world
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit

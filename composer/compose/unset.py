@@ -37,6 +37,7 @@ def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
                 f"`{name}` is written on none of the selected elements",
                 editing.span((*at, position)),
                 help=help,
+                subjects=(name,),
             )
             raise Unusable
         for node in writing:
@@ -56,7 +57,7 @@ def missed(editing: Editing, node: Node) -> list[Fault]:
     absent(kind, present, editing.called(node), (), faults)
     clashing(kind.constraints, present, editing.called(node), (), faults)
     if kind.family == "actuator" and not any(name in present for name in _MOVED):
-        faults.append(Fault("missing-key", f"{editing.called(node)} lacks what it moves"))
+        faults.append(Fault("missing-key", f"{editing.called(node)} lacks what it moves", names=_MOVED))
     return faults
 
 
@@ -68,12 +69,19 @@ def tell_missed(
         for fault in missed(editing, node):
             if fault in lacked:
                 continue
-            meant = [n for n, name in enumerate(names) if f"`{name}`" in fault.message or name in _MOVED]
+            meant = [n for n, name in enumerate(names) if name in fault.names]
             place = meant[0] if meant else 0
             notes = [Note(remark.message) for remark in fault.remarks]
             notes.append(Note("it is written here", editing.span_of(node)))
             help = f"leave `{names[place]}` where it is, or set what takes its place in the same entry"
-            editing.sink.error(fault.code, fault.message, editing.span((*at, place)), notes=notes, help=help)
+            editing.sink.error(
+                fault.code,
+                fault.message,
+                editing.span((*at, place)),
+                notes=notes,
+                help=help,
+                subjects=(*fault.names, *editing.subjects(node)),
+            )
             raise Unusable
 
 

@@ -20,13 +20,13 @@ from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.engine import PACKAGE
 from composer.grammar import GRAMMAR
 from composer.link.linking import FileUse
+from composer.mujoco_errors.message import CRASHES, parse
 from composer.sources import ros_package
 from composer.sources.source import Source
 from composer.tree.files import join
 from composer.tree.parse import parse_text, parse_xml, read_file
 from composer.tree.unit import Unit
 from composer.tree.urdf import locate_in_urdf, mesh_of, name_fused_links
-from composer.verify.compiles import CRASHES, parse
 
 if TYPE_CHECKING:
     from composer.engine import Converted, Session

@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.mujoco_errors.message import Fault
+from composer.mujoco_errors.sentence import Topic, read_sentence
+from composer.mujoco_errors.translation import translate
 from composer.tree.files import stem
 from composer.tree.line import line_of
-from composer.verify.compiles import Fault
-from composer.verify.mujoco_errors import translate
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
-_MISSING = re.compile(r"missing element: '(?P<tag>[^']*)'|attribute missing: '(?P<name>[^']*)'")
-_ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'")
-_QUOTED = re.compile(r"'([^'\n]+)'")
-_NO_SIZE = re.compile(r"^size \d must be positive")
 _SIZES = "sizes are greater than zero"
-_ADVICE = (
-    (r"A \+ B >= C", 'correct it, or write `<mujoco><compiler balanceinertia="true"/></mujoco>` into the URDF'),
-    (r"mass and inertia of moving bodies", "give the link an `<inertial>`"),
-    (r"no decoder found", "MuJoCo reads meshes as STL, OBJ and MSH: convert the file"),
-    (_NO_SIZE.pattern, _SIZES),
-    (r"geometry specification", "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`"),
-)  # fmt: skip
+_ADVICE = {
+    Topic.INERTIA: 'correct it, or write `<mujoco><compiler balanceinertia="true"/></mujoco>` into the URDF',
+    Topic.MASS: "give the link an `<inertial>`",
+    Topic.MESH_FORMAT: "MuJoCo reads meshes as STL, OBJ and MSH: convert the file",
+    Topic.GEOM_SIZE: _SIZES,
+    Topic.SIZE: _SIZES,
+    Topic.URDF_GEOMETRY: "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`",
+}
 _ELSE = "MuJoCo must be able to load the file by itself: mend it there"
 
 
@@ -44,25 +42,27 @@ class UrdfFault:
 def explain(fault: Fault, robot: Node) -> UrdfFault:
     """What to tell where MuJoCo refuses the URDF whose root is `robot`."""
     said = " ".join(fault.message.split())
+    sentence = read_sentence(said)
     element = _element(fault, robot)
-    for known in (_repeated, _ring, _two_parents, _no_link, _joint_type, _no_size):
-        if (found := known(said, element, robot)) is not None:
-            return found
-    advice = next((advice for pattern, advice in _ADVICE if re.search(pattern, said)), None)
-    if missing := _MISSING.search(said):
-        advice = f'write `{missing["name"]}="…"`' if missing["name"] else f"write `<{missing['tag']}>` in it"
-    attribute = _ATTRIBUTE.search(said)
+    known = None if sentence.topic is None else _KNOWN.get(sentence.topic)
+    if known is not None and (found := known(element, robot)) is not None:
+        return found
+    advice = None if sentence.topic is None else _ADVICE.get(sentence.topic)
+    if sentence.missing_attribute is not None:
+        advice = f'write `{sentence.missing_attribute}="…"`'
+    elif sentence.missing_element is not None:
+        advice = f"write `<{sentence.missing_element}>` in it"
     return UrdfFault(
         f"MuJoCo rejects the URDF: {said}",
         element,
-        attribute["name"] if attribute else None,
+        sentence.attribute,
         help=advice or translate(said, None).help or _ELSE,
     )
 
 
 def named_in(said: str, robot: Node) -> Node:
     """The link or joint that a message names; the robot where it names none."""
-    for name in _QUOTED.findall(said):
+    for name in read_sentence(said).names:
         for each in robot.iterchildren("joint", "link"):
             if each.get("name") == name:
                 return each
@@ -82,9 +82,9 @@ def _element(fault: Fault, robot: Node) -> Node:
     return robot
 
 
-def _repeated(said: str, element: Node, robot: Node) -> UrdfFault | None:
+def _repeated(element: Node, robot: Node) -> UrdfFault | None:
     seen: set[str | None] = set()
-    for link in robot.iterchildren("link") if said.startswith("repeated URDF name") else ():
+    for link in robot.iterchildren("link"):
         name = link.get("name")
         if name in seen:
             return UrdfFault(
@@ -94,10 +94,8 @@ def _repeated(said: str, element: Node, robot: Node) -> UrdfFault | None:
     return None
 
 
-def _ring(said: str, element: Node, robot: Node) -> UrdfFault | None:
+def _ring(element: Node, robot: Node) -> UrdfFault | None:
     """MuJoCo builds from the links that hang on nothing, and does not find those it has not come to."""
-    if said != "URDF body not found":
-        return None
     above = {_end(joint, "child"): _end(joint, "parent") for joint in robot.iterchildren("joint")}
     ring = [str(element.get("name"))]
     while (parent := above.get(ring[-1])) is not None and parent not in ring:
@@ -109,9 +107,7 @@ def _ring(said: str, element: Node, robot: Node) -> UrdfFault | None:
     )  # fmt: skip
 
 
-def _two_parents(said: str, element: Node, robot: Node) -> UrdfFault | None:
-    if "has multiple parents" not in said:
-        return None
+def _two_parents(element: Node, robot: Node) -> UrdfFault | None:
     name = _end(element, "child")
     joints = [str(j.get("name")) for j in robot.iterchildren("joint") if _end(j, "child") == name]
     told = " and ".join(f"`{joint}`" for joint in joints)
@@ -122,9 +118,7 @@ def _two_parents(said: str, element: Node, robot: Node) -> UrdfFault | None:
     )
 
 
-def _no_link(said: str, element: Node, robot: Node) -> UrdfFault | None:
-    if said != "URDF joint parent or child missing":
-        return None
+def _no_link(element: Node, robot: Node) -> UrdfFault | None:
     links = [str(link.get("name")) for link in robot.iterchildren("link")]
     for end in element.iterchildren("parent", "child"):
         name = str(end.get("link"))
@@ -139,9 +133,7 @@ def _no_link(said: str, element: Node, robot: Node) -> UrdfFault | None:
     return None
 
 
-def _joint_type(said: str, element: Node, robot: Node) -> UrdfFault | None:
-    if not said.startswith("invalid joint type"):
-        return None
+def _joint_type(element: Node, robot: Node) -> UrdfFault | None:
     word = str(element.get("type"))
     return UrdfFault(
         f"URDF has no joint of type `{word}`",
@@ -152,10 +144,8 @@ def _joint_type(said: str, element: Node, robot: Node) -> UrdfFault | None:
     )
 
 
-def _no_size(said: str, element: Node, robot: Node) -> UrdfFault | None:
+def _no_size(element: Node, robot: Node) -> UrdfFault | None:
     """MuJoCo does not say which: geoms have no names there."""
-    if not _NO_SIZE.search(said):
-        return None
     for each in robot.iter("box", "cylinder", "sphere", "capsule"):
         for name in ("size", "radius", "length"):
             if any(map(_is_none, str(each.get(name) or "").split())):
@@ -173,3 +163,15 @@ def _is_none(number: str) -> bool:
 def _end(joint: Node, tag: str) -> str | None:
     end = joint.find(tag)
     return None if end is None else end.get("link")
+
+
+_KNOWN: Mapping[Topic, Callable[[Node, Node], UrdfFault | None]] = {
+    Topic.URDF_REPEATED: _repeated,
+    Topic.URDF_RING: _ring,
+    Topic.URDF_PARENTS: _two_parents,
+    Topic.URDF_LINK: _no_link,
+    Topic.URDF_JOINT_TYPE: _joint_type,
+    Topic.GEOM_SIZE: _no_size,
+    Topic.SIZE: _no_size,
+}
+"""What finds the element that a sentence is about, and says it in the words of URDF."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 from composer.diagnostics.cell_name import CellName
@@ -43,7 +43,8 @@ class Diagnostic:
     `code` is one of `CODES`. The first line of `help` is a sentence; further lines, if any, are text that
     may be pasted into the file. `others` are what else the message is true of, by the same cause. `cells` are the
     models that it is about, in a run that looks at several of a recipe; it is empty where the diagnostic is about the
-    recipe as a whole.
+    recipe as a whole. `subjects` are the names that it is about: where an earlier error took one of them away, this one
+    only follows from it.
     """
 
     code: str
@@ -54,6 +55,7 @@ class Diagnostic:
     help: str | None = None
     others: tuple[Note, ...] = ()
     cells: tuple[CellName, ...] = ()
+    subjects: frozenset[str] = field(default=frozenset(), compare=False)
 
     def listed(self) -> tuple[Note, ...]:
         """The notes with one that lists the first of the `others`, one a line."""

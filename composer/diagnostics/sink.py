@@ -7,11 +7,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from composer.diagnostics.cell_name import CellName
-from composer.diagnostics.codes import CODES, OF_FILES
+from composer.diagnostics.codes import CODES
 from composer.diagnostics.diagnostic import Cause, Diagnostic, Note, Severity
 from composer.diagnostics.span import Span
 
-_QUOTED = re.compile(r"`([^`]*)`")
 _STEP = re.compile(r"[/:.\s]")
 _SEVERITIES = tuple(Severity)
 _OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
@@ -32,38 +31,35 @@ class Sink:
         self._cells: dict[Diagnostic, dict[CellName, None]] = {}
         self.error_count = 0
         """How often there was an error, those told before and those not told included."""
-        self._forgiven: set[str] = set()
+        self._lost: set[str] = set()
 
-    def forgive(self, names: Iterable[str]) -> None:
-        """From now on tell only errors that speak of none of these names, nor of what is named below one.
+    def suppress_about(self, names: Iterable[str]) -> None:
+        """From now on report only errors that are not about these names, nor about what is named below one.
 
-        An earlier fault took them away, so that what lacks them may be right. Such errors stop the work all the same.
+        An earlier error took them away, so that what lacks them may be right. Errors that are not reported stop the
+        work all the same.
         """
-        self._forgiven.update(names)
+        self._lost.update(names)
 
     def fork(self) -> Sink:
-        """An empty sink that forgives what this one does."""
+        """An empty sink that suppresses what this one does."""
         sink = Sink()
-        sink.forgive(self._forgiven)
+        sink.suppress_about(self._lost)
         return sink
 
-    def forgives(self, name: str) -> bool:
+    def suppresses(self, name: str) -> bool:
         """Whether an earlier fault may be the reason that there is nothing of this name."""
-        return name in self._forgiven or not self._forgiven.isdisjoint(_STEP.split(name))
+        return name in self._lost or not self._lost.isdisjoint(_STEP.split(name))
 
-    def _is_forgiven(self, diagnostic: Diagnostic) -> bool:
-        if diagnostic.severity is not Severity.ERROR:
-            return True
-        if diagnostic.code.startswith(OF_FILES):  # in files and addresses any word may stand
-            return False
-        return any(map(self.forgives, _QUOTED.findall(diagnostic.message)))
+    def _is_suppressed(self, diagnostic: Diagnostic) -> bool:
+        return diagnostic.severity is not Severity.ERROR or any(map(self.suppresses, diagnostic.subjects))
 
     def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code not in CODES:
             raise KeyError(diagnostic.code)
         if diagnostic.severity is Severity.ERROR:
             self.error_count += 1
-        if diagnostic in self._found or (self._forgiven and self._is_forgiven(diagnostic)):
+        if diagnostic in self._found or (self._lost and self._is_suppressed(diagnostic)):
             return
         if cause is not None:
             first = self._causes.setdefault((diagnostic.code, diagnostic.severity, cause.key), diagnostic)
@@ -92,8 +88,10 @@ class Sink:
         notes: Iterable[Note] = (),
         help: str | None = None,
         cause: Cause | None = None,
+        subjects: Iterable[str | None] = (),
     ) -> None:
-        self.add(Diagnostic(code, message, span, Severity.ERROR, tuple(notes), help), cause)
+        names = frozenset(name for name in subjects if name)
+        self.add(Diagnostic(code, message, span, Severity.ERROR, tuple(notes), help, subjects=names), cause)
 
     def warning(
         self,

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from itertools import zip_longest
 from typing import TYPE_CHECKING, TypeAlias
 
+from composer.compiled.quantities import quantity
 from composer.diagnostics.span import Span
 from composer.diff.change import SETTINGS, Cause, Change, Contrast
 from composer.diff.elements import Elements
 from composer.diff.excerpt import is_yaml
-from composer.diff.fields import quantity
 from composer.diff.recipes import Recipes
 from composer.diff.said import said
 from composer.diff.side import Side
@@ -20,14 +20,14 @@ from composer.document.node import Node as LocatedNode
 from composer.document.node import Sequence, locate, to_python
 from composer.explain.query import name_of
 from composer.explain.trace import Life
-from composer.plan.plan import AddElement
+from composer.plan.steps.add_element import AddElement
 from composer.tree.effective import class_in_force
 from composer.tree.kinds import kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from composer.link.linking import Part
+    from composer.link.part import Part
 
 _INERTIAL = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat", "body_subtreemass"})
 Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from composer.compiled.quantities import quantity, unit
 from composer.diff.change import Change, Diff, End
-from composer.diff.fields import quantity, unit
 from composer.diff.words import relative
 
 

@@ -8,13 +8,13 @@ from typing import Any
 
 from composer.compiled.correspondence import ABSENT, ON_BODIES, Correspondence
 from composer.compiled.difference import MISSING
+from composer.compiled.identity import unequal_arrays
 from composer.compiled.keyframes import Keys, Roots, key_differences
 from composer.compiled.kinds import KINDS, Model, NameTable
 from composer.compiled.links import UNORDERED, links
 from composer.compiled.mount import Mount
+from composer.compiled.quantities import follows
 from composer.diff.change import Change, Contrast, Count, Move, Value
-from composer.diff.fields import follows
-from composer.diff.identity import unequal_arrays
 from composer.diff.layout import counts, moves
 from composer.diff.named import named
 from composer.diff.renames import Names, renames

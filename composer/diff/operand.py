@@ -45,7 +45,7 @@ class Operand:
         origin = self.context.fetching.around(path) if self.context.fetching is not None else None
         if origin is None or not origin.is_fetched:
             return None
-        return f"{origin.id}#{os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root))}"
+        return origin.named(os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root)))
 
     def tell(self, sink: Sink) -> None:
         """Hand on what its own sink has been told."""
@@ -75,7 +75,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
         try:
             path, files, own = _of_revision(revision, parts[1], own, opened)
         except RevisionError as error:
-            context.sink.error(error.code, error.message, help=error.help)
+            context.sink.add(error.diagnostic)
             return None
     if not path.exists():
         where = "" if revision is None else f" in revision `{revision}`"

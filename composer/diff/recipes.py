@@ -17,7 +17,7 @@ from composer.plan.plan import AttachPart, Plan
 
 if TYPE_CHECKING:
     from composer.context import ReadRecipe
-    from composer.link.linking import Part
+    from composer.link.part import Part
 
 _Place = tuple[str, int, int]
 

@@ -42,7 +42,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
                         stage.write_bytes(Path(made, f"{number}-{side}.png").read_bytes())
                 views.append(View(each["name"], str(places[0]), str(places[1]), each["differs"]))
         except OutputError as error:
-            context.sink.error(error.code, error.message, help=error.help)
+            context.sink.add(error.diagnostic)
             return ()
         return tuple(views)
 

@@ -10,17 +10,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from composer.diagnostics.error import DiagnosticError
+
 _SECONDS = 600
 # what would send git to another repository or index than that of the folder
 _OWN = ("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX", "GIT_OBJECT_DIRECTORY")
 
 
-class RevisionError(Exception):
-    """Why there are no such files; `code` is one of the diagnostics' codes."""
-
-    def __init__(self, code: str, message: str, help: str | None = None) -> None:
-        super().__init__(message)
-        self.code, self.message, self.help = code, message, help
+class RevisionError(DiagnosticError):
+    """Why there are no such files."""
 
 
 @dataclass(frozen=True, slots=True)

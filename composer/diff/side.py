@@ -14,7 +14,6 @@ from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
 from composer.cache.cells import cells_of, check_axes_are_free, picked_one
 from composer.compose.compose import Composer
-from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -23,13 +22,15 @@ from composer.diff.operand import Kind, Operand
 from composer.expand.matrix import Cell
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
+from composer.link.measure import measure_with
+from composer.mujoco_errors.message import CRASHES, Fault, parse
 from composer.plan.matrix import read_matrix
 from composer.plan.plan import Plan
 from composer.plan.planner import Given, make_plan, plan_what_remains
 from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
 from composer.verify.compile_report import judge
-from composer.verify.compiles import CRASHES, Fault, parse, verify
+from composer.verify.compiles import verify
 
 if TYPE_CHECKING:
     from composer.engine import Session
@@ -144,10 +145,10 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
     context = operand.context
     shown = context.shown(operand.path)
     try:
-        bundle = read(operand.path)
+        bundle = read(operand.path, shown=shown)
         verified = verify(bundle, session=session, keep=kept)
     except (ReadError, OutputError) as error:
-        context.sink.error(error.code, error.message.replace(str(operand.path), shown))
+        context.sink.add(error.diagnostic)
         return None
     if verified.error is not None and not verified.compiled.ok:
         _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context)

@@ -8,10 +8,10 @@ from typing import Any
 from composer.compiled.correspondence import Correspondence
 from composer.compiled.fields import BEFORE_CONTROLS, Treatment
 from composer.compiled.kinds import JOINT_VELOCITIES, KINDS, Model
+from composer.compiled.quantities import follows
 from composer.compiled.ragged import runs
 from composer.compiled.rows import DOF, Array, arrays, same_width
 from composer.diff.change import Change, Value
-from composer.diff.fields import follows
 from composer.diff.named import named
 
 JOINTS = ("free", "ball", "slide", "hinge")

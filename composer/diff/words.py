@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import TypeAlias
 
+from composer.compiled.quantities import is_place, quantity, rank, unit
 from composer.diff.change import SETTINGS, Change, Count, Move, Value, View
-from composer.diff.fields import is_place, quantity, rank, unit
 
 _NAMED = 5
 _NOISE = 1e-12

@@ -12,8 +12,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from composer.compiled.index import Actuator, Camera, Index, Joint, Keyframe, Sensor
     from composer.engine.answer import Called, Compiled, Measured
-    from composer.engine.index import Actuator, Camera, Index, Joint, Keyframe, Sensor
     from composer.engine.limits import Limits
     from composer.engine.request import Request
     from composer.engine.run import call, compile, measure, run_many
@@ -42,19 +42,19 @@ __all__ = [
     "run_many",
 ]
 
-_ROOMS = {
-    "answer": ("Called", "Compiled", "Measured"),
-    "index": ("Actuator", "Camera", "Index", "Joint", "Keyframe", "Sensor"),
-    "limits": ("Limits",),
-    "request": ("Request",),
-    "run": ("call", "compile", "measure", "run_many"),
-    "session": ("Session",),
-    "urdf": ("PACKAGE", "Converted", "convert_urdf"),
+_MODULES = {
+    "composer.compiled.index": ("Actuator", "Camera", "Index", "Joint", "Keyframe", "Sensor"),
+    "composer.engine.answer": ("Called", "Compiled", "Measured"),
+    "composer.engine.limits": ("Limits",),
+    "composer.engine.request": ("Request",),
+    "composer.engine.run": ("call", "compile", "measure", "run_many"),
+    "composer.engine.session": ("Session",),
+    "composer.engine.urdf": ("PACKAGE", "Converted", "convert_urdf"),
 }
-_HOME = {name: room for room, names in _ROOMS.items() for name in names}
+_HOME = {name: room for room, names in _MODULES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"composer.engine.{_HOME[name]}"), name)
+    return getattr(import_module(_HOME[name]), name)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from composer.engine.index import Index
+from composer.compiled.index import Index
 
 if TYPE_CHECKING:
     import numpy

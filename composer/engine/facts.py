@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.engine import units
+from composer.compiled import units
 
 # kind of object -> the array of mjModel that says where its names start
 NAME_ADDRESSES = {

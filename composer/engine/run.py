@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from composer.compiled.index import Index
 from composer.engine.answer import Called, Compiled, Measured
-from composer.engine.index import Index
 from composer.engine.limits import Limits
 from composer.engine.request import Request
 from composer.engine.session import Session

@@ -13,19 +13,11 @@ from composer.explain.trace import Cause, Change, Life, Move, Trace
 from composer.link.angles import model_angle
 from composer.link.inertia import MEASURED
 from composer.link.limits import model_autolimits
-from composer.link.linking import Part
-from composer.plan.draws import words_of_draw
-from composer.plan.edits import in_words
-from composer.plan.plan import (
-    AddElement,
-    AppendElement,
-    DrawValues,
-    DropElements,
-    EditElements,
-    Plan,
-    SetDefault,
-    SetSingleton,
-)
+from composer.link.part import Part
+from composer.plan.plan import DropElements, Plan
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.step import Step
 from composer.recipe.shown import shown
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import class_in_force
@@ -106,19 +98,15 @@ class Causes:
         if isinstance(done, Plan):
             return _by_plan(done, attribute)
         span = _owned(owner, attribute) or getattr(done, "span", None)
-        if isinstance(done, AddElement):
-            return Reason("added by the recipe", span)
-        if isinstance(done, SetSingleton | SetDefault):
-            return Reason("set by the recipe", span)
-        if isinstance(done, AppendElement):
-            return Reason("written in the recipe", span)
         if isinstance(done, EditElements | DropElements):
             written_by_it = span is not None and span.file == done.span.file
-            return Reason(in_words(done), span if written_by_it else done.span)
+            return Reason(done.words, span if written_by_it else done.span)
         if isinstance(done, DrawValues):
             drawn = None if node is None else _drawn(cause, node, done.field.name)
             value = "" if drawn is None else f": {shown(drawn)} is drawn"
-            return Reason(f"{words_of_draw(done.field)}, sample {done.sample}{value}", done.span)
+            return Reason(f"{done.reason}{value}", done.span)
+        if isinstance(done, Step):
+            return Reason(done.reason, span)
         return Reason(_summary(done), span if isinstance(span, Span) else None)
 
     # -- what the linker's passes do ---------------------------------------------------------------------------
@@ -397,7 +385,7 @@ def _drawn(cause: Cause, node: Node, field: str) -> object | None:
     if cause.linking is None:
         return None
     for each in (node, *node.iterancestors("body")):
-        if field in (found := cause.linking.drawn.get(each, {})):
+        if field in (found := cause.linking.notes.drawn.get(each, {})):
             return found[field]
     return None
 

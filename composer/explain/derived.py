@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from composer.compiled.attributes import attributes as compared
 from composer.grammar import GRAMMAR, ElementType
 from composer.link import numbers
-from composer.link.inertia import has_mass, own
-from composer.recipe.checks.arrays import attributes as compared
-from composer.recipe.edit_values import MASS
-from composer.tree.classes import Classes, childclass_of
+from composer.link.inertia import has_mass
+from composer.recipe.verbs.values import MASS
+from composer.tree.classes import Classes, childclass_of, own
 from composer.tree.kinds import kind_of
 from composer.tree.settings import read_settings
 

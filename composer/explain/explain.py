@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from composer.bundle.collect import collect
 from composer.compose.compose import Composer
-from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.explain import query
 from composer.explain.explanation import (
@@ -15,6 +14,7 @@ from composer.explain.explanation import (
 )
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
+from composer.link.measure import measure_with
 from composer.plan.planner import Given, make_plan
 from composer.plan.samples import check_sample
 from composer.tree.parse import parse_file

@@ -13,7 +13,8 @@ from composer.link.key_layouts import VECTORS as VECTORS
 from composer.link.key_layouts import holders
 from composer.link.layout import Layout, Unknown, lay_out
 from composer.link.multiplied import element_of
-from composer.plan.plan import DrawValues, EditElements
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
 from composer.tree.key_number import KeySource, Number
 from composer.tree.unit import Unit
 
@@ -200,8 +201,8 @@ def _after(known: list[_Known], now: list[str], changes: list[Change], vector: s
 def _layout(model: Unit, life: Life) -> Layout | None:
     """How the numbers of a key are laid out: as the linker did it, or as the tree tells."""
     linking = None if life.made_by is None else life.made_by.linking
-    if linking is not None and linking.final_layout is not None:
-        return linking.final_layout
+    if linking is not None and linking.keys.final_layout is not None:
+        return linking.keys.final_layout
     try:
         return lay_out(model, {})
     except Unknown:

@@ -1,7 +1,7 @@
 """Whether a value fits an attribute: text as it stands in XML, and values as Python and YAML have them.
 
-The answer is a lowercase fragment that continues "`size`…" (`expects 3 numbers, got 2`), or `None` if all is
-well. Names are not looked up here, and nothing is known of sibling attributes.
+The answer is a `Refusal`, or `None` if the value fits. Names are not looked up here, and nothing is known of sibling
+attributes.
 """
 
 from __future__ import annotations
@@ -10,17 +10,22 @@ from collections.abc import Iterable, Sequence
 
 from composer.grammar.attribute import Attribute
 from composer.grammar.number import INT_MAX, INT_MIN, items, parse_int, parse_real
+from composer.grammar.refusal import Refusal
 
 SHOWN_KEYWORDS = 12
 _LETTERS = {"eulerseq": "xyzXYZ"}
 SHOWN_TEXT = 40
 
 
-def check_value(attribute: Attribute, text: str) -> str | None:
+def check_value(attribute: Attribute, text: str) -> Refusal | None:
     """What is wrong with the text of an XML attribute, as MuJoCo reads it."""
     kind = attribute.type
     if kind == "bool":
-        return None if text in ("true", "false") else f"expects `true` or `false`, got `{shorten(text)}`"
+        return (
+            None
+            if text in ("true", "false")
+            else Refusal(f"expects `true` or `false`, got `{shorten(text)}`")
+        )
     if kind == "keyword":
         return None if text in attribute.keywords else unknown_keyword(attribute, text)
     if kind == "chars":
@@ -41,46 +46,48 @@ def check_value(attribute: Attribute, text: str) -> str | None:
     return check_length(attribute, len(parts))
 
 
-def check_python(attribute: Attribute, value: object) -> str | None:
+def check_python(attribute: Attribute, value: object) -> Refusal | None:
     """What is wrong with a Python or YAML value: a scalar, or a list of numbers, keywords or names.
 
     `None` is never a value. Of text for a list of numbers the message says how the list is written.
     """
     kind = attribute.type
     if value is None:
-        return f"expects {expected(attribute)}, got nothing"
+        return Refusal(f"expects {expected(attribute)}, got nothing")
     value = plain(value)
     if kind in ("real", "int"):
         return check_numbers(attribute, value)
     if kind == "bool":
-        return None if isinstance(value, bool) else f"expects `true` or `false`, got `{show(value)}`"
+        return None if isinstance(value, bool) else Refusal(f"expects `true` or `false`, got `{show(value)}`")
     if kind == "keyword":
         word = keyword_text(value)
         if word is None:
-            return f"expects {expected(attribute)}, got {article(value)}"
+            return Refusal(f"expects {expected(attribute)}, got {article(value)}")
         return None if word in attribute.keywords else unknown_keyword(attribute, word)
     if kind in ("keywords", "references"):
         return check_list(attribute, value)
     if not isinstance(value, str):
         if isinstance(value, bool | int | float):
             text = show(value)
-            return f"expects {expected(attribute)}, got {article(value)} `{text}`; quote it: '{text}'"
-        return f"expects {expected(attribute)}, got {article(value)}"
+            return Refusal(
+                f"expects {expected(attribute)}, got {article(value)} `{text}`", hint=f"quote it: '{text}'"
+            )
+        return Refusal(f"expects {expected(attribute)}, got {article(value)}")
     if attribute.required and not value and kind != "name":
-        return "must not be empty"
+        return Refusal("must not be empty")
     return check_characters(attribute, value) if kind == "chars" else None
 
 
-def check_numbers(attribute: Attribute, value: object) -> str | None:
+def check_numbers(attribute: Attribute, value: object) -> Refusal | None:
     """What is wrong with a number, or with a list of numbers."""
     if isinstance(value, str):
         parts = items(value.replace(",", " "))
         if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
-            return f"expects {expected(attribute)}, got text; write [{', '.join(parts)}]"
-        return f"expects {expected(attribute)}, got `{shorten(value)}`"
+            return Refusal(f"expects {expected(attribute)}, got text", instead=f"[{', '.join(parts)}]")
+        return Refusal(f"expects {expected(attribute)}, got `{shorten(value)}`")
     if isinstance(value, Sequence):
         if attribute.max_length == 1:
-            return f"expects {expected(attribute)}, got a list of {len(value)}"
+            return Refusal(f"expects {expected(attribute)}, got a list of {len(value)}")
         for item in value:
             fault = check_number(attribute, plain(item))
             if fault is not None:
@@ -94,70 +101,72 @@ def check_numbers(attribute: Attribute, value: object) -> str | None:
     return None
 
 
-def check_number(attribute: Attribute, value: object) -> str | None:
+def check_number(attribute: Attribute, value: object) -> Refusal | None:
     """What is wrong with one number, on its own or in a list."""
     noun = "an integer" if attribute.type == "int" else "a number"
     prefix = "expects" if attribute.max_length == 1 else "expects every item to be"
     if isinstance(value, bool) or not isinstance(value, int | float):
-        return f"{prefix} {noun}, got `{show(value)}`"
+        return Refusal(f"{prefix} {noun}, got `{show(value)}`")
     if attribute.type == "int":
         if isinstance(value, float) and not value.is_integer():
-            return f"{prefix} {noun}, got `{show(value)}`"
+            return Refusal(f"{prefix} {noun}, got `{show(value)}`")
         if not INT_MIN <= value <= INT_MAX:
-            return f"{prefix} {noun} of 32 bits, got `{show(value)}`"
+            return Refusal(f"{prefix} {noun} of 32 bits, got `{show(value)}`")
     elif isinstance(value, int) and abs(value) > 2**1023:
-        return f"{prefix} {noun}, got one that is too large"
+        return Refusal(f"{prefix} {noun}, got one that is too large")
     return None
 
 
-def check_list(attribute: Attribute, value: object) -> str | None:
+def check_list(attribute: Attribute, value: object) -> Refusal | None:
     """What is wrong with a list of keywords or names; one of them may stand alone."""
     if isinstance(value, str):
         parts = items(value)
         if len(parts) > 1:
-            return f"expects {expected(attribute)}, got text; write [{', '.join(parts)}]"
+            return Refusal(f"expects {expected(attribute)}, got text", instead=f"[{', '.join(parts)}]")
         value = [value]
     if not isinstance(value, Sequence):
-        return f"expects {expected(attribute)}, got `{show(value)}`"
+        return Refusal(f"expects {expected(attribute)}, got `{show(value)}`")
     words: list[str] = []
     for item in value:
         word = keyword_text(plain(item)) if attribute.type == "keywords" else item
         if not isinstance(word, str) or not word:
-            return f"expects every item to be {'a keyword' if attribute.type == 'keywords' else 'a name'}"
+            return Refusal(
+                f"expects every item to be {'a keyword' if attribute.type == 'keywords' else 'a name'}"
+            )
         if attribute.type == "references" and len(items(word)) != 1:
-            return f"expects names without spaces, got `{shorten(word)}`"
+            return Refusal(f"expects names without spaces, got `{shorten(word)}`")
         words.append(word)
     if not words:
-        return f"expects {expected(attribute)}, got an empty list"
+        return Refusal(f"expects {expected(attribute)}, got an empty list")
     return None if attribute.type == "references" else check_words(attribute, words)
 
 
-def check_words(attribute: Attribute, words: Sequence[str]) -> str | None:
+def check_words(attribute: Attribute, words: Sequence[str]) -> Refusal | None:
     """What is wrong with several keywords: unknown, twice, or out of order."""
     for word in words:
         if word not in attribute.keywords:
             return unknown_keyword(attribute, word)
     for index, word in enumerate(words):
         if word in words[:index]:
-            return f"has `{word}` twice"
+            return Refusal(f"has `{word}` twice")
     places = [attribute.keywords.index(word) for word in words]
     if attribute.ordered and places != sorted(places):
         right = ", ".join(sorted(words, key=attribute.keywords.index))
-        return f"expects its keywords in the order [{right}]"
+        return Refusal(f"expects its keywords in the order [{right}]")
     return check_length(attribute, len(words))
 
 
-def check_characters(attribute: Attribute, text: str) -> str | None:
+def check_characters(attribute: Attribute, text: str) -> Refusal | None:
     """What is wrong with a string whose characters are counted."""
     low, high = attribute.min_length, attribute.max_length
     if (low is None or len(text) >= low) and (high is None or len(text) <= high):
         letters = _LETTERS.get(attribute.name, text)
         odd = next((each for each in text if each not in letters), None)
-        return None if odd is None else f"expects letters of `{letters}`, got `{odd}`"
-    return f"expects {counted(attribute, 'character')}, got {len(text)}"
+        return None if odd is None else Refusal(f"expects letters of `{letters}`, got `{odd}`")
+    return Refusal(f"expects {counted(attribute, 'character')}, got {len(text)}", is_length=True)
 
 
-def check_length(attribute: Attribute, count: int) -> str | None:
+def check_length(attribute: Attribute, count: int) -> Refusal | None:
     """What is wrong with the number of items."""
     low, high = attribute.min_length, attribute.max_length
     if attribute.lengths is not None:
@@ -166,7 +175,7 @@ def check_length(attribute: Attribute, count: int) -> str | None:
         fits = (low is None or count >= low) and (high is None or count <= high)
     if fits:
         return None
-    return f"expects {expected(attribute)}, got {count}"
+    return Refusal(f"expects {expected(attribute)}, got {count}", is_length=True)
 
 
 def expected(attribute: Attribute) -> str:
@@ -202,32 +211,40 @@ def counted(attribute: Attribute, noun: str) -> str:
     return f"{low} to {high} {noun}s"
 
 
-def unknown_keyword(attribute: Attribute, word: str) -> str:
+def unknown_keyword(attribute: Attribute, word: str) -> Refusal:
     """That a word is none of the keywords; names the one it nearly is, or all of them if they are few."""
     if not word:
         choices = either(attribute.keywords) if len(attribute.keywords) <= SHOWN_KEYWORDS else "a keyword"
-        return f"expects {choices}, got nothing"
+        return Refusal(
+            f"expects {choices}, got nothing",
+            unknown=word,
+            lists_keywords=len(attribute.keywords) <= SHOWN_KEYWORDS,
+        )
     near = word.strip().lower()
     for keyword in attribute.keywords:
         if keyword.lower() == near:
-            return f"has no keyword `{shorten(word)}`; it is spelled `{keyword}`"
+            return Refusal(
+                f"has no keyword `{shorten(word)}`", unknown=word, hint=f"it is spelled `{keyword}`"
+            )
     if len(attribute.keywords) <= SHOWN_KEYWORDS:
-        return f"expects {either(attribute.keywords)}, got `{shorten(word)}`"
-    return f"has no keyword `{shorten(word)}`"
+        return Refusal(
+            f"expects {either(attribute.keywords)}, got `{shorten(word)}`", unknown=word, lists_keywords=True
+        )
+    return Refusal(f"has no keyword `{shorten(word)}`", unknown=word)
 
 
-def refused_number(attribute: Attribute, part: str) -> str:
+def refused_number(attribute: Attribute, part: str) -> Refusal:
     """Why one item of a list of numbers is none."""
     if attribute.type == "int":
         if part.lstrip("+-").isdigit():
-            return f"expects {expected(attribute)} of 32 bits, got `{shorten(part)}`"
+            return Refusal(f"expects {expected(attribute)} of 32 bits, got `{shorten(part)}`")
         real = parse_real(part)
         if real is not None and real.is_integer():
-            return f"expects {expected(attribute)}, got `{shorten(part)}`; write {int(real)}"
-        return f"expects {expected(attribute)}, got `{shorten(part)}`"
+            return Refusal(f"expects {expected(attribute)}, got `{shorten(part)}`", instead=str(int(real)))
+        return Refusal(f"expects {expected(attribute)}, got `{shorten(part)}`")
     if "," in part:
-        return f"expects numbers separated by spaces, got `{shorten(part)}`"
-    return f"expects {expected(attribute)}, got `{shorten(part)}`"
+        return Refusal(f"expects numbers separated by spaces, got `{shorten(part)}`")
+    return Refusal(f"expects {expected(attribute)}, got `{shorten(part)}`")
 
 
 def keyword_text(value: object) -> str | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from composer.diff.fields import ANGULAR, unit
+from composer.compiled.quantities import ANGULAR, unit
 from composer.document.quote import quoted
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from composer.compiled.correspondence import Correspondence
 from composer.compiled.kinds import KINDS, Model, NameTable
 from composer.compiled.mount import Mount
+from composer.compiled.quantities import follows
 from composer.diff.change import Change, Value
-from composer.diff.fields import follows
 from composer.diff.models import references
 from composer.diff.values import Values
 from composer.explain.query import ordered

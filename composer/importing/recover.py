@@ -156,10 +156,7 @@ class _Recovery:
         finally:
             trial.unlink(missing_ok=True)
         faults = [
-            Diagnostic(
-                each.code, each.message, _at(each, trial, out, own), each.severity, each.notes, each.help
-            )
-            for each in own.sink.errors
+            replace(each, span=_at(each, trial, out, own), others=(), cells=()) for each in own.sink.errors
         ]
         return (None if result is None else result.bundle), faults
 

@@ -12,7 +12,7 @@ from composer.numerics.pose import Pose
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
 from composer.tree.unit import Unit
 
-_SETTING = "`fitaabb`"
+_SETTING = ("fitaabb",)
 _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 
 

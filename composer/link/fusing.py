@@ -8,10 +8,11 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Cause, Note
 from composer.grammar import GRAMMAR
-from composer.link.inertia import has_mass, own
-from composer.link.linking import Linking, Part
+from composer.link.inertia import has_mass
+from composer.link.linking import Linking
 from composer.link.measured_unit import Survey, cannot_be_kept
-from composer.tree.classes import childclass_of, through_frames, walk_bodies
+from composer.link.part import Part
+from composer.tree.classes import childclass_of, own, through_frames, walk_bodies
 from composer.tree.unit import Unit
 
 _JOINTS = ("joint", "freejoint")
@@ -126,7 +127,7 @@ def _flexible(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bo
     if before is after or not (before.sets("joint") or after.sets("joint")):
         return False
     cannot_be_kept(
-        linking, unit, "`fusestatic`", "the joints of a `<flexcomp>` would have another class", flexcomp
+        linking, unit, ("fusestatic",), "the joints of a `<flexcomp>` would have another class", flexcomp
     )
     return True
 

@@ -5,14 +5,14 @@ The model itself always says `inertiafromgeom="auto"` and `inertiagrouprange="0 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 
 from lxml.etree import _Element as Node
 
 from composer.link import numbers
 from composer.link.linking import Linking
 from composer.link.measured_unit import BODIES, Survey, cannot_be_kept, survey
-from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, walk_bodies
+from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, own, walk_bodies
 from composer.tree.settings import Settings
 from composer.tree.unit import Unit
 
@@ -41,17 +41,6 @@ def inertia(linking: Linking) -> None:
 
 def _bodies(unit: Unit) -> list[Node]:
     return [element for element, _ in walk_bodies(unit.root) if element.tag == "body"]
-
-
-def own(body: Node, *tags: str) -> list[Node]:
-    """Elements of those tags that belong to the body itself, frames being transparent."""
-    found: list[Node] = []
-    for child in body:
-        if child.tag in tags:
-            found.append(child)
-        elif child.tag in ("frame", "replicate"):
-            found.extend(own(child, *tags))
-    return found
 
 
 def _leave_out_groups(unit: Unit, low: int, high: int) -> None:
@@ -93,7 +82,7 @@ def _never_from_geoms(linking: Linking, unit: Unit) -> None:
                 if has_mass(geom, classes):
                     geom.set("mass", "0")
             body.insert(0, body.makeelement("inertial", {**_pose(body), "mass": "0", "diaginertia": "0 0 0"}))
-            linking.weighed.add(body)
+            linking.notes.inertia_written.add(body)
 
 
 def _pose(body: Node) -> dict[str, str]:
@@ -105,10 +94,9 @@ def _pose(body: Node) -> dict[str, str]:
 def write_inertias(linking: Linking, unit: Unit) -> None:
     """Compile the unit alone and write the inertia of every body as MuJoCo has it."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
-    settings = " and ".join(f"`{name}`" for name in wanting)
-    found = survey(linking, unit, settings, BODIES)
+    found = survey(linking, unit, wanting, BODIES)
     if found is not None:
-        write_measured(linking, unit, settings, _bodies(unit), found)
+        write_measured(linking, unit, wanting, _bodies(unit), found)
 
 
 def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
@@ -119,14 +107,13 @@ def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Surve
     ruled = [
         name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()
     ]
-    settings = " and ".join(f"`{name}`" for name in ruled) or "`fusestatic`"
     bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
-    if write_measured(linking, unit, settings, bodies, found):
+    if write_measured(linking, unit, ruled or ["fusestatic"], bodies, found):
         unit.forget_settings(*ruled)
 
 
 def write_measured(
-    linking: Linking, unit: Unit, settings: str, bodies: Iterable[Node], found: Survey
+    linking: Linking, unit: Unit, settings: Sequence[str], bodies: Iterable[Node], found: Survey
 ) -> bool:
     """Give each of these bodies the inertia that a survey found for it; tells where that is impossible."""
     flexible = next(unit.root.iter("flexcomp"), None)
@@ -147,7 +134,7 @@ def write_measured(
             assert holder is not None
             holder.remove(inertial)
         if not written:
-            linking.weighed.add(body)
+            linking.notes.inertia_written.add(body)
         if any(mass) or any(moments) or written or own(body, "geom"):
             values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
             body.insert(

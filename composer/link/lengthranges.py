@@ -27,12 +27,12 @@ def lengthranges(linking: Linking) -> None:
             continue
         actuators = unit.root.findall("actuator/*")
         if actuators:
-            found = survey(linking, unit, "`lengthrange`", _ARRAYS)
+            found = survey(linking, unit, ("lengthrange",), _ARRAYS)
             if found is None:
                 continue
             measured = found.arrays["actuator_lengthrange"]
             if len(measured) != 2 * len(actuators):
-                cannot_be_kept(linking, unit, "`lengthrange`", "MuJoCo makes copies of actuators")
+                cannot_be_kept(linking, unit, ("lengthrange",), "MuJoCo makes copies of actuators")
                 continue
             for at, actuator in enumerate(actuators):
                 low, high = measured[2 * at : 2 * at + 2]

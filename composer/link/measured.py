@@ -74,12 +74,12 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
 
 
 def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
-    """What each `<attach>` brings, measured by itself in an empty world; `linking.measured` keeps it."""
+    """What each `<attach>` brings, measured by itself in an empty world; `linking.keys.measured` keeps it."""
     found: dict[Node, Slot] = {}
     for attach in unit.root.iter("attach"):
-        slot = linking.measured.get(attach) or _measured(linking, unit, attach)
+        slot = linking.keys.measured.get(attach) or _measured(linking, unit, attach)
         if slot is not None:
-            found[attach] = linking.measured[attach] = slot
+            found[attach] = linking.keys.measured[attach] = slot
     return found
 
 
@@ -176,7 +176,7 @@ def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[f
     for joint, slot in layout.joints.items():
         width = slot.widths[0]
         if is_measured(unit, joint, slot):
-            linking.references[joint] = numbers.text(qpos0[at : at + width]).split()
+            linking.keys.references[joint] = numbers.text(qpos0[at : at + width]).split()
         at += width
 
 
@@ -188,7 +188,7 @@ def _note_mocaps(linking: Linking, layout: Layout, arrays: Mapping[str, list[flo
     for element, count in layout.mocaps.items():
         own, bodies = bodies[:count], bodies[count:]
         if element.tag != "body":
-            linking.mocap_references[element] = [_pose(arrays, body) for body in own]
+            linking.keys.mocap_references[element] = [_pose(arrays, body) for body in own]
 
 
 def _pose(arrays: Mapping[str, list[float]], body: int) -> Pose:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from lxml.etree import _Element as Node
@@ -45,13 +45,37 @@ class Survey:
         return {text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts}
 
 
+@dataclass(frozen=True, slots=True)
+class Unmeasurable:
+    """Why a unit cannot be measured, and the element that is the reason, if it is one."""
+
+    why: str
+    element: Node | None = None
+
+
 def survey(
-    linking: Linking, unit: Unit, settings: str, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
+    linking: Linking,
+    unit: Unit,
+    settings: Sequence[str],
+    arrays: tuple[str, ...],
+    *,
+    pinned: Collection[Node] = (),
 ) -> Survey | None:
+    """Measure the unit for the sake of these settings; an error where that is not possible."""
+    found = measured(linking, unit, arrays, pinned=pinned)
+    if isinstance(found, Unmeasurable):
+        cannot_be_kept(linking, unit, settings, found.why, found.element)
+        return None
+    return found
+
+
+def measured(
+    linking: Linking, unit: Unit, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
+) -> Survey | Unmeasurable | None:
     """Compile the unit alone, but for the alignment of free bodies, which is left to the model.
 
-    `settings` are those for whose sake it is done, as a message says them; it tells where it cannot be done.
-    `pinned` bodies are kept from being fused: something refers to them.
+    None where MuJoCo refuses the unit, which has been reported. `pinned` bodies are kept from being fused: something
+    refers to them.
     """
     opaque = next(unit.root.iter(*_OPAQUE), None)
     why = None
@@ -62,8 +86,7 @@ def survey(
     elif linking.measure is None:
         why = "MuJoCo is not at hand"
     if why is not None or linking.measure is None:
-        cannot_be_kept(linking, unit, settings, str(why))
-        return None
+        return Unmeasurable(str(why))
     copy = unit.copied()
     marked: list[Node] = []
     for (original, _), (element, _) in zip(walk_bodies(unit.root), walk_bodies(copy.root), strict=True):
@@ -82,23 +105,20 @@ def survey(
             rows[marked[mark - 1]].append(row)
     for element, places in rows.items():
         if places and len(places) != _copies(element):
-            cannot_be_kept(
-                linking, unit, settings, f"it leaves out some copies of `<{element.tag}>` only", element
-            )
-            return None
+            return Unmeasurable(f"it leaves out some copies of `<{element.tag}>` only", element)
     return Survey(found, {element: tuple(places) for element, places in rows.items()})
 
 
 def cannot_be_kept(
-    linking: Linking, unit: Unit, settings: str, why: str, element: Node | None = None
+    linking: Linking, unit: Unit, settings: Sequence[str], why: str, element: Node | None = None
 ) -> None:
-    """Tell that settings, as a message says them, cannot be kept; at an element, or where the first is written."""
-    first = settings.split("`")[1]
+    """Report that settings cannot be kept; at an element, or where the first of them is written."""
+    first, named = settings[0], " and ".join(f"`{name}`" for name in settings)
     compilers = list(unit.root.iterchildren("compiler"))
     compiler = next((each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0])
     linking.sink.error(
         "compiler-setting",
-        f"{settings} of `{unit.label}` cannot be kept in a composition: {why}",
+        f"{named} of `{unit.label}` cannot be kept in a composition: {why}",
         linking.span(unit, compiler, first) if element is None else linking.span(unit, element),
         help="remove the setting from the source, or write the values it gives",
     )

@@ -8,7 +8,8 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.tree.line import line_of
 from composer.tree.names import word
 from composer.tree.unit import Unit
@@ -39,6 +40,7 @@ def loose_end(
         linking.span(unit, element, attribute),
         notes=(exists_note(word(namespace), own, wanted),),
         help=f'did you mean `{attribute}="{near[0]}"`?' if near and attribute else None,
+        subjects=(wanted,),
     )
 
 
@@ -50,6 +52,7 @@ def repeated(linking: Linking, unit: Unit, prefix: str, clash: Clash) -> None:
         f"`{unit.file}` has two elements that are the {word(namespace)} `{name.removeprefix(prefix)}`",
         linking.span(unit, element, "name" if namespace != "default" else "class"),
         notes=(Note("the first one is here", linking.span(unit, earlier)),),
+        subjects=(name.removeprefix(prefix),),
     )
 
 
@@ -71,6 +74,7 @@ def clash_with_others(linking: Linking, part: Part, clashes: Sequence[Clash]) ->
         help="give the part another prefix"
         if part.prefix
         else "let the part have a prefix: leave `prefix` out",
+        subjects=(part.called, name),
     )
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import Enum
-from pathlib import Path
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from composer.tree.files import join, written_path
+from composer.tree.files import written_path
 from composer.tree.names import GENERATORS, WORLD, declaration, references, word
-from composer.tree.skin_file import BadSkin, rename_bones
+from composer.tree.skin_file import bones
 from composer.tree.unit import Unit
 
 # Whoever needs one of these takes it along: they concern no side.
@@ -115,18 +114,7 @@ class Concern:
         """The bodies that a skin file names; None where it cannot be read."""
         unit = self._unit
         path = written_path(unit.settings, skin, str(skin.get("file")))
-        content = unit.contents.get(path, Path(join(str(unit.directory), path)))
-        bones: list[str] = []
-
-        def note(name: str) -> str:
-            bones.append(name)
-            return name
-
-        try:
-            rename_bones(content if isinstance(content, bytes) else content.read_bytes(), note)
-        except (OSError, BadSkin):
-            return None
-        return bones
+        return bones(unit.source_of(path))
 
 
 class _Names:

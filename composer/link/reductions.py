@@ -9,8 +9,9 @@ from __future__ import annotations
 from composer.link.discarding import discard
 from composer.link.fusing import fuse, static_bodies
 from composer.link.inertia import settle
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
 from composer.link.measured_unit import BODIES, NAMED, survey
+from composer.link.part import Part
 from composer.tree.unit import Unit
 
 _REDUCING = ("fusestatic", "discardvisual")
@@ -31,8 +32,7 @@ def _reduce(linking: Linking, unit: Unit, part: Part | None) -> None:
         return
     # On a joint of the recipe stands what would be part of a world alone: it keeps its mass.
     pinned = static_bodies(unit) if part is not None and (part.joints or part.mocap) else ()
-    settings = " and ".join(f"`{name}`" for name in wanted)
-    found = survey(linking, unit, settings, (*BODIES, *NAMED), pinned=pinned)
+    found = survey(linking, unit, wanted, (*BODIES, *NAMED), pinned=pinned)
     if found is None:
         return
     changed = discard(unit, found) if "discardvisual" in wanted else set()

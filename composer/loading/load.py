@@ -136,8 +136,8 @@ def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool
 
 
 def _listed(mujoco: Any, model: Model) -> Any:
+    from composer.compiled.index import Index as Compiled
     from composer.engine import facts
-    from composer.engine.index import Index as Compiled
 
     return index_of(Compiled.from_data(facts.index(model, mujoco)))
 

@@ -23,6 +23,7 @@ from composer.mjcf.views import view
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
 from composer.tree.kinds import kind_of
 from composer.tree.name_index import SEPARATOR
+from composer.tree.renaming import Renaming
 
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
@@ -191,7 +192,8 @@ def set_model_name(model: Model, name: str | None) -> None:
     text = written.texts["model"]
     if attachment is not None:
         new = (text or model.unit.label) + SEPARATOR
-        _check_lists(attachment.parent, old, new)
+        renaming = Renaming.of_prefix(attachment.parent, old, new)
+        edit.check_lists(renaming)
         skins = for_prefix(attachment.parent, old, new) if new != old else []
     if text is None:
         edit.drop(model.unit.root, "model")
@@ -202,21 +204,7 @@ def set_model_name(model: Model, name: str | None) -> None:
     take(skins)
     parent = attachment.parent
     parent.attachments = {each.child.prefix: each for each in parent.attachments.values()}
-    new = model.prefix
-    for here in (parent, *parent.ancestors()):
-        for namespace, uses in list(here.names.uses.items()):
-            own = here.names.declared.get(namespace, {})
-            for used in [used for used in uses if used.startswith(old) and used not in own]:
-                here.names.follow(namespace, used, new + used[len(old) :])
-        old, new = here.prefix + old, here.prefix + new
-
-
-def _check_lists(parent: Model, old: str, new: str) -> None:
-    """A prefix with a space in it cannot stand before names that are in lists."""
-    for namespace, uses in parent.names.uses.items() if len(new.split()) > 1 else ():
-        for used in uses:
-            if used.startswith(old):
-                edit.check_lists(parent, namespace, used, new + used[len(old) :])
+    renaming.carry_out()
 
 
 def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = None) -> None:

@@ -6,13 +6,11 @@ from collections.abc import Callable, Container
 from dataclasses import dataclass
 from pathlib import Path
 
-from composer.mjcf.asset import Files, asset_of
+from composer.mjcf.asset import Files
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import MjcfError, failure
+from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
-from composer.tree.files import written_path
-from composer.tree.settings import read_settings
-from composer.tree.skin_file import BadBone, BadSkin, rename_bones
+from composer.tree.skin_file import BadBone, renamed_skin, skins
 
 Skins = list[tuple[Model, dict[str, bytes | Path]]]
 """Models, and what their skin files are to be, by written path."""
@@ -34,44 +32,36 @@ class _Prefixes:
 def renamed(model: Model, rename: Callable[[str], str | None]) -> dict[str, bytes | Path]:
     """The skin files of a model in which names change. Raises `MjcfError` for a name that does not fit into one.
 
-    `rename` gives None for what keeps its name. A file that cannot be read is told where all files are read.
+    `rename` gives None for what keeps its name.
     """
     found: dict[str, bytes | Path] = {}
-    for skin in model.names.declared.get("skin", {}).values():
-        file = skin.get("file")
-        if not file:
-            continue
+    for skin in skins(model.unit.root):
         try:
-            before = asset_of(model, "skin", str(file)).contents
-            after = rename_bones(before, lambda name: rename(name) or name)
+            content = renamed_skin(model.unit.source_of(skin.path), rename)
         except BadBone as fault:
-            raise failure("bad-name", f"{fault}, `{file}`", call_site()) from None
-        except (MjcfError, BadSkin):
-            continue
-        if after != before:
-            found[written_path(read_settings(model.unit.root), skin, str(file))] = after
+            raise failure("bad-name", f"{fault}, `{skin.written}`", call_site()) from None
+        if content is not None:
+            found[skin.path] = content
     return found
 
 
 def for_body(model: Model, old: str, new: str) -> Skins:
     """What the skins of a model and of those above it are to be when one of its bodies gets another name."""
     found: Skins = []
-    for here in (model, *model.ancestors()):
-        changed = renamed(here, {old: new}.get)
+    for here, prefix in model.levels():
+        changed = renamed(here, {prefix + old: prefix + new}.get)
         if changed:
             found.append((here, changed))
-        old, new = here.prefix + old, here.prefix + new
     return found
 
 
 def for_prefix(parent: Model, old: str, new: str) -> Skins:
-    """The same for a model and those above it when what hangs on it gets another prefix."""
+    """What the skins of a model and of those above it are to be when what hangs on it gets another prefix."""
     found: Skins = []
-    for here in (parent, *parent.ancestors()):
-        changed = renamed(here, _Prefixes(old, new, here.names.declared.get("body", {})))
+    for here, prefix in parent.levels():
+        changed = renamed(here, _Prefixes(prefix + old, prefix + new, here.names.declared.get("body", {})))
         if changed:
             found.append((here, changed))
-        old, new = here.prefix + old, here.prefix + new
     return found
 
 

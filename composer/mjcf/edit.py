@@ -13,7 +13,7 @@ from typing import cast
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import did_you_mean
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
 from composer.mjcf.asset import Asset, Files, place
@@ -26,8 +26,9 @@ from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode, plain_text
 from composer.tree.classes import MAIN, ORIENTATIONS
 from composer.tree.files import NAMED_AFTER_FILE, stem
-from composer.tree.kinds import attribute_of, kind_of, naming_attribute, section_of, spoken
-from composer.tree.name_index import MAY_REPEAT, is_list
+from composer.tree.kinds import attribute_of, kind_of, naming_attribute, spoken
+from composer.tree.name_index import MAY_REPEAT
+from composer.tree.renaming import NewName, Renaming, unlistable_message
 
 
 @dataclass(slots=True)
@@ -40,6 +41,8 @@ class Edit:
     """Names for what is referred to and has none."""
     skins: Skins = field(default_factory=list)
     """Skin files that have the name of a body which gets another one."""
+    renaming: Renaming[Model] | None = None
+    """The references that follow a new name."""
     nameless: bool = False
     """Whether none of the attributes has to do with names."""
 
@@ -131,9 +134,7 @@ def write(model: Model, node: Node, edit: Edit) -> None:
     _take_contents(model, edit)
     take(edit.skins)
     _give_names(edit)
-    before = None
     if not edit.nameless:
-        before = model.declared(node)
         model.forget(node)
     if edit.texts:
         site = call_site()
@@ -153,9 +154,8 @@ def write(model: Model, node: Node, edit: Edit) -> None:
     if edit.nameless:
         return
     model.note(node)
-    after = model.declared(node)
-    if before and after and before != after:
-        follow(model, before[0], before[1], after[1])
+    if edit.renaming is not None:
+        edit.renaming.carry_out()
 
 
 @cache
@@ -197,13 +197,6 @@ def _child_at(parent: Node, position: int) -> Node | None:
     return next(from_the_end, next(parent.iterchildren("*"), None))
 
 
-def follow(model: Model, namespace: str, old: str, new: str) -> None:
-    """Everything that refers to a renamed element refers to it by its new name, in models above as well."""
-    for here in (model, *model.ancestors()):
-        here.names.follow(namespace, old, new)
-        old, new = here.prefix + old, here.prefix + new
-
-
 def _take_contents(model: Model, edit: Edit) -> None:
     if edit.contents:
         known = model.unit.contents
@@ -225,7 +218,7 @@ def _check_name(
 ) -> None:
     """A name must be free in the whole composition."""
     attribute = naming_attribute(kind)
-    if attribute is None or attribute.declares is None or attribute.declares in MAY_REPEAT:
+    if attribute is None or attribute.declares is None:
         return
     namespace = attribute.declares
     after_file = kind.path in NAMED_AFTER_FILE
@@ -244,9 +237,12 @@ def _check_name(
         raise failure(
             "wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`", call_site()
         )
-    before = None if node is None or frame is not None else model.declared(node)
-    if before is not None:
-        check_lists(model, namespace, before[1], name)
+    before = None if node is None else model.declared(node)
+    if before is not None and before[1] != name:
+        edit.renaming = Renaming.of([NewName(model, namespace, before[1], name)])
+        check_lists(edit.renaming)
+    if namespace in MAY_REPEAT:
+        return
     taken = model.top.lookup(namespace, model.full_prefix + name)
     if taken is None or (taken.model is model and taken.node is node):
         return
@@ -276,21 +272,16 @@ def _skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> Skins:
     return for_body(model, before[1], name) if before and name and before[1] != name else []
 
 
-def check_lists(model: Model, namespace: str, old: str, new: str) -> None:
+def check_lists(renaming: Renaming[Model]) -> None:
     """A name with a space in it cannot stand in a list of names. Raises `MjcfError`."""
-    if len(new.split()) == 1:
-        return
-    for here in (model, *model.ancestors()):
-        for user, attribute in here.names.users(namespace, old):
-            if is_list(user, attribute, section_of(user)):
-                raise failure(
-                    "wrong-type",
-                    f"`{old}` cannot be called `{new}`: {describe(here, user)} has it in a list of names, "
-                    "which cannot hold one with a space",
-                    call_site(),
-                    notes=(Note("the list is here", here.span(user)),),
-                )
-        old, new = here.prefix + old, here.prefix + new
+    for reference, new in renaming.unlistable():
+        here, user = reference.model, reference.node
+        raise failure(
+            "wrong-type",
+            unlistable_message(reference, new, describe(here, user)),
+            call_site(),
+            notes=(Note("the list is here", here.span(user)),),
+        )
 
 
 def _bad_value(
@@ -300,17 +291,17 @@ def _bad_value(
         what = describe(model, node)
     else:
         what = f"`<{kind.tag}>` `{name}`" if isinstance(name, str) else f"`<{kind.tag}>`"
-    message = str(fault)
-    got = message.rpartition(", got ")[2]
-    near: list[str] = []
+    refusal = fault.refusal
+    help = None
     if attribute.type in ("keyword", "keywords"):
         code = "wrong-keyword"
-        near = closest(got.strip("`"), attribute.keywords)
+        if refusal.unknown is not None and refusal.advice is None:
+            help = did_you_mean(refusal.unknown, attribute.keywords)
     else:
-        code = "wrong-length" if got.isdigit() and attribute.type != "name" else "wrong-type"
+        code = "wrong-length" if refusal.is_length else "wrong-type"
     return failure(
         code,
-        f"`{spoken(attribute.name)}` of {what} {message}",
+        f"`{spoken(attribute.name)}` of {what} {refusal}",
         call_site(),
-        help=f"did you mean `{near[0]}`?" if near else None,
+        help=help,
     )

@@ -16,6 +16,7 @@ from composer.tree.classes import MAIN
 from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute, section_of
 from composer.tree.name_index import SEPARATOR, NameIndex, own_name
 from composer.tree.names import WORLD
+from composer.tree.removal import names_in
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -67,6 +68,17 @@ class Attachment:
             return next((joint for joint in self.frame if (joint.get("name") or "") == name), None)
         return None
 
+    def names(self) -> Iterator[tuple[str, str]]:
+        """Namespace and name of all that the parent knows of what hangs on it."""
+        child, prefix = self.child, self.child.prefix
+        yield "body", prefix
+        yield "default", prefix
+        yield from (("joint", prefix + str(joint.get("name") or "")) for joint in self.frame)
+        for namespace, names in child.names.declared.items():
+            yield from ((namespace, prefix + name) for name in names)
+        for inner in child.attachments.values():
+            yield from ((namespace, prefix + name) for namespace, name in inner.names())
+
 
 @dataclass(eq=False)
 class Model:
@@ -114,6 +126,14 @@ class Model:
         while model.hung is not None:
             model = model.hung.parent
             yield model
+
+    def levels(self) -> Iterator[tuple[Model, str]]:
+        """This model and those it hangs on, each with what stands before this model's names there."""
+        model, prefix = self, ""
+        yield model, prefix
+        while model.hung is not None:
+            model, prefix = model.hung.parent, model.prefix + prefix
+            yield model, prefix
 
     def section(self, tag: str) -> Node:
         """The node of a top-level section; made where there is none, in MJCF's usual order."""
@@ -187,6 +207,21 @@ class Model:
             if frame is not None:
                 return Target(self, frame)
         return None
+
+    def find_node(self, namespace: str, name: str) -> Node | None:
+        """The element that a name means, of this model or of what is attached."""
+        found = self.lookup(namespace, name)
+        return None if found is None else found.node
+
+    def names_of(self, node: Node) -> list[tuple[str, str]]:
+        """Namespace and name of everything that goes with a node, what is attached there included."""
+        if not self.attachments:
+            return names_in(node)
+        inside = dict.fromkeys(node.iter("*"))
+        if self.frame_above(node) is not None:
+            return [name for each in inside if (name := self.declared(each)) is not None]
+        hanging = [each for each in self.attachments.values() if each.host in inside]
+        return [*names_in(node), *(name for attachment in hanging for name in attachment.names())]
 
     def lookup_attached(self, namespace: str, name: str) -> Target | None:
         """The same for a model that hangs: its world is no body, its top class has the bare prefix."""

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from lxml.etree import _Element as Node
 
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
-from composer.mjcf.model import Attachment, Model, Target
-from composer.tree.removal import can_do_without, is_section, whole
+from composer.mjcf.model import Model
+from composer.tree.removal import Removal, is_section
 
 
 def remove(model: Model, node: Node, cascade: bool) -> None:
@@ -21,15 +19,11 @@ def remove(model: Model, node: Node, cascade: bool) -> None:
             call_site(),
             help="`detach()` takes an attached model out of the one it hangs on",
         )
-    waiting = [Target(model, node)]
-    while waiting:
-        target = waiting.pop()
-        if not target.model.has(target.node):
-            continue
-        names = _names(target) if cascade else []
-        _take_out(target)
-        for namespace, name in names:
-            waiting.extend(_let_go(target.model, namespace, name))
+    removal = Removal.of([(model, node)]).with_referrers() if cascade else None
+    if removal is not None:
+        removal.drop_references()
+    for here, going in removal.going if removal is not None else ((model, node),):
+        _take_out(here, going)
 
 
 def discard(model: Model, node: Node) -> None:
@@ -43,32 +37,7 @@ def discard(model: Model, node: Node) -> None:
         model.unit.origins.settings.pop(each, None)
 
 
-def _names(target: Target) -> list[tuple[str, str]]:
-    """Namespace and name of everything that goes."""
-    model, node = target
-    inside = list(node.iter("*"))
-    declared = [model.declared(each) for each in inside if not is_section(each)]
-    hanging = [each for each in model.attachments.values() if each.host in inside]
-    return [
-        *(each for each in declared if each is not None),
-        *(each for attachment in hanging for each in _attached_names(attachment)),
-    ]
-
-
-def _attached_names(attachment: Attachment) -> Iterator[tuple[str, str]]:
-    """Every name under which the parent knows something of what hangs on it."""
-    child, prefix = attachment.child, attachment.child.prefix
-    yield "body", prefix
-    yield "default", prefix
-    yield from (("joint", prefix + str(joint.get("name") or "")) for joint in attachment.frame)
-    for namespace, names in child.names.declared.items():
-        yield from ((namespace, prefix + name) for name in names)
-    for inner in child.attachments.values():
-        yield from ((namespace, prefix + name) for namespace, name in _attached_names(inner))
-
-
-def _take_out(target: Target) -> None:
-    model, node = target
+def _take_out(model: Model, node: Node) -> None:
     inside = set(node.iter("*"))
     for prefix, attachment in list(model.attachments.items()):
         if attachment.host in inside:
@@ -93,22 +62,3 @@ def release(model: Model, prefix: str) -> None:
     discard(model, attachment.frame)
     del model.attachments[prefix]
     attachment.child.hung = None
-
-
-def _let_go(model: Model, namespace: str, name: str) -> list[Target]:
-    """Drop the references to a name that an element can do without; gives the elements that must go."""
-    going: list[Target] = []
-    here: Model | None = model
-    while here is not None:
-        for node, attribute in here.names.users(namespace, name):
-            if can_do_without(node, namespace):
-                here.forget(node)
-                del node.attrib[attribute]
-                here.note(node)
-            else:
-                going.append(Target(here, whole(node)))
-        if here.hung is None:
-            break
-        name = here.prefix + name
-        here = here.hung.parent
-    return going

@@ -45,8 +45,7 @@ def escape_separators(model: Model) -> None:
             node.set(attribute.name, _escaped(name))
             model.note(node)
     for namespace, uses in model.names.uses.items():
-        for name in [name for name in uses if SEPARATOR in name]:
-            model.names.follow(namespace, name, _escaped(name))
+        model.names.follow(namespace, {name: _escaped(name) for name in uses if SEPARATOR in name})
     if SEPARATOR in model.unit.model:
         model.unit.root.set("model", _escaped(model.unit.model))
 

@@ -13,6 +13,7 @@ from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_length, check_python, check_value, expected, plain
 from composer.grammar.format import number_text, to_text
 from composer.grammar.number import INT_MAX, items, parse_real
+from composer.grammar.refusal import Refusal
 from composer.tree.classes import ORIENTATIONS
 
 # Types of which text may be given as it stands in XML; of numbers too.
@@ -32,6 +33,10 @@ _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 class BadValue(ValueError):
     """A value that does not fit; the message continues the attribute's name."""
+
+    def __init__(self, refusal: Refusal | str) -> None:
+        super().__init__(refusal)
+        self.refusal = Refusal(refusal) if isinstance(refusal, str) else refusal
 
 
 def encode(attribute: Attribute, value: object) -> str:

@@ -6,23 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from composer.plan.checks import checks_of
-from composer.plan.draws import words_of_draw
-from composer.plan.edits import in_words, words_of
-from composer.plan.plan import (
-    AddElement,
-    AppendElement,
-    AttachPart,
-    DrawValues,
-    EditElements,
-    LoadBase,
-    Plan,
-    SetDefault,
-    SetSingleton,
-    Step,
-    WriteKeyframe,
-)
+from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.recipe.attach import Attachment
-from composer.recipe.element import Element
 from composer.recipe.fault import Path
 from composer.sources.source import Source
 
@@ -59,9 +44,9 @@ def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
         if isinstance(part.model, Plan):
             yield from _lines(part.model, subtrees, inner + "  ")
     for field in plan.randomize.of_parameters if plan.randomize else ():
-        yield inner + words_of_draw(field)
+        yield inner + field.words
     for step in plan.steps:
-        yield inner + _step(step)
+        yield inner + step.words
     for words in checks_of(plan):
         yield inner + words
 
@@ -92,7 +77,7 @@ def _own(wanted: LoadBase | Attachment, subtree: Subtree | None, indent: str) ->
         yield f"{indent}drop {', '.join(map(str, wanted.drop))}"
     yield from _left(subtree, indent)
     for each in wanted.edit:
-        yield indent + words_of(each)
+        yield indent + each.words
 
 
 def _left(subtree: Subtree | None, indent: str) -> Iterator[str]:
@@ -126,36 +111,6 @@ def _place(part: AttachPart) -> str:
     return f"{place}, with {len(joint) if isinstance(joint, tuple) else 1} joint(s)"
 
 
-def _step(step: Step) -> str:
-    if isinstance(step, AddElement):
-        where = "the world" if step.to_kind == "world" else f"the {step.to_kind} {step.to}"
-        return f"add {_element(step.element)} to {where}"
-    if isinstance(step, SetSingleton):
-        return f"set {step.section}: {', '.join(_settings(step.element))}"
-    if isinstance(step, SetDefault):
-        return f"set the default class {step.name}: {', '.join(child.tag for child in step.element.children)}"
-    if isinstance(step, EditElements):
-        return in_words(step)
-    if isinstance(step, DrawValues):
-        return words_of_draw(step.field)
-    if isinstance(step, WriteKeyframe):
-        return f"write the keyframe {step.key.name}"
-    assert isinstance(step, AppendElement)
-    return f"add {_element(step.element)} to {step.section}"
-
-
-def _element(element: Element) -> str:
-    name = element.attributes.get("name")
-    article = "an" if element.tag[0] in "aeiou" else "a"
-    return f"{element.tag} {name}" if name is not None else f"{article} {element.tag}"
-
-
-def _settings(element: Element, path: str = "") -> Iterator[str]:
-    yield from (f"{path}{name} = {value}" for name, value in element.attributes.items())
-    for child in element.children:
-        yield from _settings(child, f"{path}{child.tag}.")
-
-
 def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
     """The plan as JSON takes it: name, sources with their references, steps in words."""
     found = subtrees or {}
@@ -175,7 +130,7 @@ def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
             }
             for part in plan.parts
         ],
-        "steps": [_step(step) for step in plan.steps],
+        "steps": [step.words for step in plan.steps],
         "checks": list(checks_of(plan)),
         **_draws_data(plan),
     }
@@ -185,14 +140,14 @@ def _draws_data(plan: Plan) -> dict[str, Any]:
     if plan.randomize is None:
         return {}
     wanted = plan.randomize
-    fields = {field.name: words_of_draw(field) for field in wanted.fields}
+    fields = {field.name: field.words for field in wanted.fields}
     return {
         "randomize": {"seed": wanted.seed, "samples": wanted.samples, "emit": wanted.emit, "fields": fields}
     }
 
 
 def _own_data(wanted: LoadBase | Attachment) -> dict[str, Any]:
-    edits = [words_of(each) for each in wanted.edit]
+    edits = [each.words for each in wanted.edit]
     return {"edits": edits} if edits else {}
 
 
@@ -210,7 +165,7 @@ def _model_data(model: Source | Plan | None, subtrees: Subtrees) -> Any:
         return as_data(model, subtrees)
     return {
         "reference": model.reference,
-        "kind": model.kind,
+        "kind": model.kind.name,
         "format": model.format,
         "package": model.package,
         "version": model.version,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Set as AbstractSet
 
 from composer.compiled.affected_arrays import arrays_of
-from composer.plan.plan import DrawValues
+from composer.plan.steps.draw_values import DrawValues
 from composer.recipe.subscript import attribute_and_index
 from composer.tree.selector import XPATH
 

@@ -30,7 +30,9 @@ def drawn_parameters(
         if name in taken:
             span = locate(document, (*field.at, "param"))
             note = Note("drawn here too", locate(document, (*taken[name].at, "param")))
-            sink.error("name-clash", f"two fields draw the parameter `{name}`", span, notes=(note,))
+            sink.error(
+                "name-clash", f"two fields draw the parameter `{name}`", span, notes=(note,), subjects=(name,)
+            )
             continue
         taken[name] = field
         source = _Source(field, concrete, document, sink)
@@ -67,25 +69,34 @@ class _Source:
             known = list(self.concrete.scope)
             self.sink.error("unknown-name", f"the recipe has no parameter `{self.name}` to draw", span,
                             notes=(exists_note("parameter", known, self.name),),
-                            help=did_you_mean(self.name, known, "param: {}"))  # fmt: skip
+                            help=did_you_mean(self.name, known, "param: {}"), subjects=(self.name,))  # fmt: skip
             return False
         numbers = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,)
         is_number = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
         if not is_number and (drawing.kind != CHOICE or field.operation != "set"):
             what = "a variant" if self.parameter is None else kind(self.nominal)
             message = f"`{self.name}` is {what}, of which only a `{CHOICE}` can be drawn"
-            self.sink.error("wrong-type", message, span, help=f"write `{CHOICE}: [VALUE, …]`")
+            self.sink.error(
+                "wrong-type", message, span, help=f"write `{CHOICE}: [VALUE, …]`", subjects=(self.name,)
+            )
             return False
         if drawing.unit is not None and not (self.parameter and self.parameter.is_angle):
             message = f"parameter `{self.name}` is not an angle, and what is drawn for it is one"
-            self.sink.error("wrong-type", message, locate(self.document, field.drawn_at),
-                            help=f"declare it as one: `{self.name}: {{unit: {drawing.unit}, …}}`")  # fmt: skip
+            self.sink.error(
+                "wrong-type",
+                message,
+                locate(self.document, field.drawn_at),
+                help=f"declare it as one: `{self.name}: {{unit: {drawing.unit}, …}}`",
+                subjects=(self.name,),
+            )
             return False
         if drawing.components not in (None, len(numbers)):
             message = (
                 f"parameter `{self.name}` has {len(numbers)} numbers, `{drawing.kind}` {drawing.components}"
             )
-            self.sink.error("wrong-length", message, locate(self.document, field.drawn_at))
+            self.sink.error(
+                "wrong-length", message, locate(self.document, field.drawn_at), subjects=(self.name,)
+            )
             return False
         return True
 

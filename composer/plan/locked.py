@@ -7,7 +7,6 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import cast
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
@@ -19,8 +18,11 @@ from composer.plan.read import EXTENDS, read_recipe
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
-from composer.sources.lock import Disputed, Lock, Locked, SourceKind, lock_path, read_lock
+from composer.sources.kind import PINS
+from composer.sources.lock import Lock, Locked, lock_path
+from composer.sources.lock_file import Disputed, kind_of, read_lock
 from composer.sources.origin import Origin
+from composer.sources.path import KIND as PATH
 from composer.sources.source import Source
 from composer.version import __version__
 
@@ -129,7 +131,9 @@ def check_lock(plan: Plan, context: Context) -> None:
             },
             now.files,
         ):
-            tell = context.sink.warning if now.is_local and not fetching.locked else context.sink.error
+            tell = (
+                context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
+            )
             tell(
                 "source-changed",
                 f"`{id}` is not what `{shown}` pins",
@@ -209,7 +213,9 @@ def _is_whole(id: str, use: _Use, context: Context) -> bool:
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:
     """What a lock says of a source, and its kind or its pin, which is right, contradicts: somebody has edited it."""
     if before.kind == now.kind:
-        yield from (f"a source of kind `{now.kind}` has no {what}" for what in before.foreign)
+        own = kind_of(now).pins
+        foreign = (pin for pin in PINS if pin not in own and getattr(before, pin) is not None)
+        yield from (f"a source of kind `{now.kind}` has no {pin}" for pin in foreign)
     for what in ("kind", "tree"):
         was, there = getattr(before, what), getattr(now, what)
         if was != there and before.pin == now.pin:
@@ -297,7 +303,7 @@ def _locked(use: _Use, fetching: Fetching) -> Locked | None:
         return None
     source, origin = use.source, use.origin
     return Locked(
-        kind=cast("SourceKind", str(origin.kind)) if origin is not None else "path",
+        kind=(PATH if origin is None else origin.kind).name,
         commit=origin.commit if origin else None,
         tree=origin.tree if origin else None,
         sha256=origin.sha256 if origin else None,

@@ -86,7 +86,6 @@ def _draws_parameters(document: Mapping) -> bool:
 def _check_draws(matrix: Matrix, given: Map[str, Node], sink: Sink) -> None:
     """Tell what a cell would draw that its parameters may not be; what else is wrong with it is told elsewhere."""
     found: dict[str, list[Diagnostic]] = {}
-    told = {(each.code, each.message, each.span) for each in sink.diagnostics}
     for cell in matrix.cells:
         concrete = expand(matrix.document, {**given, **cell.given}, Sink())
         kept = {name: each for name, each in concrete.document.entries.items() if name in _DRAWN}
@@ -103,5 +102,4 @@ def _check_draws(matrix: Matrix, given: Map[str, Node], sink: Sink) -> None:
             drawn_parameters(randomize, 0, concrete, document, own)
             found[alike] = own.diagnostics
         for each in found[alike]:
-            if (each.code, each.message, each.span) not in told:
-                sink.add_of_cell(cell.label, each)
+            sink.add_of_cell(cell.label, each)

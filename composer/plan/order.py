@@ -62,6 +62,7 @@ def _asked(
                 locate(document, ("attach", key, word)),
                 notes=(exists_note("part", known, other),),
                 help=help,
+                subjects=(other, key),
             )
 
 
@@ -94,4 +95,5 @@ def _contradiction(key: str, before: str, after: str, document: Located, sink: S
         locate(document, ("attach", key, "before")),
         notes=(Note("`after` is here", locate(document, ("attach", key, "after"))),),
         help="leave one of the two out",
+        subjects=(key, after, before),
     )

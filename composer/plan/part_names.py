@@ -29,6 +29,7 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
             locate(plan.document, (*check.at, "unchanged", "part")),
             notes=[exists_note("part", parts, check.part)],
             help=f"write `part: {near[0]}`" if near else None,
+            subjects=(check.name, check.part),
         )
 
 
@@ -42,6 +43,7 @@ def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
                     f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
                     locate(plan.document, (*step.key.at, FROM, part), key=True),
                     help="give the one without a prefix another key",
+                    subjects=(part,),
                 )
             elif part not in parts:
                 sink.error(
@@ -50,4 +52,5 @@ def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
                     locate(plan.document, (*step.key.at, FROM, part), key=True),
                     notes=(exists_note("part", parts, part),),
                     help=did_you_mean(part, parts),
+                    subjects=(part,),
                 )

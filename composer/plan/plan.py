@@ -13,13 +13,15 @@ from composer.document.node import locate
 from composer.expr.value import Value
 from composer.plan.angle_context import Readings
 from composer.plan.drawn import Drawn
+from composer.plan.steps.add_element import AddElement
+from composer.plan.steps.draw_values import DrawValues
+from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.step import Step
+from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.attach import Attachment
 from composer.recipe.checks.kind import Check
-from composer.recipe.draw_field import DrawField
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit
-from composer.recipe.element import Element
-from composer.recipe.keyframe import Keyframe
 from composer.recipe.randomize import Randomize
 from composer.sources.source import Source
 
@@ -57,91 +59,16 @@ class AttachPart:
 
 
 @dataclass(frozen=True, slots=True)
-class AddElement:
-    """Put an element under a body, a frame or the world (`to_kind` world, body, frame)."""
-
-    to_kind: Literal["world", "body", "frame"]
-    to: str
-    element: Element
-    to_span: Span
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class SetSingleton:
-    """Set attributes of a section of which a model has one (`option`, `visual`, …)."""
-
-    section: str
-    element: Element
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class SetDefault:
-    """Set a default class, creating it where there is none."""
-
-    name: str
-    parent: str | None
-    element: Element
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class AppendElement:
-    """Append an element to a section."""
-
-    section: str
-    element: Element
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class EditElements:
-    """Change what a selector means, in the whole model or in a part of it alone."""
-
-    edit: Edit
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
 class DropElements:
     """Leave out of a part, or of the base, what is not wanted of it."""
 
     drop: tuple[Drop, ...]
     span: Span
 
-
-@dataclass(frozen=True, slots=True)
-class DrawValues:
-    """Draw the values of a field for a sample; for sample 0, which has none, see whether the others can have theirs."""
-
-    field: DrawField
-    seed: int
-    sample: int
-    samples: int
-    span: Span
-    tabled: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class WriteKeyframe:
-    """Write a key by the names of joints, actuators and mocap bodies, in place of one of that name."""
-
-    key: Keyframe
-    span: Span
-
-
-Step = (
-    LoadBase
-    | AttachPart
-    | AddElement
-    | SetSingleton
-    | SetDefault
-    | AppendElement
-    | EditElements
-    | DrawValues
-    | WriteKeyframe
-)
+    @property
+    def words(self) -> str:
+        """What it does, on one line."""
+        return f"drop {', '.join(map(str, self.drop))}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,9 +145,12 @@ class Plan:
         )
         return replace(self, steps=steps, sample=sample)
 
-    def walk(self) -> Iterator[Place]:
-        """The plan itself, then its base and its parts in their order, each followed by what is in it."""
-        yield from _walk(Place(self))
+    def walk(self, stands: bool = True) -> Iterator[Place]:
+        """The plan itself, then its base and its parts in their order, each followed by what is in it.
+
+        `stands` says that the plan itself is fixed in the world.
+        """
+        yield from _walk(Place(self, stands=stands))
 
     def plans(self) -> Iterator[Plan]:
         """The plan, and those of the recipes nested in it."""

@@ -25,7 +25,9 @@ from composer.plan.pieces import check_pieces
 from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.plan.read import folder_of, read_recipe
 from composer.plan.rings import without_rings
-from composer.plan.steps import settled, steps_of
+from composer.plan.steps.set_singleton import SetSingleton
+from composer.plan.steps.step import Written
+from composer.plan.steps.table import steps_of
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.draw_field import DrawField
@@ -122,7 +124,7 @@ class _Planner:
         if base is None:
             return None
         readings = self._readings(path, recipe, document, concrete)
-        steps = tuple(steps_of(recipe, document, randomize, sample))
+        steps = tuple(steps_of(Written(recipe, document, randomize, sample)))
         plan = Plan(
             name=name or recipe.name or as_text(path.stem),
             description=recipe.description,
@@ -135,7 +137,9 @@ class _Planner:
             base=base,
             parts=parts,
             steps=steps,
-            settled=frozenset(settled(steps)),
+            settled=frozenset(
+                path for step in steps if isinstance(step, SetSingleton) for path in step.settled
+            ),
             scope=concrete.scope if concrete else {},
             variants=concrete.variants if concrete else {},
             checks=recipe.check,
@@ -154,6 +158,7 @@ class _Planner:
             f"field `{field.name}` draws a parameter, which a model that is compiled does not have any more",
             locate(document, (*field.at, "param")),
             help="write `emit: models`, which builds every sample",
+            subjects=(field.name,),
         )
 
     def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
@@ -164,7 +169,7 @@ class _Planner:
         found = validate_what_remains(concrete.document if concrete else node, self.sink)
         if found is None:
             return None
-        self.sink.forgive(found.lost | (concrete.lost if concrete else frozenset()))
+        self.sink.suppress_about(found.lost | (concrete.lost if concrete else frozenset()))
         return found.recipe, found.document, concrete
 
     def _readings(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> Readings:
@@ -208,12 +213,13 @@ class _Planner:
                     span if attachment.prefix is None else locate(document, (*at, "prefix")),
                     notes=(Note("the other part", taken[clash]),),
                     help="give one of them another key, or another `prefix`",
+                    subjects=(clash,),
                 )
                 continue
             taken.update(dict.fromkeys(prefixes, span))
             model = self._model(attachment, at, document, inside, recipe)
             if model is None:
-                self.sink.forgive(own for own, _ in numbered)
+                self.sink.suppress_about(own for own, _ in numbered)
             else:
                 for prefix, copy in prefixes.items():
                     yield AttachPart(prefix, model, attachment, at, span, copy)
@@ -237,8 +243,7 @@ class _Planner:
                 fetching=self.context.fetching,
             )
         except SourceError as error:
-            notes = tuple(Note(note) for note in error.notes)
-            self.sink.error(error.code, error.message, span, notes=notes, help=error.help)
+            self.sink.add(error.at(span))
             return None
         given = find(document, (*at, "with"))
         if asked.packages and source.format != "urdf":
@@ -272,6 +277,7 @@ class _Planner:
             f"`{key}` is for {what}, and `{model}` is not one",
             locate(document, (*at, key), key=True),
             help=f"take `{key}` out",
+            subjects=(key,),
         )
 
     def _packages(

@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from composer.context import Context, ReadRecipe
-from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import exists_note
@@ -95,8 +94,7 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
             named.value, relative_to=path.parent, environment=context.environment, fetching=context.fetching
         )
     except SourceError as error:
-        notes = tuple(Note(note) for note in error.notes)
-        sink.error(error.code, error.message, named.span, notes=notes, help=error.help)
+        sink.add(error.at(named.span))
         return None
     if source.format != "recipe":
         sink.error(

@@ -23,9 +23,10 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
                 f"`{part.prefix}` hangs on itself" if alone else f"`{part.prefix}` hangs on {names}",
                 part.span,
                 help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
+                subjects=ring,
             )
     if told:
-        sink.forgive(called(part, separator) for part in parts if part.prefix in told)
+        sink.suppress_about(called(part, separator) for part in parts if part.prefix in told)
     return tuple(part for part in parts if part.prefix not in told)
 
 

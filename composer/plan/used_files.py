@@ -9,7 +9,9 @@ from pathlib import Path
 
 from composer.diagnostics.sink import Sink
 from composer.document.node import locate
-from composer.plan.plan import AddElement, AppendElement, Plan
+from composer.plan.plan import Plan
+from composer.plan.steps.add_element import AddElement
+from composer.plan.steps.append_element import AppendElement
 from composer.recipe.element import Element
 from composer.recipe.fault import Path as Place
 from composer.sources import ros_package

@@ -86,6 +86,16 @@ class Attachment(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
+    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
+    """Values of the parameters and variants of a nested recipe, by name."""
+    subtree: Annotated[str | None, Text("subtree")] = None
+    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
+    drop: Annotated[tuple[Drop, ...], Drops()] = ()
+    """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
+    edit: Annotated[tuple[Edit, ...], Edits()] = ()
+    """Ordered changes to the part, in its own names, before it is attached."""
     site: Annotated[str | None, Text("site")] = None
     """The site that the part hangs on."""
     body: Annotated[str | None, Text("body")] = None
@@ -111,24 +121,14 @@ class Attachment(Model):
     root is kept where it may be; `weld` removes it."""
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
-    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
-    """Values of the parameters and variants of a nested recipe, by name."""
-    subtree: Annotated[str | None, Text("subtree")] = None
-    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
-    drop: Annotated[tuple[Drop, ...], Drops()] = ()
-    """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
-    edit: Annotated[tuple[Edit, ...], Edits()] = ()
-    """Ordered changes to the part, in its own names, before it is attached."""
-    keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
-    """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
     replicate: Annotated[tuple[Axis, ...], Axes()] = ()
     """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …"""
+    keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
+    """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
     before: Annotated[str | None, Text("before")] = None
     """The part right before which this one stands among its siblings."""
     after: Annotated[str | None, Text("after")] = None
     """The part right after which this one stands among its siblings."""
-    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
-    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
 
     @model_validator(mode="wrap")
     @classmethod

@@ -21,6 +21,8 @@ class Base(Model):
 
     model: Annotated[str, Text("model")]
     """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
     given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
     """Values of the parameters and variants of a nested recipe, by name."""
     subtree: Annotated[str | None, Text("subtree")] = None
@@ -31,8 +33,6 @@ class Base(Model):
     """Ordered changes to the model, before anything is attached to it."""
     keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
     """What becomes of its keyframes: merged by name with those of the parts, kept apart, or left out."""
-    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
-    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
 
     @model_validator(mode="wrap")
     @classmethod

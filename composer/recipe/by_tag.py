@@ -9,12 +9,12 @@ from composer.grammar.element import ElementType
 from composer.recipe.element import Element
 from composer.recipe.fault import Fault, Path
 from composer.recipe.reader import NAME, Reader
-from composer.recipe.section import Section
+from composer.recipe.section import Elements
 from composer.recipe.shown import kind_of
 
 
 @dataclass(frozen=True, slots=True)
-class ByTag(Section):
+class ByTag(Elements):
     """A mapping from tags to mappings from names to elements: `asset`, `custom`, `deformable`.
 
     Gives a tuple of `Element`, each with its name as an attribute.
@@ -37,7 +37,7 @@ class ByTag(Section):
 
 
 @dataclass(frozen=True, slots=True)
-class Lists(Section):
+class Lists(Elements):
     """A mapping from tags to lists of elements: `contact`. Gives a tuple of `Element`."""
 
     form: ClassVar[str] = "lists"

@@ -9,12 +9,12 @@ from typing import Any, Literal
 from composer.diagnostics.suggest import closest, exists_note
 from composer.recipe.count import read_count
 from composer.recipe.distribution import CHOICE, EXAMPLES, KINDS, Drawing, Operation, Reading, inner_kinds
-from composer.recipe.edit_values import MASS, Checker
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
 from composer.recipe.raw import path_of
 from composer.recipe.select import inside, kinds_of, read_selector
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.subscript import attribute_and_index
+from composer.recipe.verbs.values import MASS, Checker
 from composer.tree.selector import Selector
 
 OPERATIONS = ("scale", "offset")
@@ -26,6 +26,7 @@ NOT_NEGATIVE = frozenset(
 )
 """Attributes of which a draw must not make a negative number: of the first number, if they are polynomials."""
 _POLYNOMIALS = ("damping", "stiffness")
+_SIGNS = {"set": "=", "scale": "×", "offset": "+"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,13 @@ class DrawField:
         """The path to the distribution."""
         between = () if self.operation == "set" else (self.operation,)
         return (*self.at, *between, self.drawing.kind)
+
+    @property
+    def words(self) -> str:
+        """What is drawn, for what, and from which distribution: what `plan` prints."""
+        what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
+        shared = ", one for all" if self.per == "sample" else ""
+        return f"draw {self.name}: {what} {_SIGNS[self.operation]} {self.drawing}{shared}"
 
 
 def must_not_be_negative(attribute: str, component: int) -> bool:
@@ -185,13 +193,13 @@ def _check_attribute(
     drawing = field.drawing
     for value in drawing.values if drawing.kind == CHOICE else (_like(field),):
         if isinstance(value, list) and field.operation == "set" and index is None:
-            checker.verb("set", {field.attr: value}, selector, at)
+            checker.attributes("set", {field.attr: value}, selector, at)
         elif drawing.is_whole or field.operation != "set" or index is not None or is_mass:
-            checker.verb(field.operation, {field.attr: value}, selector, at)
+            checker.attributes(field.operation, {field.attr: value}, selector, at)
         elif fitting and not any(each.is_number for each in fitting):
-            checker.verb("set", {field.attr: value}, selector, at)
+            checker.attributes("set", {field.attr: value}, selector, at)
         else:  # a number for each component of however many there are
-            checker.verb("offset", {field.attr: value}, selector, at)
+            checker.attributes("offset", {field.attr: value}, selector, at)
         if found:
             break
     if found:

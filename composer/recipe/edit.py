@@ -4,51 +4,48 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.recipe.count import read_count
-from composer.recipe.edit_values import VERBS, Checker
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
 from composer.recipe.raw import path_of
 from composer.recipe.select import inside, read_selector
 from composer.recipe.settings import settings
 from composer.recipe.shown import kind_of
+from composer.recipe.verbs.table import VERBS
+from composer.recipe.verbs.values import Checker
+from composer.recipe.verbs.verb import Selected
 from composer.tree.selector import Selector
 
-REMOVE = "remove"
-_KEYS = ("select", *VERBS, REMOVE, "expect", "optional", "id", "when")
+KEYS = ("id", "select", "expect", "optional", *VERBS, "when")
+"""The keys of an entry, in the order in which `fmt` writes them."""
+_KNOWN = ("select", *VERBS, "expect", "optional", "id", "when")
+"""The same for messages, which list the first few: what does something comes first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """One entry. Values are as they are written: `${…}` in them is evaluated for each element.
+    """One entry. `verbs` has what is done, in the order in which it is done; `at` is the path to the entry.
 
-    `unset` has attributes, or for classes a mapping from tag to attributes; `at` is the path to the entry.
+    Values are as they are written: `${…}` in them is evaluated for each element.
     """
 
     select: Selector
-    unset: tuple[str, ...] | Mapping[str, tuple[str, ...]] = ()
-    set: Mapping[str, Any] = field(default_factory=dict)
-    scale: Mapping[str, Any] = field(default_factory=dict)
-    offset: Mapping[str, Any] = field(default_factory=dict)
-    convert: Mapping[str, Any] | None = None
-    move: Mapping[str, Any] | None = None
-    rename: str | None = None
-    remove: Literal[True, "cascade"] | None = None
+    verbs: Mapping[str, Any] = field(default_factory=dict)
     expect: int | None = None
     optional: bool = False
     at: Path = ()
 
     @property
-    def verbs(self) -> tuple[str, ...]:
-        """What it does, in the order in which it is done."""
-        if self.remove is not None:
-            return (REMOVE,)
-        return tuple(verb for verb in VERBS if getattr(self, verb))
+    def words(self) -> str:
+        """What `plan` prints for the entry, on one line."""
+        return (
+            f"edit {self.select}: {'; '.join(VERBS[name].words(each) for name, each in self.verbs.items())}"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,40 +97,38 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
         )
         return None
     selector = read_selector(value["select"], (*at, "select"), "`select`", faults)
-    verbs = [name for name in (*VERBS, REMOVE) if name in value]
+    verbs = [name for name in VERBS if name in value]
     if not verbs and len(faults) == before:
-        known = ", ".join(f"`{name}`" for name in (*VERBS, REMOVE))
+        known = ", ".join(f"`{name}`" for name in VERBS)
         message = "an entry of `edit` says nothing to be done"
         faults.append(Fault("missing-key", message, at, help=f"write one of {known}"))
-    if REMOVE in verbs and len(verbs) > 1:
-        other = next(name for name in verbs if name != REMOVE)
+    alone = next((name for name in verbs if VERBS[name].alone), None)
+    if alone is not None and len(verbs) > 1:
+        other = next(name for name in verbs if name != alone)
         faults.append(
             Fault(
                 EXCLUSIVE,
-                f"`{REMOVE}` stands alone, and there is `{other}` as well",
-                (*at, REMOVE),
+                f"`{alone}` stands alone, and there is `{other}` as well",
+                (*at, alone),
                 key=True,
                 remarks=(Remark(f"`{other}` is written here", (*at, other)),),
-                help=f"leave `{REMOVE}` or `{other}` out",
+                help=f"leave `{alone}` or `{other}` out",
             )
         )
-    read = {name: checker.verb(name, value[name], selector, (*at, name)) for name in verbs if name != REMOVE}
-    remove = _remove(value[REMOVE], (*at, REMOVE), faults) if REMOVE in value else None
+    read = {name: VERBS[name].read(value[name], Selected(selector, (*at, name), checker)) for name in verbs}
     expect, optional = read_count(value, at, faults)
     if selector is None or len(faults) > before:
         return None
-    return Edit(
-        selector, **read, remove=remove, expect=expect, optional=optional, at=path_of(value)
-    )  # fmt: skip
+    return Edit(selector, read, expect, optional, path_of(value))
 
 
 def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
     for name in value:
-        if name in _KEYS:
+        if name in KEYS:
             continue
-        near = closest(name, _KEYS)
+        near = closest(name, KEYS)
         help = inside(name) or (f"write `{near[0]}`" if near else None)
-        remark = Remark(exists_note("key", _KEYS, name).message)
+        remark = Remark(exists_note("key", _KNOWN, name).message)
         yield Fault(
             "unknown-key",
             f"`{name}` is not a key of an entry of `edit`",
@@ -142,14 +137,3 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
             remarks=(remark,),
             help=help,
         )
-
-
-def _remove(value: Any, at: Path, faults: list[Fault]) -> Literal[True, "cascade"] | None:
-    if value is True:
-        return True
-    if value == "cascade":
-        return "cascade"
-    help = "write `remove: true`, or `remove: cascade` to take along all that refers to it"
-    faults.append(Fault("wrong-keyword", f"`{REMOVE}` is `true` or `cascade`, got {kind_of(value)}", at,
-                        help=help))  # fmt: skip
-    return None

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from composer.grammar import GRAMMAR
-from composer.recipe.edit_values import VERBS
 from composer.recipe.pattern import GLOB
-from composer.recipe.placing import ORIENTATIONS
 from composer.recipe.reference import Schema, reference
-from composer.recipe.settable_schema import CHANGES, KIND, by_tag, conversions
+from composer.recipe.settable_schema import TAGS
+from composer.recipe.verbs.table import VERBS
 from composer.tree.selector import known_tags
 
 _TEXT: Schema = {"type": "string", "minLength": 1}
@@ -29,64 +28,48 @@ def drops() -> Schema:
 
 def edit() -> Schema:
     """One entry of `edit`."""
-    values: Schema = {"type": "object", "minProperties": 1}
-    attributes: Schema = {"type": "array", "items": _TEXT, "minItems": 1}
-    named: Schema = {**_TEXT, "description": "the name of a frame"}
-    frame = {"type": "object", "properties": {"frame": named}, "required": ["frame"]}
-    pose = {
-        name: {"type": ["array", "string"], "description": f"`{name}` in what it then stands in"}
-        for name in ("pos", *ORIENTATIONS)
-    }
-    place: Schema = {"anyOf": [_TEXT, frame], "description": "a body, `world`, or `{frame: NAME}`"}
+    verbs = {name: {**verb.schema(), "description": verb.description} for name, verb in VERBS.items()}
     properties: Schema = {
         "select": {**reference("selector"), "description": "which elements are meant"},
         **_COUNT,
-        "unset": {
-            "anyOf": [attributes, {"type": "object", "additionalProperties": attributes}],
-            "description": CHANGES["unset"],
-        },
-        "set": {**values, "description": CHANGES["set"]},
-        "scale": {**values, "description": CHANGES["scale"]},
-        "offset": {**values, "description": CHANGES["offset"]},
-        "convert": {
-            "type": "object",
-            "properties": {"to": KIND},
-            "required": ["to"],
-            "allOf": conversions(),
-            "description": "another kind of actuator, and attributes of it",
-        },
-        "move": {
-            "type": "object",
-            "properties": {"to": place, **pose},
-            "required": ["to"],
-            "additionalProperties": False,
-            "description": "another body or frame to stand in, and the pose there",
-        },
-        "rename": {**_TEXT, "description": "the new name, which every reference follows"},
-        "remove": {
-            "enum": [True, "cascade"],
-            "description": "take it out: `true` if nothing refers to it, `cascade` with all that does",
-        },
+        **verbs,
         "id": {
             **_TEXT,
             "description": "a name by which a recipe that extends this one can replace the entry",
         },
         "when": {"description": "the builds that it belongs to"},
     }
-    others = [name for name in properties if name in VERBS]
     return {
         "type": "object",
         "properties": properties,
         "required": ["select"],
         "additionalProperties": False,
         "minProperties": 2,
-        "if": {"required": ["remove"]},
-        "then": {
-            "properties": dict.fromkeys(others, False),
-            "errorMessage": "`remove` stands alone",
-        },
-        "allOf": by_tag(),
+        "allOf": [*map(_alone, (name for name, verb in VERBS.items() if verb.alone)), *_by_tag()],
     }
+
+
+def _alone(verb: str) -> Schema:
+    """The condition that no other verb is written beside one."""
+    others = dict.fromkeys((name for name in VERBS if name != verb), False)
+    then = {"properties": others, "errorMessage": f"`{verb}` stands alone"}
+    return {"if": {"required": [verb]}, "then": then}
+
+
+def _by_tag() -> list[Schema]:
+    """Conditions on an entry of `edit`: what its verbs may name, by the tag that is selected."""
+    conditions: list[Schema] = []
+    for tag in TAGS:
+        forms = {name: verb.schema_of_tag(tag) for name, verb in VERBS.items() if verb.schema_of_tag}
+        conditions.append(_where_selected(tag, forms))
+    forms = {name: verb.schema_of_classes() for name, verb in VERBS.items() if verb.schema_of_classes}
+    return [*conditions, _where_selected("default", forms)]
+
+
+def _where_selected(tag: str, forms: dict[str, Schema]) -> Schema:
+    selected: Schema = {"properties": {"select": {"required": [tag]}}, "required": ["select"]}
+    verbs = {name: {**form, "description": VERBS[name].description} for name, form in forms.items()}
+    return {"if": selected, "then": {"properties": verbs}}
 
 
 def selector() -> Schema:

@@ -29,7 +29,8 @@ class Fault:
 
     `at` starts from the value that was validated; with `key` the fault lies in the key at the end of `at`. `within` is
     the line, the column and the width of what is wrong in a text of several lines. `lacks` is the key that is missing
-    in the mapping at `at`, or with `beside` in that which has the key at the end of `at`.
+    in the mapping at `at`, or with `beside` in that which has the key at the end of `at`. `names` are the keys that are
+    missing, or too many.
     """
 
     code: str
@@ -41,6 +42,7 @@ class Fault:
     within: tuple[int, int, int] | None = None
     lacks: str | None = None
     beside: bool = False
+    names: tuple[str, ...] = ()
 
 
 def refusal(faults: Sequence[Fault], value: object) -> ValidationError:

@@ -111,8 +111,7 @@ class _Check:
             answer = check_value(attribute, value)
             if answer is not None:
                 code = "wrong-keyword" if attribute.type in ("keyword", "keywords") else "wrong-type"
-                message, _, advice = answer.partition("; ")
-                self.fault(code, f"`{name}` of {owner} {message}", help=advice or None)
+                self.fault(code, f"`{name}` of {owner} {answer.message}", help=answer.advice)
             elif attribute.angle is not None and not self.bare_angles:
                 numbers = tuple(number for item in items(value) if (number := parse_real(item)) is not None)
                 bare = bare_angle(attribute, numbers, attributes.get("type"), self.at, owner)

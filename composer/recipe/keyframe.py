@@ -22,14 +22,15 @@ FROM, TIME = "from", "time"
 VECTORS: Mapping[str, str] = {
     "qpos": "joint",
     "qvel": "joint",
-    "ctrl": "actuator",
     "act": "actuator",
+    "ctrl": "actuator",
     "mpos": "mocap body",
     "mquat": "mocap body",
 }
 """The vectors of a key, each with what its entries are named after."""
 WIDTHS = {"mpos": 3, "mquat": 4}
-_KEYS = (FROM, TIME, *VECTORS)
+KEYS = (FROM, TIME, *VECTORS)
+"""What a key may have, in the order in which `fmt` writes it."""
 
 Entry = tuple[Single, ...]
 
@@ -68,15 +69,15 @@ def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:
         reader.faults.append(Fault("wrong-type", message, at, help=help))
         return None
     for key in value:
-        if key not in _KEYS:
-            near = closest(key, _KEYS)
+        if key not in KEYS:
+            near = closest(key, KEYS)
             reader.faults.append(
                 Fault(
                     "unknown-key",
                     f"`{key}` is not a key of a keyframe",
                     (*at, key),
                     key=True,
-                    remarks=(Remark(exists_note("key", _KEYS).message),),
+                    remarks=(Remark(exists_note("key", KEYS).message),),
                     help=f"write `{near[0]}`" if near else None,
                 )
             )

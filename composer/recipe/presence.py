@@ -20,14 +20,18 @@ def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, fa
         )
         help = f"write `{', '.join(f'{each.name}: …' for each in missing)}`"
         message = f"{owner} lacks {names}"
-        faults.append(Fault("missing-key", message, at, key=True, remarks=remarks, help=help))
+        absent_names = tuple(each.name for each in missing)
+        faults.append(
+            Fault("missing-key", message, at, key=True, remarks=remarks, help=help, names=absent_names)
+        )
 
 
 def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
     """That a key is required and not there; `doc` explains the key."""
     remarks = (Remark(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
     message = f"{owner} lacks `{name}`"
-    return Fault("missing-key", message, at, key=True, remarks=remarks, help=f"write `{name}: …`", lacks=name)
+    help = f"write `{name}: …`"
+    return Fault("missing-key", message, at, True, remarks, help, lacks=name, names=(name,))
 
 
 def clashing(
@@ -43,7 +47,9 @@ def clashing(
             help = _cheapest(rule.bundles, present)
             fault = None
             if not complete:
-                fault = Fault("missing-key", f"{owner} needs {needed}", at, key=True, help=help)
+                choices = tuple(name for bundle in rule.bundles for name in bundle)
+                message = f"{owner} needs {needed}"
+                fault = Fault("missing-key", message, at, key=True, help=help, names=choices)
         elif rule.kind == "together":
             names = [name for bundle in rule.bundles for name in bundle]
             fault = _incomplete(
@@ -82,6 +88,7 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
         key=True,
         remarks=(Remark(f"`{first}` is written here", (*at, first)),),
         help=f"leave `{first}` or `{second}` out",
+        names=(first, second),
     )
 
 
@@ -102,7 +109,10 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
     help = f"write {wanted} too, or leave `{first}` out"
     message = f"{owner} has `{first}` without {wanted}"
     lacks = next(iter(missing)) if len(missing) == 1 else None
-    return Fault("missing-key", message, (*at, first), key=True, help=help, lacks=lacks, beside=True)
+    names = (first, *missing)
+    return Fault(
+        "missing-key", message, (*at, first), key=True, help=help, lacks=lacks, beside=True, names=names
+    )
 
 
 def _says(name: str, doc: str) -> bool:

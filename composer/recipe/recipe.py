@@ -23,6 +23,7 @@ from composer.recipe.fault import Fault, refusal
 from composer.recipe.keyframe import Keyframe, Keyframes
 from composer.recipe.model import Model
 from composer.recipe.randomize import Randomize
+from composer.recipe.section import Section
 from composer.recipe.shown import kind_of
 from composer.recipe.singleton import Singleton
 from composer.recipe.text import Choice, Text
@@ -71,7 +72,9 @@ def _sequence_fault(text: str) -> Fault | None:
 class Recipe(Model):
     """A recipe: what a model is made of.
 
-    Sections hold their elements in the order of the file. A section that is not written is None or empty.
+    The fields are in the order of the language: that in which `fmt` writes the keys, and in which sections of one
+    form are carried out. Sections hold their elements in the order of the file. A section that is not written is None
+    or empty.
     """
 
     recipe: Annotated[Literal[1], Version()]
@@ -92,12 +95,8 @@ class Recipe(Model):
     """The model to start from, which keeps its own names; without it, an empty one."""
     attach: Annotated[Mapping[str, Attachment], Prefixes()] = Field(default_factory=dict)
     """The parts: a mapping from the prefix of their names to what they are and where they hang."""
-    add: Annotated[tuple[Addition, ...], Additions()] = ()
-    """Elements under a body, a frame or the world."""
-
-    edit: Annotated[tuple[Edit, ...], Edits()] = ()
-    """Ordered changes to what is there, by selectors, when everything else is in place."""
-
+    compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
+    """Compiler settings that a whole model has; each part keeps its own of the others."""
     option: Annotated[Element | None, Singleton("option")] = None
     """Simulation options."""
     size: Annotated[Element | None, Singleton("size")] = None
@@ -106,31 +105,43 @@ class Recipe(Model):
     """Rendering settings."""
     statistic: Annotated[Element | None, Singleton("statistic")] = None
     """Model statistics that override what MuJoCo computes."""
-    compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
-    """Compiler settings that a whole model has; each part keeps its own of the others."""
+    extension: Annotated[tuple[Element, ...], Extension("extension")] = ()
+    """Plugins and their instances: `plugin: {NAME: {instance: {NAME: {config: {KEY: VALUE}}}}}`."""
     default: Annotated[tuple[DefaultClass, ...], Defaults("default")] = ()
     """Default classes: a mapping from class to its settings by tag; `main` is the top class."""
     asset: Annotated[tuple[Element, ...], ByTag("asset")] = ()
     """Meshes, textures, materials and other assets: by tag, a mapping from their names."""
+    add: Annotated[tuple[Addition, ...], Additions()] = ()
+    """Elements under a body, a frame or the world."""
+    deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
+    """Flexes and skins: by tag, a mapping from their names."""
     contact: Annotated[tuple[Element, ...], Lists("contact")] = ()
     """Pairs of geoms that may touch and bodies that may not: lists by tag."""
-    equality: Annotated[tuple[Element, ...], Typed("equality")] = ()
-    """Equality constraints: a mapping from their names."""
     tendon: Annotated[tuple[Element, ...], Typed("tendon")] = ()
     """Tendons: a mapping from their names; `path` has their steps in order."""
+    equality: Annotated[tuple[Element, ...], Typed("equality")] = ()
+    """Equality constraints: a mapping from their names."""
     actuator: Annotated[tuple[Element, ...], Typed("actuator")] = ()
     """Actuators: a mapping from their names."""
     sensor: Annotated[tuple[Element, ...], Typed("sensor")] = ()
     """Sensors: a mapping from their names."""
     custom: Annotated[tuple[Element, ...], ByTag("custom")] = ()
     """Custom numbers, texts and tuples: by tag, a mapping from their names."""
-    extension: Annotated[tuple[Element, ...], Extension("extension")] = ()
-    """Plugins and their instances: `plugin: {NAME: {instance: {NAME: {config: {KEY: VALUE}}}}}`."""
-    deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
-    """Flexes and skins: by tag, a mapping from their names."""
+    edit: Annotated[tuple[Edit, ...], Edits()] = ()
+    """Ordered changes to what is there, by selectors, when everything else is in place."""
     keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
     randomize: Randomize | None = None
     """Seeded draws: samples of the model that `build --all` builds."""
     check: Annotated[tuple[Check, ...], Checks()] = ()
     """What must hold of the model: a mapping from a name to a check."""
+
+
+def sections_of(form: type[Section]) -> tuple[str, ...]:
+    """The keys of a recipe that are sections of a form, in the order of the language.
+
+    >>> sections_of(Defaults)
+    ('default',)
+    """
+    fields = Recipe.model_fields.items()
+    return tuple(name for name, field in fields if any(isinstance(mark, form) for mark in field.metadata))

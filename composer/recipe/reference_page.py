@@ -13,6 +13,7 @@ from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.recipe.reference import Schema
 from composer.recipe.schema import recipe_schema
+from composer.sources.kinds import KINDS
 
 MANUAL = "https://mujoco.readthedocs.io/en/stable/XMLreference.html"
 _HEAD = f"""# Reference
@@ -65,6 +66,7 @@ def page() -> str:
             lines += ["", f"## `{name}`", "", *keys.head, *rows]
     for name, (title, about) in _CHAPTERS.items():
         lines += ["", f"## {title}", "", about, "", *keys.table(keys.definitions[name], "")]
+    lines += ["", "## Model references", "", *_references()]
     lines += ["", "## Elements", ""]
     lines += [
         "Names in bold are required. Types, units and defaults are shown by [editors](editors.md), and are in the XML",
@@ -82,6 +84,15 @@ def page() -> str:
                 *rows,
             ]
     return "\n".join(lines) + "\n"
+
+
+def _references() -> Iterator[str]:
+    """Every form of a model reference, from the rows of the kinds."""
+    yield "What `base`, `model` of a part and `extends` take. What is behind each form is in [sources](sources.md)."
+    yield ""
+    yield "| form | what it is |"
+    yield "|---|---|"
+    yield from (f"| `{form.example}` | {form.meaning} |" for kind in KINDS for form in kind.forms)
 
 
 class _Keys:

@@ -81,3 +81,8 @@ class Section:
         remark = Remark(exists_note(f"{self.tag} element", self.kind.children, tag).message)
         help = f"write `{near[0]}`" if near else None
         return Fault("unknown-element", message, at, key=key, remarks=(remark,), help=help)
+
+
+@dataclass(frozen=True, slots=True)
+class Elements(Section):
+    """Sections that give a tuple of `Element`, each of which is appended to the section of the model."""

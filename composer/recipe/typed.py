@@ -12,7 +12,7 @@ from composer.recipe.element import Element
 from composer.recipe.fault import Fault, Remark
 from composer.recipe.presence import lacks
 from composer.recipe.reader import FRAGMENT, NAME, Reader
-from composer.recipe.section import Section
+from composer.recipe.section import Elements
 from composer.recipe.shown import kind_of
 from composer.recipe.tendon import PATH, read_path
 
@@ -20,7 +20,7 @@ TYPE = "type"
 
 
 @dataclass(frozen=True, slots=True)
-class Typed(Section):
+class Typed(Elements):
     """A mapping from names to elements whose `type` is their tag: `sensor`, `actuator`, `equality`, `tendon`.
 
     Gives a tuple of `Element`, each with its name as an attribute. The steps of a tendon's `path` are its

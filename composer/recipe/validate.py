@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from composer.diagnostics import Note, Sink, Span
 from composer.diagnostics.suggest import closest
 from composer.document.node import Mapping, Node, Scalar, find, locate, to_python
-from composer.recipe import errors
+from composer.recipe import errors, key_order  # noqa: F401 (compares the order of keys)
 from composer.recipe.fault import Fault, Path, Remark
 from composer.recipe.raw import raw
 from composer.recipe.recipe import Recipe

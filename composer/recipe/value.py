@@ -8,6 +8,7 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_number, check_python, expected
+from composer.grammar.refusal import Refusal
 from composer.recipe.advice import instead, item_instead
 from composer.recipe.element import Value
 from composer.recipe.fault import Fault, Path, Remark
@@ -98,10 +99,9 @@ def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> F
     )
 
 
-def _fault(attribute: Attribute, value: Any, answer: str, code: str, at: Path, subject: str) -> Fault:
-    """The grammar's answer as a fault. What follows its semicolon is what to write instead."""
-    message, _, advice = answer.partition("; ")
-    help = advice or instead(attribute, value)
+def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Path, subject: str) -> Fault:
+    """The grammar's answer as a fault."""
+    help = answer.advice or instead(attribute, value)
     remarks: tuple[Remark, ...] = ()
     if code == "wrong-keyword":
         words = value if isinstance(value, list) else [value]
@@ -109,11 +109,11 @@ def _fault(attribute: Attribute, value: Any, answer: str, code: str, at: Path, s
         if wrong is not None:
             near = closest(wrong, attribute.keywords)
             help = f"write `{near[0]}`" if near else instead(attribute, value)
-            if not message.startswith("expects"):
+            if answer.unknown is not None and not answer.lists_keywords:
                 remarks = (Remark(exists_note("keyword", attribute.keywords, wrong).message),)
-    elif advice.startswith("write ["):
-        help = f"write `{attribute.name}: {advice.removeprefix('write ')}`"
-    return Fault(code, f"{subject} {message}", at, remarks=remarks, help=help)
+    elif answer.instead is not None:
+        help = f"write `{attribute.name}: {answer.instead}`"
+    return Fault(code, f"{subject} {answer.message}", at, remarks=remarks, help=help)
 
 
 def _printable(attribute: Attribute, value: object, at: Path, subject: str, faults: list[Fault]) -> bool:

@@ -7,8 +7,10 @@ from typing import Any
 from composer.expand.expand import SETTLED
 from composer.expand.parameter import TYPES
 from composer.expand.variants import NO_PIECE
+from composer.formatting.order import WHOLE
 from composer.recipe.piece_schema import loosened
 from composer.recipe.reference import Schema
+from composer.recipe.rows import check_rows
 
 _VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
 _BARE: Schema = {**_VALUE, "description": "the default alone; its type is that of the parameter"}
@@ -29,6 +31,9 @@ _PARAMETER: Schema = {
     },
     "additionalProperties": False,
 }
+check_rows(
+    "the keys of a parameter in composer/formatting/order.py", WHOLE["params", "*"], _PARAMETER["properties"]
+)
 # What a file that extends another says for itself.
 _OWN = ("recipe", "extends")
 _CELL: Schema = {"type": "object", "additionalProperties": _VALUE}

@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from typing import Any
 
     from composer.sources.error import SourceError
-    from composer.sources.reference import Kind, Reference, parse
+    from composer.sources.kinds import parse
+    from composer.sources.reference import Reference
     from composer.sources.source import Source
 
-__all__ = ["Kind", "Reference", "Source", "SourceError", "parse"]
+__all__ = ["Reference", "Source", "SourceError", "parse"]
 
-_HOME = {"Kind": "reference", "Reference": "reference", "Source": "source", "SourceError": "error",
-         "parse": "reference"}  # fmt: skip
+_HOME = {"Reference": "reference", "Source": "source", "SourceError": "error", "parse": "kinds"}
 
 
 def __getattr__(name: str) -> Any:

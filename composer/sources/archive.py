@@ -2,32 +2,55 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from composer.sources.digest import differences, sha256_of
-from composer.sources.download import Version, download, forget
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand, source_in, unlocked
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
+from composer.sources.kind import Form
 from composer.sources.origin import Origin
-from composer.sources.reference import Reference
+from composer.sources.reference import Reference, check_secrets, malformed
 from composer.sources.source import Source
+from composer.sources.source_kind import SourceKind
 from composer.sources.store import Entry, Store, name_of
-from composer.sources.unpack import Unsafe, unpack
+
+_FORM = Form(
+    "https://host/archive.zip#path/model.xml", "a file in a zip or tar (plain, gz, bz2, xz) on the web"
+)
+_PINNED = Form(
+    "https://host/archive.zip@sha256:HEX#path/model.xml", "the same; another archive there is an error"
+)
 
 
-def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetching) -> Source:
+def _parse(text: str) -> Reference:
+    scheme, _, rest = text.partition(":")
+    location, _, path = rest.partition("#")
+    host, _, archive = location.removeprefix("//").partition("/")
+    check_secrets(text, host)
+    archive, _, sha256 = archive.partition("@sha256:")
+    if not host or not archive:
+        raise malformed(text, _FORM, "does not say the archive")
+    if not path:
+        raise malformed(text, _FORM, "does not say the file inside the archive")
+    if "@sha256:" in location and not re.fullmatch("[0-9a-f]{64}", sha256):
+        raise malformed(text, _FORM, "has a sha256 that is not 64 digits of 0-9 and a-f")
+    return Reference(text, KIND, f"{scheme}://{host}/{archive}", path, sha256)
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
     """The file in an archive. What the lock or the reference pins is taken from the store, else fetched.
 
     What nothing pins is asked for again, and fetched where the server says that it has changed. Raises SourceError.
     """
-    id = reference.id
-    if id not in fetching.origins:
-        archive = _Archive(reference, id, Store.of(environment), environment, fetching)
-        entry = archive.entry()
-        fetching.origins[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
-    return source_in(fetching.origins[id], reference)
+    id, known = reference.id, lookup.fetching.origins
+    if id not in known:
+        store = Store.of(lookup.environment)
+        entry = _Archive(reference, id, store, lookup.environment, lookup.fetching).entry()
+        known[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
+    return source_in(known[id], reference)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +87,10 @@ class _Archive:
             return self._fetched(wanted, entry, seen)
 
     def _fetched(self, wanted: str | None, had: Entry | None, seen: Mapping[str, str]) -> Entry:
+        # Slow to import, and only a download needs it.
+        from composer.sources.download import Version, download, forget
+        from composer.sources.unpack import Unsafe, unpack
+
         partial = self.store.folder / "partial" / f"{name_of(self.id)}.part"
         partial.parent.mkdir(parents=True, exist_ok=True)
         url = self.reference.name
@@ -108,3 +135,19 @@ class _Archive:
                 else f"see what it holds now, then run `mjcompose update {self.fetching.recipe} {self.id}`"
             ),
         )
+
+
+KIND = SourceKind(
+    name="archive",
+    forms=(_FORM, _PINNED),
+    local_schemes=("http",),
+    separator="#",
+    is_local=False,
+    is_fetched=True,
+    runs_code=False,
+    pins=frozenset({"sha256"}),
+    variables=(),
+    libraries=(),
+    parse=_parse,
+    resolve=_resolve,
+)

@@ -14,17 +14,27 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
+from composer.sources.kind import Form, Library
 from composer.sources.origin import Origin, is_commit
 from composer.sources.package import distribution, folders
-from composer.sources.reference import Reference
+from composer.sources.reference import Reference, bare, malformed
 from composer.sources.source import Source, has_format
+from composer.sources.source_kind import SourceKind
 
 _PACKAGE = "robot_descriptions"
+_FORM = Form("descriptions:NAME", "a model that the `robot_descriptions` package names")
 _TRANSPORTS = "GIT_ALLOW_PROTOCOL"
 
 
-def resolve(reference: Reference, fetching: Fetching) -> Source:
+def _parse(text: str) -> Reference:
+    name = bare(text, _FORM)
+    if not name.isidentifier():
+        raise malformed(text, _FORM, "does not name a description")
+    return Reference(text, KIND, name, "")
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
     """The MJCF file of a description, or its URDF file where it has no MJCF. Raises SourceError.
 
     Importing a description runs the package's code, which clones a repository when it is first asked for.
@@ -41,7 +51,7 @@ def resolve(reference: Reference, fetching: Fetching) -> Source:
     )
     if reference.name not in names:
         raise _unknown(reference.name, names)
-    description = _load(reference, fetching)
+    description = _load(reference, lookup.fetching)
     path = _model_file(description, reference)
     owner = distribution(_PACKAGE)
     repository = getattr(description, "REPOSITORY_PATH", None)
@@ -118,3 +128,26 @@ def _unknown(name: str, names: list[str]) -> SourceError:
         notes=(exists_note("description", [*likely, *names]).message,),
         help=f"write `descriptions:{likely[0]}`" if likely else None,
     )
+
+
+KIND = SourceKind(
+    name="descriptions",
+    forms=(_FORM,),
+    local_schemes=(),
+    separator="/",
+    is_local=False,
+    is_fetched=False,
+    runs_code=True,
+    pins=frozenset({"commit", "tree", "package", "version"}),
+    # The last two are where the package keeps what it clones.
+    variables=(
+        "ROBOT_DESCRIPTIONS_CACHE",
+        "ROBOT_DESCRIPTION_COMMIT",
+        "PYTHONPATH",
+        "XDG_CACHE_HOME",
+        "HOME",
+    ),
+    libraries=(Library(_PACKAGE),),
+    parse=_parse,
+    resolve=_resolve,
+)

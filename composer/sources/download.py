@@ -195,7 +195,7 @@ class _Download:
         if status in _BUSY:
             raise self._busy(response)
         if status == 416:
-            self.forget()
+            forget(self.partial)
             raise _Broken("the server has another file now")
         if status in (404, 410):
             raise SourceError(
@@ -209,7 +209,7 @@ class _Download:
         version = Version(response.headers.get("ETag", ""), response.headers.get("Last-Modified", ""))
         resumed = status == 206
         if resumed and not response.headers.get("Content-Range", "").startswith(f"bytes {have}-"):
-            self.forget()
+            forget(self.partial)
             raise _Broken("the server answered with another part than it was asked for")
         self._write(response, version, have if resumed else 0)
         return version
@@ -284,10 +284,6 @@ class _Download:
             return self.partial.stat().st_size, Version(str(told["etag"]), str(told["modified"]))
         except (OSError, ValueError, KeyError, TypeError):
             return 0, Version()
-
-    def forget(self) -> None:
-        self.partial.unlink(missing_ok=True)
-        self._note.unlink(missing_ok=True)
 
 
 def forget(partial: Path) -> None:

@@ -22,7 +22,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
         raise SourceError(
             "source-kind", f"the model reference `{reference.text}` leaves what it was fetched with"
         )
-    existing = [f"{origin.id}#{each}" for each in nearby.model_files(origin.root, depth=6)]
+    existing = [origin.named(each) for each in nearby.model_files(origin.root, depth=6)]
     for left_out, why in origin.without:
         if inside.is_relative_to(left_out):
             raise SourceError(

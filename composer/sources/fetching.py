@@ -1,4 +1,4 @@
-"""How a run may fetch, and what it has fetched: handed to every `resolve` of one run."""
+"""How a run may fetch and what it has fetched, and with that where a reference is looked up."""
 
 from __future__ import annotations
 
@@ -67,3 +67,12 @@ class Fetching:
         if self.lock is None or id not in self.lock.sources:
             return {}
         return self.lock.sources[id].files
+
+
+@dataclass(frozen=True, slots=True)
+class Lookup:
+    """What a reference is looked up with: the folder of the file that holds it, the environment, and the run."""
+
+    folder: Path
+    environment: Mapping[str, str]
+    fetching: Fetching

@@ -11,12 +11,14 @@ from pathlib import Path
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand, source_in, unlocked
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
 from composer.sources.git_command import Git, GitFailure, words_of
 from composer.sources.git_tree import write_tree
+from composer.sources.kind import Form
 from composer.sources.origin import Origin, is_commit
-from composer.sources.reference import Reference, escaped
+from composer.sources.reference import CONTROL, Reference, check_secrets, malformed
 from composer.sources.source import Source
+from composer.sources.source_kind import SourceKind
 from composer.sources.store import Entry, Store
 
 _NO_ROOM = re.compile("No space left|File too large|quota exceeded|signal 25", re.IGNORECASE)
@@ -25,14 +27,62 @@ _WITHOUT = "without "
 _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 
-def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetching) -> Source:
+_FORMS = (
+    Form(
+        "git+https://host/repo@REV#path/model.xml",
+        "a file in a git repository; REV is a branch, a tag or a commit; an `@`, `#` or `%` in it is written `%40`,"
+        " `%23`, `%25`",
+    ),
+    Form("git+ssh://git@host/repo@REV#path/model.xml", "the same over ssh"),
+    Form("git+file:///path/to/repo@REV#path/model.xml", "the same in a repository on this machine"),
+)
+
+
+def _parse(text: str) -> Reference:
+    scheme, _, rest = text.partition(":")
+    form = next((each for each in _FORMS if each.scheme == scheme), _FORMS[0])
+    location, _, path = rest.partition("#")
+    host, _, tail = location.removeprefix("//").partition("/")
+    check_secrets(text, host)
+    # Only an `@` behind the host starts a revision: before it, it ends a user's name.
+    repository, at, revision = tail.rpartition("@")
+    if not at:
+        repository, revision = tail, ""
+    if not repository or bool(host) == (scheme == "git+file"):
+        raise malformed(text, form, "does not say the repository")
+    revision = _unescaped(revision)
+    if not revision or revision.startswith("-") or CONTROL.search(revision):
+        raise malformed(text, form, "does not say the revision")
+    if not path:
+        raise malformed(text, form, "does not say the file inside the repository")
+    return Reference(text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path, revision)
+
+
+def _unescaped(revision: str) -> str:
+    """An `@`, `#` or `%` in the name of a branch or tag is written as in any URL: `%40`, `%23`, `%25`."""
+    if "%" not in revision:
+        return revision
+    from urllib.parse import unquote
+
+    return unquote(revision)
+
+
+def _escaped(revision: str) -> str:
+    """The name of a branch or tag as a reference writes it.
+
+    >>> _escaped("robots@1.2")
+    'robots%401.2'
+    """
+    return revision.replace("%", "%25").replace("@", "%40").replace("#", "%23")
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
     """The file at a revision. The commit comes from the lock, or else the repository is asked. Raises SourceError."""
-    id = reference.id
-    if id not in fetching.origins:
-        fetching.origins[id] = _Repository(
-            reference, id, Store.of(environment), environment, fetching
-        ).origin()
-    return source_in(fetching.origins[id], reference)
+    id, known = reference.id, lookup.fetching.origins
+    if id not in known:
+        store = Store.of(lookup.environment)
+        known[id] = _Repository(reference, id, store, lookup.environment, lookup.fetching).origin()
+    return source_in(known[id], reference)
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +243,7 @@ class _Repository:
 
     def _with_revision(self, name: str) -> str:
         before, _, path = self.reference.text.partition("#")
-        return f"{before.rpartition('@')[0]}@{escaped(name)}#{path}"
+        return f"{before.rpartition('@')[0]}@{_escaped(name)}#{path}"
 
     def _no_commit(self, commit: str, pinned: bool) -> SourceError:
         url, text = self.reference.name, self.reference.text
@@ -214,3 +264,19 @@ def _refs(out: bytes) -> dict[str, str]:
         commit, _, name = line.partition("\t")
         found[name] = commit
     return found
+
+
+KIND = SourceKind(
+    name="git",
+    forms=_FORMS,
+    local_schemes=("git+http",),
+    separator="#",
+    is_local=False,
+    is_fetched=True,
+    runs_code=False,
+    pins=frozenset({"commit", "tree"}),
+    variables=(),
+    libraries=(),
+    parse=_parse,
+    resolve=_resolve,
+)

@@ -2,34 +2,45 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
-from urllib.request import getproxies, proxy_bypass
 
 from composer.diagnostics.suggest import closest, exists_note
 from composer.sources import licence
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand
-from composer.sources.fetching import Fetching
+from composer.sources.fetching import Fetching, Lookup
+from composer.sources.kind import Form, Library
 from composer.sources.origin import Origin
-from composer.sources.reference import Reference
+from composer.sources.reference import Reference, bare, malformed
 from composer.sources.source import Source
+from composer.sources.source_kind import SourceKind
 
 _PACKAGE = "mujoco-menagerie"
+_FORM = Form(
+    "menagerie:ROBOT/ENTRY",
+    "a robot of MuJoCo Menagerie, through the `mujoco-menagerie` package; without `/ENTRY` the robot's own model",
+)
 _WITHOUT_NETWORK = "without a network, set `MENAGERIE_ROOT` to a folder that holds the robots"
 
 
-def resolve(reference: Reference, environment: Mapping[str, str], fetching: Fetching) -> Source:
+def _parse(text: str) -> Reference:
+    robot, slash, entry = bare(text, _FORM).partition("/")
+    if not robot or (slash and not entry):
+        raise malformed(text, _FORM, "does not say " + ("the entry" if robot else "the robot"))
+    return Reference(text, KIND, robot, entry)
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
     """An entry of a robot of Menagerie; without one the robot's own model, never its scene.
 
     The package downloads a robot when it is first asked for and keeps it. `MENAGERIE_ROOT` in the environment
     is a folder with one subfolder for each robot, which is used instead; then nothing is downloaded.
     `MENAGERIE_CACHE_DIR` and `MENAGERIE_BASE_URL` mean what they mean to the package. Raises SourceError.
     """
+    environment, fetching = lookup.environment, lookup.fetching
     try:
         library: Any = import_module("mujoco_menagerie")
     except ImportError:
@@ -96,6 +107,10 @@ def _entry(robot: Any, reference: Reference) -> Any:
 
 def _check_server(url: str, reference: Reference) -> None:
     """Fail at once where the name of the server cannot be resolved: the package would try for ten seconds."""
+    import socket
+    from urllib.parse import urlsplit
+    from urllib.request import getproxies, proxy_bypass  # slow to import, and only a download needs it
+
     host = urlsplit(url).hostname
     if not host or (set(getproxies()) & {"http", "https", "all"} and not proxy_bypass(host)):
         return  # a folder; or a proxy resolves the name
@@ -143,3 +158,20 @@ def _folder(
             notes=(str(fault),),
             help=_WITHOUT_NETWORK,
         ) from fault
+
+
+KIND = SourceKind(
+    name="menagerie",
+    forms=(_FORM,),
+    local_schemes=(),
+    separator="/",
+    is_local=False,
+    is_fetched=False,
+    runs_code=False,
+    pins=frozenset({"commit", "tree", "package", "version"}),
+    # The last two are where the package keeps what it downloads.
+    variables=("MENAGERIE_ROOT", "MENAGERIE_CACHE_DIR", "MENAGERIE_BASE_URL", "XDG_CACHE_HOME", "HOME"),
+    libraries=(Library(_PACKAGE, "menagerie"),),
+    parse=_parse,
+    resolve=_resolve,
+)

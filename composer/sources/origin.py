@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from composer.sources.kind import Kind
+
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """A repository at a commit, an archive, a robot of Menagerie, an installed package: `kind` is as in `Kind`.
+    """A repository at a commit, an archive, a robot of Menagerie, an installed package.
 
     `id` is the model reference without the file in it (`git+https://host/repo@v1`); `root` the folder against
     which its files are named. `commit` and `tree` are git's hashes, `sha256` that of an archive. `without` has the
@@ -19,7 +21,7 @@ class Origin:
     """
 
     id: str
-    kind: str
+    kind: Kind
     root: Path
     commit: str | None = None
     tree: str | None = None
@@ -27,10 +29,17 @@ class Origin:
     without: tuple[tuple[str, str], ...] = ()
     stored: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
 
+    def __post_init__(self) -> None:
+        self.kind.check_pinned(commit=self.commit, tree=self.tree, sha256=self.sha256)
+
     @property
     def is_fetched(self) -> bool:
         """Whether it is in the store, and none of the files of this machine has to do with it."""
-        return self.kind in ("git", "archive")
+        return self.kind.is_fetched
+
+    def named(self, inside: str) -> str:
+        """The reference to a file in it, by its path from `root`."""
+        return f"{self.id}{self.kind.separator}{inside}"
 
     @property
     def pin(self) -> str | None:

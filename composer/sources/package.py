@@ -14,9 +14,12 @@ from composer.diagnostics.suggest import closest
 from composer.sources import licence, licence_name
 from composer.sources import suggest as nearby
 from composer.sources.error import SourceError
+from composer.sources.fetching import Lookup
+from composer.sources.kind import Form
 from composer.sources.origin import Origin
-from composer.sources.reference import Reference
+from composer.sources.reference import Reference, bare, malformed
 from composer.sources.source import Source, has_format
+from composer.sources.source_kind import SourceKind
 from composer.sources.spdx import of_package
 
 if TYPE_CHECKING:
@@ -24,7 +27,21 @@ if TYPE_CHECKING:
     from importlib.metadata import Distribution
 
 
-def resolve(reference: Reference) -> Source:
+_FORM = Form("package:NAME/path/in/package.xml", "a file inside an installed Python package")
+
+
+def _parse(text: str) -> Reference:
+    name, _, path = bare(text, _FORM).partition("/")
+    if not name or not path.strip("/"):
+        lacks = "the file inside the package" if name else "the package"
+        raise malformed(text, _FORM, f"does not say {lacks}")
+    # A hyphen is let through: who writes what is typed after `pip install` gets the name of the package later.
+    if not all(part.replace("-", "_").isidentifier() for part in name.split(".")):
+        raise malformed(text, _FORM, f"names `{name}`, which cannot be a Python package")
+    return Reference(text, KIND, name, path)
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
     """The file inside a package. Runs none of the package's code. Raises SourceError."""
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts:
@@ -134,3 +151,19 @@ def _not_installed(reference: Reference) -> SourceError:
 
 def _normalised(distribution_name: str) -> str:
     return re.sub(r"[-_.]+", "_", distribution_name).lower()
+
+
+KIND = SourceKind(
+    name="package",
+    forms=(_FORM,),
+    local_schemes=(),
+    separator="/",
+    is_local=False,
+    is_fetched=False,
+    runs_code=False,
+    pins=frozenset({"package", "version"}),
+    variables=("PYTHONPATH",),
+    libraries=(),
+    parse=_parse,
+    resolve=_resolve,
+)

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path, PurePath
 
 from composer.diagnostics.suggest import exists_note
 from composer.sources import licence
 from composer.sources import suggest as nearby
 from composer.sources.error import SourceError
+from composer.sources.fetching import Fetching, Lookup
+from composer.sources.kind import Form
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
+from composer.sources.source_kind import SourceKind
 
 
-def resolve(reference: Reference, relative_to: Path) -> Source:
-    """The file at a path; a relative one starts at the folder `relative_to`. Raises SourceError."""
+def _parse(text: str) -> Reference:
+    return Reference(text, KIND, "", text)
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
+    """The file at a path; a relative one starts at the folder of the lookup. Raises SourceError."""
+    try:
+        found = _file(reference, lookup.folder)
+    except SourceError as error:
+        raise _left_out(reference, lookup.folder, lookup.fetching) or error from None
+    return _of_the_same(found, lookup.folder, lookup.fetching)
+
+
+def _file(reference: Reference, relative_to: Path) -> Source:
     wanted = relative_to / reference.path
     if os.path.isdir(wanted):
         raise _is_folder(reference.text, wanted)
@@ -53,3 +69,58 @@ def _is_folder(text: str, folder: Path) -> SourceError:
         notes=(exists_note("model file", inside).message,),
         help=f"write `{inside[0]}`" if len(inside) == 1 else "name a model file in it",
     )
+
+
+def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> SourceError | None:
+    """The error for a path in a recipe that was fetched, where it leads to what was left out when that was done."""
+    origin = fetching.around(relative_to)
+    if origin is None:
+        return None
+    inside = Path(
+        os.path.relpath(os.path.realpath(relative_to / reference.path), os.path.realpath(origin.root))
+    )
+    for name, why in origin.without:
+        if inside.is_relative_to(name):
+            return SourceError(
+                "source-not-found",
+                f"the model `{reference.text}` does not exist: `{name}` of `{origin.id}` is {why}",
+            )
+    return None
+
+
+def _of_the_same(source: Source, relative_to: Path, fetching: Fetching) -> Source:
+    """A path in a recipe that was fetched leads to a file that was fetched with it."""
+    origin = fetching.around(relative_to)
+    if origin is None:
+        return source
+    if fetching.around(source.path) != origin:
+        if origin.is_fetched:
+            raise SourceError(
+                "source-outside",
+                f"`{source.reference}` was not fetched with `{origin.id}`, whose recipe names it",
+                help="a recipe that is fetched must hold all that it names by paths",
+            )
+        return source
+    asked = fetching.first.get(origin.id, source)
+    own = licence.find(source.path, origin.root)
+    of_the_whole = tuple(each for each in asked.licences if not each.is_relative_to(origin.root))
+    return replace(
+        source, package=asked.package, version=asked.version, licence=asked.licence,
+        licences=own or of_the_whole, origin=origin,
+    )  # fmt: skip
+
+
+KIND = SourceKind(
+    name="path",
+    forms=(Form("./path/to/model.xml", "a file, relative to the recipe that names it"),),
+    local_schemes=(),
+    separator="/",
+    is_local=True,
+    is_fetched=False,
+    runs_code=False,
+    pins=frozenset(),
+    variables=(),
+    libraries=(),
+    parse=_parse,
+    resolve=_resolve,
+)

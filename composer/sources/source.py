@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Literal
 
+from composer.sources.kind import Kind
 from composer.sources.origin import Origin
 
 Format = Literal["recipe", "mjcf", "urdf"]
@@ -33,7 +34,7 @@ class Source:
     """
 
     path: Path
-    kind: str
+    kind: Kind
     reference: str
     package: str | None = None
     version: str | None = None
@@ -41,6 +42,10 @@ class Source:
     packages: tuple[tuple[str, Path], ...] = ()
     origin: Origin | None = None
     licence: str | None = None
+
+    def __post_init__(self) -> None:
+        belongs_to = self.kind if self.origin is None else self.origin.kind
+        belongs_to.check_pinned(package=self.package)
 
     @property
     def format(self) -> Format:

@@ -190,3 +190,14 @@ def through_frames(parent: Node) -> Iterator[Node]:
             yield from through_frames(child)
         elif isinstance(tag, str):
             yield child
+
+
+def own(body: Node, *tags: str) -> list[Node]:
+    """The elements with those tags that belong to the body itself; frames and replicates are transparent."""
+    found: list[Node] = []
+    for child in body:
+        if child.tag in tags:
+            found.append(child)
+        elif child.tag in ("frame", "replicate"):
+            found.extend(own(child, *tags))
+    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from lxml.etree import _Element as Node
@@ -70,18 +70,20 @@ class NameIndex:
         """Who refers to a name, in the order in which they began to."""
         return list(self.uses.get(namespace, {}).get(name, ()))
 
-    def follow(self, namespace: str, old: str, new: str) -> None:
-        """Let everything that refers to a name refer to another one."""
+    def follow(self, namespace: str, names: Mapping[str, str]) -> None:
+        """Let everything that refers to one of the names refer to the new one; all at once, so that two can swap."""
         uses = self.uses.get(namespace, {})
-        users = uses.pop(old, {})
-        for node, attribute in users:
-            text = node.get(attribute)
-            if text == old:
-                node.set(attribute, new)
+        moved = {old: uses.pop(old, {}) for old in names}
+        for use in {use: None for users in moved.values() for use in users}:
+            node, attribute = use
+            text = str(node.get(attribute))
+            if use in moved.get(text, ()):
+                node.set(attribute, names[text])
             else:
-                node.set(attribute, " ".join(new if each == old else each for each in str(text).split()))
-        if users:
-            uses.setdefault(new, {}).update(users)
+                node.set(attribute, " ".join(names.get(each, each) for each in text.split()))
+        for old, users in moved.items():
+            if users:
+                uses.setdefault(names[old], {}).update(users)
 
 
 def own_name(node: Node, attribute: str) -> str | None:

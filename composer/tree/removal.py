@@ -1,17 +1,70 @@
-"""What must go with an element, and what can do without it."""
+"""Taking elements out: what must go with them, and what can do without them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Generic
 
 from lxml.etree import _Element as Node
 
+from composer.tree.editable import M, Reference, referrers
 from composer.tree.kinds import ROOT, WORLD_SECTION, section_of
-from composer.tree.name_index import NameIndex, Use
 from composer.tree.names import declaration
 
 # An element is still one without its class or its material; without anything else that it names it is not.
 DISPENSABLE = frozenset({"default", "material"})
+
+
+@dataclass(frozen=True, slots=True)
+class Removal(Generic[M]):
+    """What goes, each with its model and none inside another, and who of the rest refers to it."""
+
+    going: tuple[tuple[M, Node], ...]
+    references: tuple[Reference[M], ...]
+
+    @classmethod
+    def of(cls, nodes: Iterable[tuple[M, Node]]) -> Removal[M]:
+        """These elements alone."""
+        going = _outermost(nodes)
+        inside = {each for _, node in going for each in node.iter("*")}
+        found = dict.fromkeys(
+            reference
+            for model, node in going
+            for namespace, name in model.names_of(node)
+            if (there := model.names.find(namespace, name)) is None or there in inside
+            for reference in referrers(model, namespace, name)
+            if reference.node not in inside
+        )
+        return cls(going, tuple(found))
+
+    def with_referrers(self) -> Removal[M]:
+        """With everything that refers to them and cannot do without; the references that are left can be dropped."""
+        removal = self
+        while falling := [
+            (each.model, whole(each.node))
+            for each in removal.references
+            if not can_do_without(each.node, each.namespace)
+        ]:
+            removal = Removal.of([*removal.going, *falling])
+        return removal
+
+    def drop_references(self) -> None:
+        """Take away the attributes that refer to what goes."""
+        for model, node, attribute, *_ in self.references:
+            model.forget(node)
+            node.attrib.pop(attribute, "")
+            model.note(node)
+
+
+def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
+    """Each node once, none that is inside another."""
+    models = {node: model for model, node in nodes}
+    return tuple(
+        (model, node)
+        for node, model in models.items()
+        if not any(above in models for above in node.iterancestors())
+    )
 
 
 def whole(node: Node) -> Node:
@@ -39,42 +92,3 @@ def names_in(node: Node) -> list[tuple[str, str]]:
     section = section_of(node)
     found = [declaration(each, section) for each in node.iter("*") if not is_section(each)]
     return [each for each in found if each is not None]
-
-
-def referrers(index: NameIndex, going: Iterable[Node]) -> list[tuple[Use, str, str]]:
-    """Who refers to what is going, and stays: element and attribute, and namespace and name of what it names."""
-    nodes = list(going)
-    inside = {each for node in nodes for each in node.iter("*")}
-    return [
-        (use, namespace, name)
-        for node in nodes
-        for namespace, name in names_in(node)
-        if index.find(namespace, name) in inside
-        for use in users(index, namespace, name)
-        if use[0] not in inside
-    ]
-
-
-def users(index: NameIndex, namespace: str, name: str) -> list[Use]:
-    """Who refers to a name, or to one of those that MuJoCo makes of it where it stands in a `replicate`."""
-    found = index.users(namespace, name)
-    node = index.find(namespace, name)
-    if node is not None and (multiplies(node)):
-        for other in list(index.uses.get(namespace, {})):
-            if is_copy(other, name) and index.find(namespace, other) is None:
-                found += index.users(namespace, other)
-    return found
-
-
-def multiplies(node: Node) -> bool:
-    """Whether MuJoCo makes several names of the element's own."""
-    return node.tag in ("flexcomp", "composite") or next(node.iterancestors("replicate"), None) is not None
-
-
-def is_copy(other: str, name: str) -> bool:
-    """Whether a name is what MuJoCo makes of another one, with numbers behind it.
-
-    >>> is_copy("pad_012", "pad"), is_copy("pad3_0", "pad3"), is_copy("padding", "pad")
-    (True, True, False)
-    """
-    return other.startswith(name) and len(other) > len(name) and other[-1].isdigit()

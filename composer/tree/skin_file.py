@@ -1,9 +1,16 @@
-"""Skin files (`.skn`): the names of bodies inside them are references like any other."""
+"""Skin files (`.skn`): their bones name bodies, which are references like any other and follow a rename."""
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from composer.tree.files import written_path
+from composer.tree.settings import read_settings
 
 _HEADER = struct.Struct("<4i")
 _NAME_BYTES = 40
@@ -11,11 +18,60 @@ _BIND = 7 * 4
 
 
 class BadSkin(ValueError):
-    """The bytes are no skin file, or a name does not fit into one."""
+    """The bytes are not a skin file, or a name does not fit into one."""
 
 
 class BadBone(BadSkin):
     """A name does not fit into a skin file."""
+
+
+class Skin(NamedTuple):
+    """A skin of a model with a file: its path as MuJoCo would look for it, and the path as it is written."""
+
+    element: Node
+    path: str
+    written: str
+
+
+def skins(root: Node) -> Iterator[Skin]:
+    """Every skin of a model that names a file."""
+    settings = None
+    for section in root.iterchildren("asset", "deformable"):
+        for element in section.iterchildren("skin"):
+            if written := element.get("file"):
+                settings = settings or read_settings(root)
+                yield Skin(element, written_path(settings, element, written), str(written))
+
+
+def renamed_skin(source: bytes | Path, rename: Callable[[str], str | None]) -> bytes | None:
+    """The file with other names of bones, None where none changes. Raises `BadBone`.
+
+    `rename` gives None for a name that stays. A file that cannot be read stays too: that is reported where all
+    files are read, or by MuJoCo.
+    """
+    try:
+        before = source if isinstance(source, bytes) else source.read_bytes()
+        after = rename_bones(before, lambda name: rename(name) or name)
+    except BadBone:
+        raise
+    except (OSError, BadSkin):
+        return None
+    return None if after == before else after
+
+
+def bones(source: bytes | Path) -> list[str] | None:
+    """The bodies that a skin file names; None where it cannot be read."""
+    found: list[str] = []
+
+    def note(name: str) -> str:
+        found.append(name)
+        return name
+
+    try:
+        rename_bones(source if isinstance(source, bytes) else source.read_bytes(), note)
+    except (OSError, BadSkin):
+        return None
+    return found
 
 
 def rename_bones(data: bytes, rename: Callable[[str], str]) -> bytes:

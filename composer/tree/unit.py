@@ -11,6 +11,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.tree.classes import Classes
+from composer.tree.files import join
 from composer.tree.key import PartKeys
 from composer.tree.order import place_of
 from composer.tree.origin import Origins
@@ -67,6 +68,10 @@ class Unit:
         origins = self.origins.carried(self.root, root)
         header = tuple(root[self.root.index(comment)] for comment in self.header)
         return Unit(root, self.file, self.directory, self.label, self.contents, origins, header=header)
+
+    def source_of(self, path: str) -> bytes | Path:
+        """The bytes of a file by its written path, or where they are."""
+        return self.contents.get(path, Path(join(str(self.directory), path)))
 
     def section(self, tag: str) -> Node:
         """The last section of that tag, to which new elements go; made where there is none."""

@@ -16,12 +16,12 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.dedup import Merged
+from composer.mujoco_errors.message import CRASHES
 from composer.plan.drawn_arrays import arrays_of_draw
 from composer.plan.part_record import PartRecord, of_part
 from composer.plan.plan import Plan
 from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
-from composer.verify.compiles import CRASHES
 from composer.verify.kinds.ask import ask
 from composer.verify.kinds.finding import Finding
 from composer.verify.nested import Nested, checks_in

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,21 +11,16 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
 from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
+from composer.mujoco_errors.message import Fault, crash_help
+from composer.mujoco_errors.report import report
+from composer.mujoco_errors.sentence import read_sentence
+from composer.mujoco_errors.translation import kind_of, translate, unknown_attribute
 from composer.tree.files import NAMED_AFTER_FILE
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
-from composer.verify.compiles import Fault, crash_help, verify
-from composer.verify.fault_location import locate_fault
+from composer.verify.compiles import verify
 from composer.verify.ignored_attributes import unread
 from composer.verify.left_behind import left_behind
-from composer.verify.mujoco_errors import Translation, kind_of, translate, unknown_attribute
-
-_PLUGIN = re.compile(r"failed for plugin id (\d+)")
-# What MuJoCo says of a setting of the whole model, of which it knows no line.
-_SETTINGS = {
-    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
-    "option": re.compile(r"\bintegrator='"),
-}
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -44,7 +38,7 @@ def judge(
     try:
         verified = verify(bundle, session=session, keep=keep)
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         return None
     for warning in verified.warnings:
         element = _element(warning, bundle, model)
@@ -61,7 +55,7 @@ def judge(
             context.sink.error(verified.code, message, help=crash_help(verified.code))
         else:
             element = _element(fault, bundle, model)
-            tell(translate(message, element), element, model, context)
+            report(translate(message, element), element, model, context)
         return None
     version = verified.compiled.mujoco_version
     if version is None or version_key(version) <= version_key(
@@ -92,7 +86,7 @@ def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> Non
     kind = kind_of(element)
     if kind is None or name not in kind.ignored:
         cause = Cause(f"{element.tag} {name}", _called(element))
-        tell(unknown_attribute(element, name), element, model, context, cause)
+        report(unknown_attribute(element, name), element, model, context, cause)
         return
     context.sink.warning(
         "unknown-attribute",
@@ -102,32 +96,19 @@ def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> Non
     )
 
 
-def tell(
-    said: Translation, element: Node | None, model: Unit, context: Context, cause: Cause | None = None
-) -> None:
-    """An error at the element, or at the attribute that it lies in."""
-    if element is None:
-        context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
-        return
-    found = locate_fault(said, element, model)
-    notes = (*found.notes, *said.notes)
-    context.sink.error(said.code, said.message, found.span, notes=notes, help=said.help, cause=cause)
-
-
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     """The element on that line of `model.xml`, the plugin's instance, the only one of that name, a setting."""
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
-    if (failed := _PLUGIN.search(fault.message)) is not None:
+    said = read_sentence(fault.message)
+    if said.plugin is not None:
         instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
-        number = int(failed[1])
-        return instances[number] if number < len(instances) else None
+        return instances[said.plugin] if said.plugin < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
     named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
-    for tag, said in _SETTINGS.items():
-        if not named and said.search(fault.message):
-            named = model.root.findall(tag)
+    if not named and said.section is not None:
+        named = model.root.findall(said.section)
     return named[0] if len(named) == 1 else None
 
 

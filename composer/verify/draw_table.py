@@ -16,11 +16,11 @@ from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.expr.angle import UNITS, Angle
 from composer.grammar.degrees import is_in_degrees
+from composer.mujoco_errors.message import CRASHES
 from composer.plan.drawn import Tabled
 from composer.plan.plan import Plan
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import DrawField
-from composer.verify.compiles import CRASHES
 from composer.verify.parts import WHOLE
 from composer.verify.run_time import compare, resolve
 

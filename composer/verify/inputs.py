@@ -12,11 +12,10 @@ from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.plan.planner import make_plan
 from composer.sources.error import SourceError
+from composer.sources.kinds import kind_called
+from composer.sources.path import KIND as PATH
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
-
-_LOCAL = ("path", "package", "menagerie")
-"""Kinds of reference that are followed although nobody but the bundle asks for it: they run nothing."""
 
 
 class Inputs:
@@ -62,10 +61,12 @@ class Inputs:
     def _candidates(self, number: int, wanted: Input) -> Iterator[Source]:
         if len(self.planned) == len(self.manifest.inputs):
             yield self.planned[number]
-        if wanted.kind in _LOCAL:
+        kind = kind_called(wanted.kind)
+        # Nobody but the bundle asks for it: so nothing is fetched, and no code is run.
+        if kind is not None and not kind.is_fetched and not kind.runs_code:
             with suppress(SourceError):
                 yield resolve(wanted.reference, relative_to=self.folder, environment=self.context.environment)
-        yield Source(self.folder / wanted.path, wanted.kind, wanted.reference)
+        yield Source(self.folder / wanted.path, kind or PATH, wanted.reference)
 
 
 def _sha256(path: Path) -> str | None:

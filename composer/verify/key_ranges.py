@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
+from composer.compiled.index import Actuator, Index, Joint, Range
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.document.node import locate
-from composer.engine.index import Actuator, Index, Joint, Range
 from composer.expr.angle import Angle
 from composer.plan.plan import Plan
 from composer.recipe.fault import Path

@@ -11,8 +11,8 @@ from composer.compiled.difference import Difference
 from composer.compiled.keyframes import Keys
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
 from composer.plan.part_record import PartRecord
-from composer.sources import ros_package
 from composer.verify.question import Question, ask, told
+from composer.verify.source_alone import keep_source
 
 _ROUNDING = 1e-12
 """Relative: `springdamper` and `dampratio` go by the inertia of the whole model, which is summed in another order."""
@@ -32,6 +32,14 @@ class Compared:
     @property
     def ok(self) -> bool:
         return self.obscure is None and not self.differences
+
+
+@dataclass(frozen=True, slots=True)
+class Incomparable:
+    """Why two models cannot be compared; with `lacks_body` the second one has no body of the given name."""
+
+    why: str
+    lacks_body: bool = False
 
 
 @dataclass(slots=True)
@@ -66,15 +74,18 @@ class Judge:
         given = tuple(excused), tuple(replaced_keys)
         question = _question(member, *given, self.merged, self.renamed.get(member.part, {}))
         found = self._ask(name, WHOLE, question)
-        if isinstance(found, str):
-            return Compared(member, obscure=found)
+        if isinstance(found, Incomparable):
+            return Compared(member, obscure=found.why)
         return Compared(member, (*self.cut.get(name, ()), *found))
 
-    def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | str:
+    def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | Incomparable:
         """The differences of two models that the session keeps, or why there are none."""
         answer = engine.call(self.session, ask, [alone, composed], question.to_json())
         if not answer.ok:
-            return answer.error or answer.crash or "it cannot be compared"
+            return Incomparable(answer.error or answer.crash or "it cannot be compared")
+        if answer.value is None:
+            why = f"the body `{question.body}` that it hangs on is not in the compiled model"
+            return Incomparable(why, lacks_body=True)
         return tuple(told(answer.value))
 
     def _take(self, member: PartRecord, name: str) -> str | None:
@@ -91,11 +102,11 @@ class Judge:
             here = body == taken.above[0]
             question = Question(body=body, posed=here, keys=keys, tolerance=_ROUNDING, cut=True)
             found = self._ask(name, whole, question)
-            if not isinstance(found, str):
+            if not isinstance(found, Incomparable):
                 self.cut[name] = found
                 return None
-            why = found
-            if not why.startswith(KeyError.__name__):  # that is a body which is not there
+            why = found.why
+            if not found.lacks_body:
                 break
         return why
 
@@ -103,23 +114,7 @@ class Judge:
         """Keep the source compiled alone; a sentence where MuJoCo refuses it."""
         if member.subtree is not None:
             return self._take(member, name)
-        path, text = member.source.path, None
-        if member.source.format == "urdf":
-            try:
-                names = ros_package.packages_in(path.read_text(encoding="utf-8", errors="replace"))
-            except OSError as error:
-                return f"its source cannot be read: {(error.strerror or str(error)).lower()}"
-            packages = ros_package.folders(names, path, dict(member.source.packages))
-            converted = engine.convert_urdf(path, packages, stands=member.stands, session=self.session)
-            if (text := converted.text) is None:
-                return refused(converted.error or converted.crash)
-        file = path.name if text is None else f"{path.stem}.xml"
-        compiled = engine.compile(path.parent, file, text=text, keep=name, session=self.session)
-        return None if compiled.ok else refused(compiled.error or compiled.crash)
-
-
-def refused(said: str | None) -> str:
-    return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
+        return keep_source(member, self.session, name)
 
 
 def _kept(member: PartRecord) -> str:

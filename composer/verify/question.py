@@ -50,9 +50,16 @@ class Question:
         return Mount.of(composed, site=self.site, body=self.body, pos=self.pos, quat=self.quat)
 
 
-def ask(_mujoco: object, alone: Model, composed: Model, question: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """For `composer.engine.call`: the differences of a part as JSON data; ``question`` is a `Question`'s."""
+def ask(
+    _mujoco: object, alone: Model, composed: Model, question: Mapping[str, Any]
+) -> list[dict[str, Any]] | None:
+    """For `composer.engine.call`: the differences of a part as JSON data; ``question`` is a `Question`'s.
+
+    None where the composition does not have the body that the part hangs on.
+    """
     given = Question(**question)
+    if given.body is not None and given.body not in NameTable(composed).ids["body"]:
+        return None
     found = compare(
         alone,
         composed,

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from composer.compiled.attributes import TAGS, array_of, attributes
 from composer.compiled.kinds import Model
 from composer.engine.actuator_rows import first_row
-from composer.recipe.checks.arrays import TAGS, array_of, attributes
-from composer.recipe.edit_values import MASS
+from composer.recipe.verbs.values import MASS
 
 _GAINS: dict[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
     ("position", "kp"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 1, -1)),

@@ -17,6 +17,7 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
 from composer.numerics.pose import Pose
 from composer.plan.part_record import PartRecord
+from composer.sources.path import KIND as PATH
 from composer.sources.source import Source
 from composer.verify.compiles import Verified, verify
 from composer.verify.inputs import Inputs
@@ -48,9 +49,9 @@ def verify_stored(
     """
     shown = context.shown(path)
     try:
-        bundle = read(context.folder / path)
+        bundle = read(context.folder / path, shown=shown)
     except ReadError as error:
-        context.sink.error(error.code, error.message.replace(str(context.folder / path), shown))
+        context.sink.add(error.diagnostic)
         return None
     manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
     if manifest is not None:
@@ -78,7 +79,7 @@ def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) ->
     try:
         verified: Verified = verify(bundle, session=session, keep=WHOLE)
     except OutputError as error:
-        context.sink.error(error.code, error.message, help=error.help)
+        context.sink.add(error.diagnostic)
         return None
     for warning in verified.warnings:
         said = " ".join(warning.message.split())
@@ -97,7 +98,7 @@ def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compare
     for part in manifest.parts:
         found = inputs.find(part.input)
         if isinstance(found, str):
-            nowhere = Source(Path(), "path", "")
+            nowhere = Source(Path(), PATH, "")
             yield Compared(_member(part, nowhere), obscure=part.obscure or found)
         else:
             yield judge.compare(_member(part, found), part.changed, part.replaced_keys)

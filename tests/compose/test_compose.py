@@ -64,3 +64,24 @@ def test_a_plan_that_fails_gives_nothing(tmp_path: Path) -> None:
     plan = make_plan(tmp_path / "recipe.yaml", context)
     assert plan is not None
     assert Composer(context, None).compose(plan) is None
+
+
+MALFORMED = '<mujoco><worldbody><body><joint range="low 1"/><geom size="1"/></body></worldbody></mujoco>'
+LINKED_WITH_IT = "recipe: 1\nbase: ./robot.xml\nattach: {a: {model: ./odd.xml}}\n"
+
+
+def test_a_malformed_value_of_a_source_is_reported(tmp_path: Path, compose: Compose) -> None:
+    (tmp_path / "odd.xml").write_text(MALFORMED)
+    assert compose(LINKED_WITH_IT) == ["odd.xml1:40 wrong-type"]
+
+
+def test_a_malformed_value_does_not_hide_a_bug(
+    tmp_path: Path, compose: Compose, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise KeyError("bug")
+
+    (tmp_path / "odd.xml").write_text(MALFORMED)
+    monkeypatch.setattr("composer.compose.compose.link", broken)
+    with pytest.raises(KeyError, match="bug"):
+        compose(LINKED_WITH_IT)

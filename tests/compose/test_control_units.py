@@ -8,11 +8,11 @@ import mujoco
 import pytest
 
 from composer.compose.control_units import ControlUnits
-from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.engine import Session, units
 from composer.link.linking import Linking
+from composer.link.measure import measure_with
 from composer.tree.parse import parse_file
 
 WORDS = {"rad": "an angle", "rad/s": "an angular velocity"}

@@ -700,3 +700,10 @@ def test_expressions_know_parameters(radian: Case, monkeypatch: pytest.MonkeyPat
     )
     model = radian.edited("{select: {joint: elbow}, set: {armature: '${payload + index}'}}")
     assert model.joint("elbow").armature[0] == 0.5
+
+
+def test_who_refers_may_be_renamed_with_what_it_refers_to(radian: Case) -> None:
+    before = radian.model("recipe: 1\nbase: ./arm.xml\n")
+    after = radian.edited("{select: {xpath: '//joint[@name]|//actuator/*'}, rename: 'x_${name}'}")
+    assert after.actuator("x_a2").trnid[0] == after.joint("x_elbow").id
+    assert np.array_equal(after.actuator_trnid, before.actuator_trnid)

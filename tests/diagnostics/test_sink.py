@@ -89,16 +89,18 @@ def test_what_it_gives_out_is_a_copy() -> None:
 def test_what_lacks_a_lost_name_is_not_told_but_counts() -> None:
     sink = Sink()
     sink.error("unknown-key", "`left` is wrong")
-    sink.forgive(["left", "cup"])
-    sink.error("unknown-name", "there is no site `left/tip`")
-    sink.error("unknown-name", "there is no body `cup`")
-    sink.error("unknown-name", "there is no body `cups`")
+    sink.suppress_about(["left", "cup"])
+    sink.error("unknown-name", "there is no site `left/tip`", subjects=["left/tip"])
+    sink.error("unknown-name", "there is no body `cup`", subjects=["cup"])
+    sink.error("unknown-name", "there is no body `cups`", subjects=["cups"])
+    sink.error("unknown-name", "the word `cup` in a message means nothing")
     sink.warning("option-conflict", "`right/` wants more")
     sink.error("source-fetch", "the repository `https://host/left/cup` cannot be fetched")
     assert [each.message for each in sink.diagnostics] == [
-        "`left` is wrong", "there is no body `cups`", "the repository `https://host/left/cup` cannot be fetched",
+        "`left` is wrong", "there is no body `cups`", "the word `cup` in a message means nothing",
+        "the repository `https://host/left/cup` cannot be fetched",
     ]  # fmt: skip
-    assert sink.error_count == 5
+    assert sink.error_count == 6
 
 
 ONE, TWO = CellName("a-1", "a-1"), CellName("a-2", "a-2")

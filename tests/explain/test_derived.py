@@ -7,13 +7,13 @@ from pathlib import Path
 import mujoco
 import pytest
 
+from composer.compiled.attributes import TAGS, attributes
 from composer.context import Context
 from composer.explain import query
 from composer.explain.derived import derived_names
 from composer.explain.explain import explain, trace
 from composer.explain.explanation import AttributeExplained
 from composer.grammar import GRAMMAR
-from composer.recipe.checks.arrays import TAGS, attributes
 from composer.tree.kinds import query as paths_of
 
 MODEL = """<mujoco>

@@ -76,7 +76,8 @@ def attribute(path: str) -> Attribute:
     ],
 )  # fmt: skip
 def test_text(path: str, text: str, message: str | None) -> None:
-    assert check_value(attribute(path), text) == message
+    answer = check_value(attribute(path), text)
+    assert (None if answer is None else str(answer)) == message
 
 
 @pytest.mark.parametrize(
@@ -140,7 +141,18 @@ def test_text(path: str, text: str, message: str | None) -> None:
     ],
 )  # fmt: skip
 def test_python(path: str, value: object, message: str | None) -> None:
-    assert check_python(attribute(path), value) == message
+    answer = check_python(attribute(path), value)
+    assert (None if answer is None else str(answer)) == message
+
+
+def test_what_is_wrong_is_in_fields() -> None:
+    words = check_value(attribute("geom/type"), "spheer")
+    assert words is not None and words.unknown == "spheer" and words.lists_keywords
+    count = check_value(attribute("geom/pos"), "1 2")
+    assert count is not None and count.is_length
+    text = check_python(attribute("geom/pos"), "1, 2, 3")
+    assert text is not None and not text.is_length and text.instead == "[1, 2, 3]"
+    assert text.advice == "write [1, 2, 3]" and text.message == "expects 3 numbers, got text"
 
 
 @pytest.mark.parametrize("name", ["mass", "group", "pos", "rgba", "type", "shellinertia", "friction"])
@@ -157,6 +169,6 @@ def test_text_as_mujoco_judges(name: str, text: str) -> None:
 
 
 def test_long_text_is_cut() -> None:
-    message = check_value(attribute("geom/mass"), "x" * 200)
-    assert message is not None
-    assert len(message) < 80
+    answer = check_value(attribute("geom/mass"), "x" * 200)
+    assert answer is not None
+    assert len(str(answer)) < 80

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 from link.workshop import Workshop
 
-from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.link.linking import Linking
+from composer.link.measure import measure_with
 from composer.link.measured_unit import BODIES, NAMED, Survey, survey
 from composer.tree.unit import Unit
 

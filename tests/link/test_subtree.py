@@ -12,9 +12,9 @@ from lxml import etree
 
 from composer.compiled.mount import Mount
 from composer.compiled.unchanged import compare
-from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.diagnostics.sink import Sink
+from composer.link.measure import measure_with
 from composer.link.subtree import Subtree, take_subtree
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit

@@ -4,8 +4,9 @@ import pytest
 from link.workshop import BASE, Piece, Workshop, placed
 
 from composer.diagnostics.sink import Sink
-from composer.link.validate_values import STUMBLES, malformed
+from composer.link.validate_values import STUMBLES, malformed, put_right
 from composer.tree.parse import parse_text
+from composer.tree.write import to_text
 
 # What the linker reads, and what may stand there instead of a number.
 STUMBLING = [
@@ -37,7 +38,10 @@ INSTEAD = ["x", "1,2", "0x", "ten", "1.0.0"]
 @pytest.mark.parametrize("inside", STUMBLING)
 @pytest.mark.parametrize("instead", INSTEAD)
 def test_every_stumble_has_its_fault(workshop: Workshop, inside: str, instead: str) -> None:
-    """Whatever a pass raises over a bad value, the value is found; what no pass reads is left to MuJoCo."""
+    """Whatever a pass raises over a bad value, the value is found, and put right it raises nothing.
+
+    What no pass reads is left to MuJoCo.
+    """
     text = f"<mujoco>\n{inside.format(instead)}</mujoco>"
     radian = '<mujoco><compiler angle="radian" eulerseq="zyx"/><keyframe><key name="k" time="1"/></keyframe></mujoco>'
     for base, part in ((radian, text), (text, radian)):
@@ -48,6 +52,10 @@ def test_every_stumble_has_its_fault(workshop: Workshop, inside: str, instead: s
             unit = parse_text(text, Sink(), file="a.xml", directory=workshop.folder, label="a")
             assert unit is not None
             assert malformed([unit], sink)
+            put_right(unit)
+            right = to_text(unit.root)
+            again = (right, radian) if base is text else (radian, right)
+            workshop.link(again[0], Piece(again[1], place=placed(pos=(1.0, 0.0, 0.0))), measure=None)
             assert all(
                 found.span and (found.span.file, found.span.line) == ("a.xml", 2) for found in sink.errors
             )

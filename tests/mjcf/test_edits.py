@@ -353,3 +353,15 @@ def _text(model: RootElement) -> str | None:
 
 TestEdits = Edits.TestCase
 TestEdits.settings = settings(max_examples=40, stateful_step_count=20, deadline=None)
+
+
+def test_references_to_copies_that_a_replicate_makes_follow_a_new_name() -> None:
+    scene, rack = mjcf.RootElement("scene"), mjcf.RootElement("rack")
+    pads = rack.worldbody.add("replicate", count=3, offset=[1, 0, 0])
+    pad = pads.add("site", name="pad")
+    scene.attach(rack)
+    own = rack.sensor.add("framepos", objtype="site", objname="pad1")
+    above = scene.sensor.add("framepos", objtype="site", objname="rack/pad2")
+    pad.name = "tip"
+    assert (own.objname, above.objname) == ("tip1", "rack/tip2")
+    scene.compile_model()

@@ -86,3 +86,28 @@ def test_what_is_attached_to_a_removed_body_is_detached(
     arm.find("body", "fore").remove(cascade=True)  # type: ignore[union-attr]
     assert gripper.parent_model is None and arm.find_all("sensor") == []
     arm.attach(gripper)
+
+
+def test_cascade_takes_who_refers_to_a_joint_of_an_attachment_frame(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement
+) -> None:
+    frame = arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
+    turn, slide = frame.add("joint", name="turn"), frame.add("joint")
+    arm.sensor.add("jointpos", joint=turn)
+    arm.sensor.add("jointpos", name="kept", joint=slide)
+    turn.remove(cascade=True)
+    assert [each.name for each in arm.find_all("sensor")] == ["tip", "kept"]
+
+
+def test_cascade_takes_who_refers_to_a_copy_that_a_replicate_makes() -> None:
+    scene, rack = mjcf.RootElement("scene"), mjcf.RootElement("rack")
+    pads = rack.worldbody.add("replicate", count=12)
+    pad = pads.add("site", name="pad")
+    rack.worldbody.add("site", name="pad_other")
+    scene.attach(rack)
+    for model, names in ((rack, ("pad03", "pad_other")), (scene, ("rack/pad11", "rack/pad_other"))):
+        for name in names:
+            model.sensor.add("framepos", name=name.rpartition("/")[2], objtype="site", objname=name)
+    pad.remove(cascade=True)
+    assert [each.name for each in rack.find_all("sensor")] == ["pad_other"]
+    assert [each.name for each in scene.find_all("sensor")] == ["pad_other", "pad_other"]

@@ -7,8 +7,12 @@ import pytest
 from composer.context import Context
 from composer.plan.angle_context import Reading
 from composer.plan.describe import as_data, describe
-from composer.plan.plan import AddElement, AppendElement, Plan, SetDefault, SetSingleton
+from composer.plan.plan import Plan
 from composer.plan.planner import make_plan
+from composer.plan.steps.add_element import AddElement
+from composer.plan.steps.append_element import AppendElement
+from composer.plan.steps.set_default import SetDefault
+from composer.plan.steps.set_singleton import SetSingleton
 from composer.sources.source import Source
 
 ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoco>'

@@ -5,7 +5,8 @@ import json
 import pytest
 
 from composer.diagnostics import Sink
-from composer.sources.lock import Lock, Locked, from_text, to_text
+from composer.sources.lock import Lock, Locked
+from composer.sources.lock_file import from_text, to_text
 
 LOCK = Lock(
     mjcompose="0.1.0",

@@ -52,7 +52,7 @@ def root(tmp_path: Path) -> Path:
 def test_entries_of_a_robot(root: Path, text: str, file: str) -> None:
     source = find(text, MENAGERIE_ROOT=root)
     assert source.path == root / "robotiq_2f85" / file
-    assert (source.kind, source.package) == ("menagerie", "mujoco-menagerie")
+    assert (source.kind.name, source.package) == ("menagerie", "mujoco-menagerie")
     assert source.licences == ((root / "robotiq_2f85" / "LICENSE").resolve(),)
 
 

@@ -50,7 +50,7 @@ def fail(text: str) -> SourceError:
 def test_finds_a_file_without_importing_the_package(installed: Path) -> None:
     source = resolve("package:mjct_robots/arms/a.xml", relative_to=Path(), environment={})
     assert source.path == installed / "mjct_robots" / "arms" / "a.xml"
-    assert (source.kind, source.package, source.version) == ("package", "mjct-robots", "1.2")
+    assert (source.kind.name, source.package, source.version) == ("package", "mjct-robots", "1.2")
     assert [file.parent.name for file in source.licences] == ["arms"]
     assert "mjct_robots" not in sys.modules
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from composer.sources import Source, SourceError
+from composer.sources.path import KIND
 from composer.sources.resolve import resolve
 
 
@@ -38,7 +39,7 @@ def fail(text: str, folder: Path) -> SourceError:
 )
 def test_finds_a_file(project: Path, text: str, kind: str) -> None:
     source = resolve(text, relative_to=project, environment={})
-    assert source == Source(project / text, "path", text)
+    assert source == Source(project / text, KIND, text)
     assert source.format == kind
     assert source.path.is_file()
 

@@ -2,39 +2,42 @@ from __future__ import annotations
 
 import pytest
 
-from composer.sources import Kind, Reference, SourceError, parse
+from composer.sources import Reference, SourceError, parse
+from composer.sources.kinds import kind_called
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("./parts/table.xml", (Kind.PATH, "", "./parts/table.xml", "")),
-        ("../arm.yaml", (Kind.PATH, "", "../arm.yaml", "")),
-        ("arm.xml", (Kind.PATH, "", "arm.xml", "")),
-        ("/opt/robots/arm.xml", (Kind.PATH, "", "/opt/robots/arm.xml", "")),
-        ("./odd:name.xml", (Kind.PATH, "", "./odd:name.xml", "")),
-        (r"C:\robots\arm.xml", (Kind.PATH, "", r"C:\robots\arm.xml", "")),
-        ("package:robots/arms/a.xml", (Kind.PACKAGE, "robots", "arms/a.xml", "")),
-        ("package:robots.arms/a.xml", (Kind.PACKAGE, "robots.arms", "a.xml", "")),
-        ("menagerie:robotiq_2f85", (Kind.MENAGERIE, "robotiq_2f85", "", "")),
-        ("menagerie:robotiq_2f85/2f85", (Kind.MENAGERIE, "robotiq_2f85", "2f85", "")),
-        ("descriptions:ur5e_mj_description", (Kind.DESCRIPTIONS, "ur5e_mj_description", "", "")),
-        ("git+https://host/a/repo@v1#m/x.xml", (Kind.GIT, "https://host/a/repo", "m/x.xml", "v1")),
-        ("git+https://me@host/repo@fix/one#x.xml", (Kind.GIT, "https://me@host/repo", "x.xml", "fix/one")),
-        ("git+ssh://git@host/repo@v1#x.xml", (Kind.GIT, "ssh://git@host/repo", "x.xml", "v1")),
-        ("git+file:///srv/repo@v1#x.xml", (Kind.GIT, "file:///srv/repo", "x.xml", "v1")),
-        ("git+http://127.0.0.1:80/repo@v1#x.xml", (Kind.GIT, "http://127.0.0.1:80/repo", "x.xml", "v1")),
-        ("http://localhost:80/a.zip#x.xml", (Kind.ARCHIVE, "http://localhost:80/a.zip", "x.xml", "")),
+        ("./parts/table.xml", ("path", "", "./parts/table.xml", "")),
+        ("../arm.yaml", ("path", "", "../arm.yaml", "")),
+        ("arm.xml", ("path", "", "arm.xml", "")),
+        ("/opt/robots/arm.xml", ("path", "", "/opt/robots/arm.xml", "")),
+        ("./odd:name.xml", ("path", "", "./odd:name.xml", "")),
+        (r"C:\robots\arm.xml", ("path", "", r"C:\robots\arm.xml", "")),
+        ("package:robots/arms/a.xml", ("package", "robots", "arms/a.xml", "")),
+        ("package:robots.arms/a.xml", ("package", "robots.arms", "a.xml", "")),
+        ("menagerie:robotiq_2f85", ("menagerie", "robotiq_2f85", "", "")),
+        ("menagerie:robotiq_2f85/2f85", ("menagerie", "robotiq_2f85", "2f85", "")),
+        ("descriptions:ur5e_mj_description", ("descriptions", "ur5e_mj_description", "", "")),
+        ("git+https://host/a/repo@v1#m/x.xml", ("git", "https://host/a/repo", "m/x.xml", "v1")),
+        ("git+https://me@host/repo@fix/one#x.xml", ("git", "https://me@host/repo", "x.xml", "fix/one")),
+        ("git+ssh://git@host/repo@v1#x.xml", ("git", "ssh://git@host/repo", "x.xml", "v1")),
+        ("git+file:///srv/repo@v1#x.xml", ("git", "file:///srv/repo", "x.xml", "v1")),
+        ("git+http://127.0.0.1:80/repo@v1#x.xml", ("git", "http://127.0.0.1:80/repo", "x.xml", "v1")),
+        ("http://localhost:80/a.zip#x.xml", ("archive", "http://localhost:80/a.zip", "x.xml", "")),
         (
             f"https://host/b.zip@sha256:{'0' * 64}#x.xml",
-            (Kind.ARCHIVE, "https://host/b.zip", "x.xml", "0" * 64),
+            ("archive", "https://host/b.zip", "x.xml", "0" * 64),
         ),
-        ("https://host/a/b.zip#m/x.xml", (Kind.ARCHIVE, "https://host/a/b.zip", "m/x.xml", "")),
+        ("https://host/a/b.zip#m/x.xml", ("archive", "https://host/a/b.zip", "m/x.xml", "")),
     ],
 )
-def test_takes_apart(text: str, expected: tuple[Kind, str, str, str]) -> None:
+def test_takes_apart(text: str, expected: tuple[str, str, str, str]) -> None:
     kind, name, path, revision = expected
-    assert parse(text) == Reference(text, kind, name, path, revision)
+    row = kind_called(kind)
+    assert row is not None
+    assert parse(text) == Reference(text, row, name, path, revision)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from composer.sources.path import KIND
 from composer.sources.source import Source
 from composer.sources.spdx import identify, licence_of, of_package
 
@@ -45,7 +46,7 @@ def source(
     for name, text in (licences or {}).items():
         (folder / name).write_text(text)
     paths = tuple(folder / name for name in licences or {})
-    return Source(model, "path", "./arm.xml", licences=paths, licence=package)
+    return Source(model, KIND, "./arm.xml", licences=paths, licence=package)
 
 
 def test_the_model_itself_is_asked_first(tmp_path: Path) -> None:

@@ -67,7 +67,7 @@ def test_who_refers_to_a_name_follows_it() -> None:
         '<contact><exclude body1="b" body2="bb"/><exclude body1="x" body2="bb"/></contact></mujoco>'
     )
     index = NameIndex.of(root)
-    index.follow("body", "b", "x")
+    index.follow("body", {"b": "x"})
     assert [flex.get("body") for flex in root.iter("flex")] == ["x bb x world", "x"]
     assert [dict(exclude.attrib) for exclude in root.iter("exclude")] == [{"body1": "x", "body2": "bb"}] * 2
     assert index.uses == NameIndex.of(root).uses and index.users("body", "b") == []

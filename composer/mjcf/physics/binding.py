@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from composer.compiled.addresses import RUNS, Run
 from composer.compiled.kinds import Model
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean
@@ -18,7 +19,6 @@ from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from composer.mjcf.physics import columns
 from composer.mjcf.physics.fields import Field, fields
 from composer.mjcf.physics.posed import RELEASES, Posed
-from composer.mjcf.physics.runs import RUNS, Run
 from composer.mjcf.physics.scattered import Home
 
 Array = NDArray[Any]

@@ -9,28 +9,27 @@ from lxml.etree import _Element as Node
 
 from composer.compiled.kinds import Model as MjModel
 from composer.compiled.kinds import NameTable
-from composer.link.linking import Policy
+from composer.compiled.order import compiled_kind, compiled_order, rows
+from composer.link.request import Policy
 from composer.mjcf.attachment import attachments_below
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.flat import Flat, contents, copied, flatten, name_files, tell
 from composer.mjcf.model import Model, Target
-from composer.mjcf.physics.order import compiled_kind, compiled_order, rows
+from composer.mujoco_errors.location import locate_fault
+from composer.mujoco_errors.message import parse
+from composer.mujoco_errors.sentence import Topic
+from composer.mujoco_errors.translation import translate
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.tree.write import write
-from composer.verify.compiles import parse
-from composer.verify.fault_location import locate_fault
-from composer.verify.mujoco_errors import translate
 
 _IN_PYTHON = {
-    "put a body with a free joint into the world: `to: world`": "put a body with a free joint into the worldbody",
-    "put a mocap body into the world, without joints: `to: world`": "put a mocap body into the worldbody, "
-    "without joints",
-    "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`": "say what it moves: `joint=…`, or `tendon`, "
-    "`site` or `body`",
-    "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out": "let an actuator "
-    "have it: `add('plugin', plugin=…, instance=…)`, or take the instance out",
+    Topic.FREE_JOINT: "put a body with a free joint into the worldbody",
+    Topic.MOCAP: "put a mocap body into the worldbody, without joints",
+    Topic.TRANSMISSION: "say what it moves: `joint=…`, or `tendon`, `site` or `body`",
+    Topic.PLUGIN_INSTANCE: "let an actuator have it: `add('plugin', plugin=…, instance=…)`, or take the instance out",
 }
+"""Advice that is not about a recipe."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +103,7 @@ def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> Mj
     if flat is not None and fault.line is not None:
         element = element_at(flat.unit.root, text, fault.line)
     said = translate(" ".join(fault.message.split()), element)
-    help = said.help and _IN_PYTHON.get(said.help, said.help)
+    help = said.help if said.topic is None else _IN_PYTHON.get(said.topic, said.help)
     if flat is None or element is None:
         return failure(said.code, said.message, notes=said.notes, help=help)
     found = locate_fault(said, element, flat.unit)

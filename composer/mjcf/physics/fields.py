@@ -11,8 +11,8 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any
 
+from composer.compiled.addresses import RUNS
 from composer.compiled.kinds import KINDS
-from composer.mjcf.physics.runs import RUNS
 
 # short name keeps it, so that `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
 _MORE_WORDS = {"joint": ("dof",), "tendon": ("ten",), "skin": ("skin",), "flex": ("flexedge", "flexvert")}

@@ -12,20 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from composer.compiled.kinds import KINDS, NameTable
+from composer.compiled.order import compiled_kind
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
-from composer.link.linking import Policy
+from composer.link.request import Policy
 from composer.mjcf.arguments import as_files, as_index, as_path
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, binding_of
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
-from composer.mjcf.physics.order import compiled_kind
 from composer.mjcf.physics.rendering import Rendering
 from composer.mjcf.root import RootElement
+from composer.tree.editable import is_copy
 from composer.tree.kinds import WORLD_SECTION
-from composer.tree.removal import is_copy
 
 
 class Physics:

@@ -7,9 +7,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from composer.compiled.attributes import TAGS, attributes
 from composer.diagnostics.suggest import closest, exists_note
 from composer.expr.angle import Angle
-from composer.recipe.checks.arrays import TAGS, attributes
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import NAME, Kind, mapping_schema
 from composer.recipe.fault import Path, Remark

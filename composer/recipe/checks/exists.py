@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from composer.compiled.attributes import TAGS as ATTRIBUTES_OF
 from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.checks.arrays import TAGS as ATTRIBUTES_OF
 from composer.recipe.checks.equal import Number, attribute_of, numbers_of
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import Kind

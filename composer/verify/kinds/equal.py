@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from composer.compiled.attributes import ANGLES, array_of
 from composer.engine.actuator_rows import first_row
 from composer.grammar.degrees import is_in_degrees
-from composer.recipe.checks.arrays import ANGLES, array_of
 from composer.verify.kinds.finding import Finding, failed, unknown
 from composer.verify.kinds.scope import Scope
 

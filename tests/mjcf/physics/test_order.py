@@ -9,8 +9,8 @@ import pytest
 
 from composer import mjcf
 from composer.compiled.kinds import NameTable
+from composer.compiled.order import compiled_kind
 from composer.mjcf import MjcfError, RootElement
-from composer.mjcf.physics.order import compiled_kind
 
 _TAGS = (
     "body joint geom site camera light mesh texture material hfield skin flex pair exclude equality tendon actuator "

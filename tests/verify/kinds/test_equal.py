@@ -3,8 +3,8 @@ from __future__ import annotations
 import mujoco
 import pytest
 
+from composer.compiled.attributes import TAGS, array_of, attributes
 from composer.grammar import GRAMMAR
-from composer.recipe.checks.arrays import TAGS, array_of, attributes
 
 MODEL = """
 <mujoco>

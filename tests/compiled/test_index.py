@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from composer.engine.index import Actuator, Camera, Index, Joint, Keyframe, Sensor
+from composer.compiled.index import Actuator, Camera, Index, Joint, Keyframe, Sensor
 
 
 def test_it_is_made_from_what_the_child_sends() -> None:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-
-from lxml.etree import _Element as Node
+from typing import TYPE_CHECKING, TypeAlias
 
 from composer.compiled.kinds import KINDS, Model, NameTable
 from composer.tree.classes import through_frames
 from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute
 from composer.tree.name_index import own_name
 from composer.tree.names import WORLD
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
 
 _ON_BODIES = ("joint", "geom", "site", "camera", "light")
 _STANDING = {**{kind: kind for kind in _ON_BODIES}, "freejoint": "joint"}
@@ -36,7 +38,7 @@ _SECTIONS = (
 # MuJoCo sorts these by what they refer to: two of a kind, by these attributes.
 _SORTED = {"pair": ("geom", "geom1", "geom2"), "exclude": ("body", "body1", "body2")}
 
-Order = Mapping[str, Sequence[Node | None]]
+Order: TypeAlias = "Mapping[str, Sequence[Node | None]]"
 """By kind the elements in order; None stands for any number of others."""
 
 

@@ -5,8 +5,8 @@ from typing import Any
 import mujoco
 import pytest
 
-from composer.diff import fields
-from composer.diff.fields import follows, quantity, unit
+from composer.compiled import quantities
+from composer.compiled.quantities import follows, quantity, unit
 
 # what is told of settings, keys and servos, and no array
 _OWN = {"kp", "kv", "gain", "timestep", "gravity", "wind", "density", "viscosity"}
@@ -19,7 +19,7 @@ def model() -> Any:
 
 
 def test_every_word_is_for_an_array_that_there_is(model: Any) -> None:
-    arrays = set(fields._QUANTITIES) | set(fields._FOLLOWING)
+    arrays = set(quantities._QUANTITIES) | set(quantities._FOLLOWING)
     unknown = {name for name in arrays - _OWN - _STATISTICS if not hasattr(model, name)}
     # in MuJoCo 3.12 some are not there yet
     if tuple(map(int, mujoco.__version__.split(".")[:2])) >= (4, 0):

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from composer import mjcf
+from composer.compiled.addresses import RUNS
 from composer.compiled.kinds import KINDS
 from composer.mjcf.physics.fields import fields
-from composer.mjcf.physics.runs import RUNS
 
 FLEXES = """
 <mujoco><option integrator="Euler"/><worldbody>

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from composer.verify.mujoco_errors import kind_of, translate, unknown_attribute
+from composer.mujoco_errors.translation import kind_of, translate, unknown_attribute
 
 
 def element(inside: str) -> etree._Element:

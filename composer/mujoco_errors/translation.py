@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,48 +9,36 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
+from composer.mujoco_errors.sentence import Sentence, Topic, read_sentence
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-_UNKNOWN_ATTRIBUTE = re.compile(r"unrecognized attribute: '(?P<name>[^']*)'")
-_UNKNOWN_ELEMENT = re.compile(r"unrecognized (?:model )?element")
-_NAMED_ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'|attribute missing: '(?P<missing>[^']*)'")
-_SIZE = re.compile(r"^size (?P<index>\d) must be positive")
-_WORD = re.compile(r"\w+")
-_QUOTED = re.compile(r"'([^'\n]+)'")
-
-# What to do, by what MuJoCo says; the first that fits.
-_ADVICE: tuple[tuple[str, str], ...] = (
-    (r"mass and inertia of moving bodies", "give the body a geom that has mass, or an `inertial`"),
-    (
-        r"^size \d must be positive in geom",
-        "a sphere has one size, a capsule or cylinder two, a box or ellipsoid three",
-    ),
-    (r"are negative in geom", "write a number above 0, or 0 for a geom without mass"),
-    (r"^free joint can only be used on top level", "put a body with a free joint into the world: `to: world`"),
-    (r"^mocap body .* is not a fixed child of world", "put a mocap body into the world, without joints: `to: world`"),
-    (r"is not sphere or cylinder", "a tendon wraps around spheres and cylinders only"),
-    (r"vertices required", "a mesh file needs at least four points that do not lie in one plane"),
-    (r"^invalid header in|^stl_decoder: |^obj_decoder: ", "export the file again, as binary STL or OBJ"),
-    (r"PNG", "export the picture again, as PNG"),
-    (r"^missing transmission target", "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`"),
-    (r"^no decoder found for mesh file", "a mesh is a file that ends in .stl, .obj or .msh"),
-    (r"has joints but no flex vertices/nodes are pinned", "hang the flex on what does not move, or give it a `<pin>`"),
-    (
-        r"actuator not found for plugin instance",
-        "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
-    ),
-    (r"^more than 6 dofs", "spread the joints over several bodies, one inside the other"),
-    (r"^bad format in attribute", "write numbers, parted by spaces"),
-)  # fmt: skip
+_ADVICE = {
+    Topic.MASS: "give the body a geom that has mass, or an `inertial`",
+    Topic.GEOM_SIZE: "a sphere has one size, a capsule or cylinder two, a box or ellipsoid three",
+    Topic.NEGATIVE: "write a number above 0, or 0 for a geom without mass",
+    Topic.FREE_JOINT: "put a body with a free joint into the world: `to: world`",
+    Topic.MOCAP: "put a mocap body into the world, without joints: `to: world`",
+    Topic.WRAP: "a tendon wraps around spheres and cylinders only",
+    Topic.VERTICES: "a mesh file needs at least four points that do not lie in one plane",
+    Topic.MESH_FILE: "export the file again, as binary STL or OBJ",
+    Topic.PICTURE: "export the picture again, as PNG",
+    Topic.TRANSMISSION: "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`",
+    Topic.MESH_FORMAT: "a mesh is a file that ends in .stl, .obj or .msh",
+    Topic.FLEX_UNPINNED: "hang the flex on what does not move, or give it a `<pin>`",
+    Topic.PLUGIN_INSTANCE: "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
+    Topic.DOFS: "spread the joints over several bodies, one inside the other",
+    Topic.FORMAT: "write numbers, parted by spaces",
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Translation:
     """A diagnostic without its place.
 
-    `attribute` is the one of the element that the fault lies in, if that is known; with `key` in its name.
+    `attribute` is the one of the element that the fault lies in, if that is known; with `key` in its name. `topic` is
+    what MuJoCo's sentence is about.
     """
 
     code: str
@@ -60,24 +47,30 @@ class Translation:
     notes: tuple[Note, ...] = ()
     help: str | None = None
     key: bool = False
+    topic: Topic | None = None
 
 
 def translate(message: str, element: Node | None) -> Translation:
     """What to tell where MuJoCo refuses a model with `message`, which speaks of `element`."""
+    said = read_sentence(message)
+    advice = None if said.topic is None else _ADVICE.get(said.topic)
     if element is None:
-        return Translation("mujoco-rejects", f"MuJoCo rejects the model: {message}", help=_advice(message))
-    if found := _UNKNOWN_ATTRIBUTE.search(message):
-        return unknown_attribute(element, found["name"])
-    if _UNKNOWN_ELEMENT.search(message):
+        return Translation(
+            "mujoco-rejects", f"MuJoCo rejects the model: {message}", help=advice, topic=said.topic
+        )
+    if said.unknown_attribute is not None:
+        return unknown_attribute(element, said.unknown_attribute)
+    if said.is_unknown_element:
         return _unknown_element(element)
     subject = f"the {element.tag} `{element.get('name')}`" if element.get("name") else f"this {element.tag}"
-    attribute = _attribute(message, element)
+    attribute = _attribute(said, element)
     return Translation(
         "mujoco-rejects",
         f"MuJoCo rejects {subject}: {message}",
         attribute,
         _keywords(element, attribute),
-        _not_positive(message, element) or _advice(message),
+        _not_positive(said, element) or advice,
+        topic=said.topic,
     )
 
 
@@ -134,17 +127,15 @@ def kind_of(element: Node) -> ElementType | None:
     return found
 
 
-def _attribute(message: str, element: Node) -> str | None:
-    named = _NAMED_ATTRIBUTE.search(message)
+def _attribute(said: Sentence, element: Node) -> str | None:
+    named = said.attribute or said.missing_attribute
     if named is not None:
-        name = named["name"] or named["missing"]
-        return name if element.get(name) is not None else None
-    quoted = _QUOTED.findall(message)
-    holders = [str(name) for name, value in element.items() if name != "name" and value in quoted]
+        return named if element.get(named) is not None else None
+    holders = [str(name) for name, value in element.items() if name != "name" and value in said.names]
     if len(holders) == 1:
         return holders[0]
     kind = kind_of(element)
-    spoken_of = {word for word in _WORD.findall(message) if kind is not None and word in kind.attributes}
+    spoken_of = {word for word in said.words if kind is not None and word in kind.attributes}
     return spoken_of.pop() if len(spoken_of) == 1 else None
 
 
@@ -159,14 +150,9 @@ def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
     return () if text in known.keywords else (exists_note("keyword", known.keywords, text),)
 
 
-def _not_positive(message: str, element: Node) -> str | None:
+def _not_positive(said: Sentence, element: Node) -> str | None:
     """The advice for a size that is written, and is 0 or less; a size that is missing has another one."""
-    if (found := _SIZE.search(message)) is None:
+    if (index := said.size_index) is None:
         return None
     sizes = str(element.get("size") or "").split()
-    index = int(found["index"])
     return f"`{sizes[index]}` is not above 0: sizes are lengths in metres" if index < len(sizes) else None
-
-
-def _advice(message: str) -> str | None:
-    return next((advice for pattern, advice in _ADVICE if re.search(pattern, message)), None)

@@ -12,6 +12,9 @@ from pathlib import Path
 from composer import engine
 from composer.context import Context
 from composer.link.linking import Measure
+from composer.mujoco_errors.message import CRASHES, crash_help, parse
+from composer.mujoco_errors.report import report
+from composer.mujoco_errors.translation import translate
 from composer.tree.files import file_attributes, is_absolute, written_path
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
@@ -77,14 +80,6 @@ def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
 
 
 def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
-    from composer.verify.compile_report import tell
-    from composer.verify.compiles import (  # most units are not measured, fewer rejected
-        CRASHES,
-        crash_help,
-        parse,
-    )
-    from composer.verify.mujoco_errors import translate
-
     if compiled.crash is not None:
         code = CRASHES.get(compiled.crash, "mujoco-crash")
         message = f"`{unit.file}` by itself: {compiled.error or compiled.crash}"
@@ -92,4 +87,4 @@ def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Conte
         return
     fault = parse(compiled.error or "")
     element = None if fault.line is None else element_at(unit.root, text, fault.line)
-    tell(translate(" ".join(fault.message.split()), element), element, unit, context)
+    report(translate(" ".join(fault.message.split()), element), element, unit, context)

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.link.inertia import own
+from composer.mujoco_errors.sentence import Topic
+from composer.mujoco_errors.translation import Translation, kind_of
 from composer.sources.source import FORMATS
+from composer.tree.classes import own
 from composer.tree.effective import Level, levels
 from composer.tree.unit import Unit
-from composer.verify.mujoco_errors import Translation, kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -31,7 +32,7 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
     """What the recipe wrote comes first: it is what its author can change."""
     span = model.origins.span(element, model.file, said.attribute, key=said.key)
     if said.attribute is None:
-        masses = _masses(element, model) if "mass and inertia" in said.message else ()
+        masses = _masses(element, model) if said.topic is Topic.MASS else ()
         written = next((each for each in masses if _in_recipe(each)), None)
         return (
             FaultLocation(span)

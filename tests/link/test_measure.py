@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from composer.compose.measure import measure_with
 from composer.context import Context
 from composer.engine import Limits
+from composer.link.measure import measure_with
 from composer.tree.parse import parse_text
 
 TEXT = """\

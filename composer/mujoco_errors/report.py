@@ -1,0 +1,26 @@
+"""A translated message of MuJoCo, sent to the sink at the place where its author can fix it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from composer.context import Context
+from composer.diagnostics.diagnostic import Cause
+from composer.mujoco_errors.location import locate_fault
+from composer.mujoco_errors.translation import Translation
+from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+
+def report(
+    said: Translation, element: Node | None, model: Unit, context: Context, cause: Cause | None = None
+) -> None:
+    """Report an error at the element, or at its attribute that is at fault."""
+    if element is None:
+        context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
+        return
+    found = locate_fault(said, element, model)
+    notes = (*found.notes, *said.notes)
+    context.sink.error(said.code, said.message, found.span, notes=notes, help=said.help, cause=cause)

@@ -1,0 +1,94 @@
+"""A sentence of MuJoCo as fields: what it is about, and the names in it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import Enum
+
+_UNKNOWN_ATTRIBUTE = re.compile(r"unrecognized attribute: '(?P<name>[^']*)'")
+_UNKNOWN_ELEMENT = re.compile(r"unrecognized (?:model )?element")
+_ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'")
+_MISSING = re.compile(r"missing element: '(?P<tag>[^']*)'|attribute missing: '(?P<name>[^']*)'")
+_SIZE = re.compile(r"^size (?P<index>\d) must be positive")
+_PLUGIN = re.compile(r"failed for plugin id (?P<id>\d+)")
+_WORD = re.compile(r"\w+")
+_QUOTED = re.compile(r"'([^'\n]+)'")
+# What MuJoCo says of a setting of the whole model, of which it knows no line.
+_SECTIONS = {
+    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
+    "option": re.compile(r"\bintegrator='"),
+}
+
+
+class Topic(Enum):
+    """What a sentence of MuJoCo is about; the value is the pattern by which it is recognized."""
+
+    MASS = r"mass and inertia of moving bodies"
+    GEOM_SIZE = r"^size \d must be positive in geom"
+    SIZE = r"^size \d must be positive"
+    NEGATIVE = r"are negative in geom"
+    FREE_JOINT = r"^free joint can only be used on top level"
+    MOCAP = r"^mocap body .* is not a fixed child of world"
+    WRAP = r"is not sphere or cylinder"
+    VERTICES = r"vertices required"
+    MESH_FILE = r"^invalid header in|^stl_decoder: |^obj_decoder: "
+    PICTURE = r"PNG"
+    TRANSMISSION = r"^missing transmission target"
+    MESH_FORMAT = r"no decoder found"
+    FLEX_UNPINNED = r"has joints but no flex vertices/nodes are pinned"
+    PLUGIN_INSTANCE = r"actuator not found for plugin instance"
+    DOFS = r"^more than 6 dofs"
+    FORMAT = r"^bad format in attribute"
+    INERTIA = r"A \+ B >= C"
+    URDF_GEOMETRY = r"geometry specification"
+    URDF_REPEATED = r"^repeated URDF name"
+    URDF_RING = r"^URDF body not found$"
+    URDF_PARENTS = r"has multiple parents"
+    URDF_LINK = r"^URDF joint parent or child missing$"
+    URDF_JOINT_TYPE = r"^invalid joint type"
+
+
+@dataclass(frozen=True, slots=True)
+class Sentence:
+    """A sentence of MuJoCo, taken apart: nothing else in this package reads what MuJoCo says.
+
+    `attribute` is the one that it speaks of, `unknown_attribute` one that MJCF does not have there, `missing_attribute`
+    and `missing_element` what is required; `names` are what it has in quotes. `size_index` is the size that must be
+    positive, `plugin` the number of the plugin that failed, `section` the section whose setting is at fault.
+    """
+
+    topic: Topic | None = None
+    attribute: str | None = None
+    unknown_attribute: str | None = None
+    is_unknown_element: bool = False
+    missing_attribute: str | None = None
+    missing_element: str | None = None
+    names: tuple[str, ...] = ()
+    words: frozenset[str] = frozenset()
+    size_index: int | None = None
+    plugin: int | None = None
+    section: str | None = None
+
+
+def read_sentence(message: str) -> Sentence:
+    """What a sentence of MuJoCo says.
+
+    >>> read_sentence("required attribute missing: 'pos'").missing_attribute
+    'pos'
+    """
+    attribute, unknown = _ATTRIBUTE.search(message), _UNKNOWN_ATTRIBUTE.search(message)
+    missing, size, plugin = _MISSING.search(message), _SIZE.search(message), _PLUGIN.search(message)
+    return Sentence(
+        next((topic for topic in Topic if re.search(topic.value, message)), None),
+        attribute["name"] if attribute else None,
+        unknown["name"] if unknown else None,
+        _UNKNOWN_ELEMENT.search(message) is not None,
+        missing["name"] if missing else None,
+        missing["tag"] if missing else None,
+        tuple(_QUOTED.findall(message)),
+        frozenset(_WORD.findall(message)),
+        int(size["index"]) if size else None,
+        int(plugin["id"]) if plugin else None,
+        next((section for section, said in _SECTIONS.items() if said.search(message)), None),
+    )

@@ -1,0 +1,39 @@
+"""Step: an element under a body, a frame or the world."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from composer.diagnostics.span import Span
+from composer.plan.steps.step import Step, Written, words_of_element
+from composer.recipe.element import Element
+
+
+@dataclass(frozen=True, slots=True)
+class AddElement(Step):
+    """Put an element under a body, a frame or the world (`to_kind` world, body, frame)."""
+
+    sections: ClassVar[tuple[str, ...]] = ("add",)
+    to_kind: Literal["world", "body", "frame"]
+    to: str
+    element: Element
+    to_span: Span
+    span: Span
+
+    @classmethod
+    def of(cls, written: Written) -> Iterator[Step]:
+        for item in written.recipe.add:
+            path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
+            spans = written.span(path), written.span(item.element.at)
+            yield cls(item.to_kind, item.to, item.element, *spans)
+
+    @property
+    def words(self) -> str:
+        where = "the world" if self.to_kind == "world" else f"the {self.to_kind} {self.to}"
+        return f"add {words_of_element(self.element)} to {where}"
+
+    @property
+    def reason(self) -> str:
+        return "added by the recipe"

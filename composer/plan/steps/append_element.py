@@ -1,0 +1,37 @@
+"""Step: an element of a section in which elements follow one another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from composer.diagnostics.span import Span
+from composer.plan.steps.step import Step, Written, words_of_element
+from composer.recipe.element import Element
+from composer.recipe.recipe import sections_of
+from composer.recipe.section import Elements
+
+
+@dataclass(frozen=True, slots=True)
+class AppendElement(Step):
+    """Append an element to a section."""
+
+    sections: ClassVar[tuple[str, ...]] = sections_of(Elements)
+    section: str
+    element: Element
+    span: Span
+
+    @classmethod
+    def of(cls, written: Written) -> Iterator[Step]:
+        for section in cls.sections:
+            for element in getattr(written.recipe, section):
+                yield cls(section, element, written.span(element.at, key=True))
+
+    @property
+    def words(self) -> str:
+        return f"add {words_of_element(self.element)} to {self.section}"
+
+    @property
+    def reason(self) -> str:
+        return "written in the recipe"

@@ -1,0 +1,41 @@
+"""Step: a field of `randomize`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from composer.diagnostics.span import Span
+from composer.plan.steps.step import Step, Written
+from composer.recipe.draw_field import DrawField
+
+
+@dataclass(frozen=True, slots=True)
+class DrawValues(Step):
+    """Draw the values of a field for a sample; for sample 0, which has none, see whether the others can have theirs."""
+
+    sections: ClassVar[tuple[str, ...]] = ("randomize",)
+    field: DrawField
+    seed: int
+    sample: int
+    samples: int
+    span: Span
+    tabled: bool = False
+
+    @classmethod
+    def of(cls, written: Written) -> Iterator[Step]:
+        randomize = written.randomize
+        for field in randomize.fields if randomize is not None else ():
+            if randomize is not None and field.select is not None:
+                span = written.span(field.drawn_at)
+                tabled = randomize.emit == "table"
+                yield cls(field, randomize.seed, written.sample, randomize.samples, span, tabled)
+
+    @property
+    def words(self) -> str:
+        return self.field.words
+
+    @property
+    def reason(self) -> str:
+        return f"{self.words}, sample {self.sample}"

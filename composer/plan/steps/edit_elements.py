@@ -1,0 +1,33 @@
+"""Step: an entry of `edit`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from composer.diagnostics.span import Span
+from composer.plan.steps.step import Step, Written
+from composer.recipe.edit import Edit
+
+
+@dataclass(frozen=True, slots=True)
+class EditElements(Step):
+    """Change what a selector means, in the whole model or in a part of it alone."""
+
+    sections: ClassVar[tuple[str, ...]] = ("edit",)
+    edit: Edit
+    span: Span
+
+    @classmethod
+    def of(cls, written: Written) -> Iterator[Step]:
+        for edit in written.recipe.edit:
+            yield cls(edit, written.span(edit.at))
+
+    @property
+    def words(self) -> str:
+        return self.edit.words
+
+    @property
+    def reason(self) -> str:
+        return self.words

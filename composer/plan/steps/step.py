@@ -1,0 +1,66 @@
+"""What every type of step is made of."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from composer.diagnostics.span import Span
+from composer.document.node import Mapping, locate
+from composer.recipe.element import Element
+from composer.recipe.fault import Path
+from composer.recipe.randomize import Randomize
+from composer.recipe.recipe import Recipe
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """What steps are made of: a recipe, the document that it was read from, its draws and the sample."""
+
+    recipe: Recipe
+    document: Mapping
+    randomize: Randomize | None
+    sample: int
+
+    def span(self, at: Path, key: bool = False) -> Span:
+        """The place of a value in the recipe, or of its key."""
+        return locate(self.document, at, key=key)
+
+
+class Step(ABC):
+    """One thing that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row in `table.py`.
+
+    `sections` are the top-level keys of a recipe that the steps of this type carry out.
+    """
+
+    __slots__ = ()
+    sections: ClassVar[tuple[str, ...]]
+    span: Span
+
+    @classmethod
+    @abstractmethod
+    def of(cls, written: Written) -> Iterator[Step]:
+        """The steps of this type in a recipe, in the order in which they are carried out."""
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """What `plan` prints for the step, on one line."""
+
+    @property
+    @abstractmethod
+    def reason(self) -> str:
+        """What `explain` says of an element or attribute that the step wrote."""
+
+
+def words_of_element(element: Element) -> str:
+    """An element as the words of a step name it.
+
+    >>> words_of_element(Element("geom")), words_of_element(Element("site", {"name": "tip"}))
+    ('a geom', 'site tip')
+    """
+    name = element.attributes.get("name")
+    article = "an" if element.tag[0] in "aeiou" else "a"
+    return f"{element.tag} {name}" if name is not None else f"{article} {element.tag}"

@@ -1,0 +1,33 @@
+"""Step: a key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from composer.diagnostics.span import Span
+from composer.plan.steps.step import Step, Written
+from composer.recipe.keyframe import Keyframe
+
+
+@dataclass(frozen=True, slots=True)
+class WriteKeyframe(Step):
+    """Write a key by the names of joints, actuators and mocap bodies, in place of one of that name."""
+
+    sections: ClassVar[tuple[str, ...]] = ("keyframe",)
+    key: Keyframe
+    span: Span
+
+    @classmethod
+    def of(cls, written: Written) -> Iterator[Step]:
+        for key in written.recipe.keyframe:
+            yield cls(key, written.span(key.at, key=True))
+
+    @property
+    def words(self) -> str:
+        return f"write the keyframe {self.key.name}"
+
+    @property
+    def reason(self) -> str:
+        return self.words

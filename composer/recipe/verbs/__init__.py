@@ -1,0 +1,1 @@
+"""The verbs of `edit`: one file for each, and the table of them all."""

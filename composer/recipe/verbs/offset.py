@@ -1,0 +1,7 @@
+"""Verb `offset`: something is added to numbers."""
+
+from __future__ import annotations
+
+from composer.recipe.verbs.assigning import assigning
+
+VERB = assigning("offset", "+", "attributes and what is added to them", "scalable")

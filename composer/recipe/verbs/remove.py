@@ -1,0 +1,42 @@
+"""Verb `remove`: elements are taken out."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from composer.recipe.fault import Fault
+from composer.recipe.reference import Schema
+from composer.recipe.shown import kind_of
+from composer.recipe.verbs.verb import Selected, Verb
+
+CASCADE: Literal["cascade"] = "cascade"
+
+
+def _read(value: Any, selected: Selected) -> Literal[True, "cascade"] | None:
+    if value is True:
+        return True
+    if value == CASCADE:
+        return CASCADE
+    help = "write `remove: true`, or `remove: cascade` to take along all that refers to it"
+    message = f"`remove` is `true` or `cascade`, got {kind_of(value)}"
+    selected.add(Fault("wrong-keyword", message, selected.at, help=help))
+    return None
+
+
+def _words(value: Literal[True, "cascade"]) -> str:
+    return "remove" if value is True else "remove, with all that refers to it"
+
+
+def _schema() -> Schema:
+    return {"enum": [True, CASCADE]}
+
+
+VERB = Verb(
+    "remove",
+    "take it out: `true` if nothing refers to it, `cascade` with all that does",
+    _read,
+    _words,
+    changes=None,
+    schema=_schema,
+    alone=True,
+)

@@ -1,0 +1,7 @@
+"""Verb `scale`: numbers are multiplied."""
+
+from __future__ import annotations
+
+from composer.recipe.verbs.assigning import assigning
+
+VERB = assigning("scale", "×", "attributes and what they are multiplied with", "scalable")

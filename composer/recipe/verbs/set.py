@@ -1,0 +1,7 @@
+"""Verb `set`: attributes get new values."""
+
+from __future__ import annotations
+
+from composer.recipe.verbs.assigning import assigning
+
+VERB = assigning("set", "=", "attributes and their new values, `friction[0]` for one number", "settable")

@@ -1,0 +1,10 @@
+"""All verbs, in the order in which an entry of `edit` carries them out and `fmt` writes them."""
+
+from __future__ import annotations
+
+from composer.recipe.verbs import convert, move, offset, remove, rename, scale, set, unset
+from composer.recipe.verbs.verb import Verb
+
+VERBS: dict[str, Verb] = {
+    each.VERB.name: each.VERB for each in (unset, set, scale, offset, convert, move, rename, remove)
+}

@@ -1,0 +1,197 @@
+"""The file of a lock: reading it, writing it, and what both sides pin in the middle of a merge."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.document import Mapping, Scalar, load, locate, to_python
+from composer.sources.kinds import kind_called
+from composer.sources.lock import FORMAT, Lock, Locked
+from composer.sources.source_kind import SourceKind
+
+_MERGE = re.compile(r"^<<<<<<<( |$)", re.MULTILINE)
+
+
+def to_text(lock: Lock) -> str:
+    """The lock as its file has it: the same lock is the same text. No I/O."""
+    told = lock.model_dump(exclude_defaults=True)
+    told["sources"] = {
+        id: {**source, "files": dict(sorted(source["files"].items()))}
+        for id, source in sorted(told["sources"].items())
+    }
+    return json.dumps({"lock": FORMAT, **told}, indent=2, ensure_ascii=False) + "\n"
+
+
+def kind_of(locked: Locked) -> SourceKind:
+    """The row of a source's kind. A lock with a kind that does not exist is not read. No I/O."""
+    kind = kind_called(locked.kind)
+    assert kind is not None, locked.kind
+    return kind
+
+
+Disputed = dict[str, tuple[str, str]]
+"""Sources that the two sides of a merge pin otherwise, and how each does in words."""
+
+
+def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
+    """The lock in a file; None where there is none, or where it cannot be read, which goes to `sink`.
+
+    Where `disputes` is given, a lock in the middle of a merge is what the two sides pin together; what they pin
+    otherwise goes there.
+    """
+    try:
+        text = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        sink.error(
+            "lock-invalid", f"the lock `{shown}` cannot be read: {(error.strerror or str(error)).lower()}"
+        )
+        return None
+    return from_text(text, shown, sink, disputes)
+
+
+def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
+    """The lock that a text is; one fault of it at its place goes to `sink`. No I/O."""
+    plain = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    if (mark := _MERGE.search(plain)) is not None:
+        return _in_a_merge(plain, mark.start(), shown, sink, disputes)
+    own = Sink()
+    node = load(text, shown, own)
+    if own.errors:
+        first = own.sorted()[0]
+        sink.error("lock-invalid", f"`{shown}` is not a lock: {first.message}", first.span, help=_HELP)
+        return None
+    if not isinstance(node, Mapping):
+        sink.error(
+            "lock-invalid", f"`{shown}` is not a lock", None if node is None else node.span, help=_HELP
+        )
+        return None
+    version = node.entries.get("lock")
+    number = version[1] if version is not None else None
+    if isinstance(number, Scalar) and isinstance(number.value, int) and number.value > FORMAT:
+        sink.error(
+            "lock-invalid",
+            f"`{shown}` was written by a newer mjcompose: its format is {number.value}, this one knows {FORMAT}",
+            number.span,
+            help="update mjcompose, or remove the lock and run `mjcompose lock`",
+        )
+        return None
+    try:
+        lock = Lock.model_validate(to_python(node))
+    except ValidationError as error:
+        fault = error.errors()[0]
+        _tell(fault["type"], tuple(fault["loc"]), node, shown, sink)
+        return None
+    unknown = [id for id, locked in lock.sources.items() if kind_called(locked.kind) is None]
+    if unknown:
+        _tell("", ("sources", unknown[0], "kind"), node, shown, sink)
+        return None
+    if (
+        version is None or not isinstance(number, Scalar) or type(number.value) is not int
+    ):  # `true` is 1 to Python
+        _tell("missing" if version is None else "", ("lock",), node, shown, sink)
+        return None
+    return lock
+
+
+def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Disputed | None) -> Lock | None:
+    """What both sides pin, where that is asked for; else the fault, at the first mark."""
+    if disputes is not None:
+        ours, theirs = (from_text(side, shown, Sink()) for side in _sides(text))
+        if ours is not None and theirs is not None:
+            disputes.update(_disputed(ours, theirs))
+            return _both(ours, theirs)
+    line = text.count("\n", 0, start) + 1
+    help = "run `mjcompose lock`, which keeps what both sides pin"
+    if disputes is not None:
+        help = "take one side of the merge, and run `mjcompose lock`"
+    message = f"`{shown}` has the marks of a merge in it"
+    sink.error("lock-invalid", message, Span(shown, line, 1, line, 8), help=help)
+    return None
+
+
+_HELP = "take the lock from version control, or remove it and run `mjcompose lock`"
+
+
+def _tell(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, sink: Sink) -> None:
+    key = fault in ("missing", "extra_forbidden")
+    where = " / ".join(f"`{step}`" for step in path)
+    said = {
+        "missing": "is missing",
+        "extra_forbidden": "is not a key of a lock",
+        "string_pattern_mismatch": "is not a hash",
+    }.get(fault, "is not what it must be")
+    sink.error(
+        "lock-invalid", f"`{shown}` is not a lock: {where} {said}", locate(node, path, key=key), help=_HELP
+    )
+
+
+def _sides(text: str) -> tuple[str, str]:
+    r"""The text of each side of a file with the marks of a merge in it. No I/O.
+
+    >>> _sides("a\n<<<<<<< HEAD\nb\n||||||| base\nc\n=======\nd\n>>>>>>> x\ne\n")
+    ('a\nb\ne\n', 'a\nd\ne\n')
+    """
+    ours: list[str] = []
+    theirs: list[str] = []
+    writing: tuple[list[str], ...] = (ours, theirs)
+    for line in text.splitlines(keepends=True):
+        if line.startswith("<<<<<<<"):
+            writing = (ours,)
+        elif line.startswith("|||||||"):
+            writing = ()
+        elif line.startswith("======="):
+            writing = (theirs,)
+        elif line.startswith(">>>>>>>"):
+            writing = (ours, theirs)
+        else:
+            for each in writing:
+                each.append(line)
+    return "".join(ours), "".join(theirs)
+
+
+def _both(ours: Lock, theirs: Lock) -> Lock:
+    """All that either side pins; where both do it otherwise, ours. No I/O."""
+    both = {
+        id: _joined(ours.sources[id], locked) if id in ours.sources else locked
+        for id, locked in theirs.sources.items()
+    }
+    return ours.model_copy(update={"sources": {**ours.sources, **both}})
+
+
+def _disputed(ours: Lock, theirs: Lock) -> dict[str, tuple[str, str]]:
+    """The sources that the two sides pin otherwise, and how each does in words. No I/O.
+
+    A user's own files are none of them: they are hashed anew.
+    """
+    found = {}
+    for id, mine in ours.sources.items():
+        other = theirs.sources.get(id)
+        if other is None or kind_of(mine).is_local:
+            continue
+        if mine.pin != other.pin or mine.version != other.version:
+            found[id] = (_pinned(mine), _pinned(other))
+        elif any(other.files.get(name, digest) != digest for name, digest in mine.files.items()):
+            found[id] = ("some bytes", "other bytes")
+    return found
+
+
+def _joined(mine: Locked, other: Locked) -> Locked:
+    return mine.model_copy(
+        update={
+            "files": {**other.files, **mine.files},
+            "licences": sorted({*mine.licences, *other.licences}),
+            "used_by": sorted({*mine.used_by, *other.used_by}),
+        }
+    )
+
+
+def _pinned(locked: Locked) -> str:
+    return locked.pin or f"version {locked.version}"

@@ -1,0 +1,104 @@
+"""The source kind of docs/extending.md, added to a copy of the package as the page says, works in every command."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from composer.sources.source_kind import SourceKind
+
+ROOT = Path(__file__).resolve().parents[2]
+SECTION = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8").partition("## Add a source kind")[2]
+FILE, ROW = re.findall(r"^```python\n(.*?)^```", SECTION.partition("\n## ")[0], re.MULTILINE | re.DOTALL)
+ARM = '<mujoco model="{0}"><worldbody><body name="{0}"><geom size="0.1"/></body></worldbody></mujoco>\n'
+RECIPE = 'recipe: 1\nbase: "shared:arm/arm.xml"\n'
+
+Command = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the extended package, and what it takes from the checkout."""
+    folder = tmp_path_factory.mktemp("extended")
+    shutil.copytree(ROOT / "composer", folder / "composer", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "schemas", folder / "schemas")
+    shutil.copy(ROOT / "action.yml", folder)
+    sources = folder / "composer" / "sources"
+    (sources / "shared.py").write_text(FILE, encoding="utf-8")
+    kinds = (sources / "kinds.py").read_text(encoding="utf-8")
+    extended = kinds.replace("package, path\n", "package, path, shared\n", 1)
+    extended = extended.replace("    archive.KIND,\n", f"    archive.KIND,\n{ROW}", 1)
+    assert extended.count("shared") == 2
+    (sources / "kinds.py").write_text(extended, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def command(package: Path, tmp_path: Path) -> Command:
+    """Runs a command of the extended package in a folder with a recipe, and models of two drives beside it."""
+    (tmp_path / "cell.yaml").write_text(RECIPE, encoding="utf-8")
+    for drive in ("one", "two"):
+        (tmp_path / drive / "arm").mkdir(parents=True)
+        (tmp_path / drive / "arm" / "arm.xml").write_text(ARM.format(drive), encoding="utf-8")
+    own = {"PYTHONPATH": str(package), "MJCOMPOSE_CACHE": str(tmp_path / "store")}
+
+    def command(*words: str, drive: str | None = "one") -> subprocess.CompletedProcess[str]:
+        named = {} if drive is None else {"SHARED_MODELS": str(tmp_path / drive)}
+        return subprocess.run(
+            [sys.executable, "-m", "composer", *words],
+            cwd=tmp_path, env={**os.environ, **own, **named}, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+
+    return command
+
+
+def test_every_command_knows_the_kind(command: Command) -> None:
+    planned = command("plan", "cell.yaml", "--format", "json")
+    assert json.loads(planned.stdout)["base"]["kind"] == "shared", planned.stderr
+    for words in (("check", "cell.yaml"), ("fmt", "cell.yaml")):
+        done = command(*words)
+        assert done.returncode == 0, done.stderr
+    assert "read from one/arm/arm.xml:1" in command("explain", "cell.yaml", "one").stdout
+    unknown = command("plan", "cell.yaml", drive=None)
+    assert unknown.returncode == 1 and "cell.yaml:2:7: error[source-not-found]" in unknown.stderr
+    assert "`shared:ROBOT/path/model.xml`" in command("schema", "reference").stdout
+
+
+def test_a_lock_pins_it(command: Command, tmp_path: Path) -> None:
+    locked = command("lock", "cell.yaml")
+    assert locked.returncode == 0, locked.stderr
+    source = json.loads((tmp_path / "cell.lock").read_text(encoding="utf-8"))["sources"]["shared:arm"]
+    assert source["kind"] == "shared" and [*source["files"]] == ["arm.xml"]
+    build = ("build", "cell.yaml", "--locked", "--no-verify", "-o", "cell/")
+    assert command(*build).returncode == 0
+    manifest = json.loads((tmp_path / "cell" / "manifest.json").read_text(encoding="utf-8"))
+    assert manifest["inputs"][0]["kind"] == "shared"
+    assert {"path": "shared:arm/arm.xml", "sha256": source["files"]["arm.xml"]} in manifest["read"]
+    changed = command(*build, drive="two")
+    assert changed.returncode == 1 and "error[source-changed]: `shared:arm` is not what" in changed.stderr
+
+
+def test_another_value_of_its_variable_is_not_up_to_date(command: Command, tmp_path: Path) -> None:
+    build = ("build", "cell.yaml", "-o", "cell.xml")
+    assert command(*build).returncode == 0
+    again = command(*build)
+    assert "up to date" in again.stderr + again.stdout
+    other = command(*build, drive="two")
+    assert other.returncode == 0 and "up to date" not in other.stderr + other.stdout
+    assert 'name="two"' in (tmp_path / "cell.xml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("field", SourceKind.__dataclass_fields__)
+def test_half_of_a_row_fails_at_import(field: str) -> None:
+    half, count = re.subn(rf"^    {field}=.*\n", "", FILE, flags=re.MULTILINE)
+    assert count == 1
+    with pytest.raises(TypeError, match=f"missing 1 required keyword-only argument: '{field}'"):
+        exec(compile(half, "shared.py", "exec"), {"__name__": "shared"})
