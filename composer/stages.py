@@ -16,9 +16,10 @@ from composer.compose.load import Library
 from composer.context import Context
 from composer.document.node import locate
 from composer.link.measure import measure_with
+from composer.plan.concrete import Given
 from composer.plan.locked import check_lock
 from composer.plan.plan import Plan
-from composer.plan.planner import Given, plan_what_remains
+from composer.plan.planner import plan_what_remains
 
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session

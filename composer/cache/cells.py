@@ -45,7 +45,7 @@ def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = Non
     matrix = read_matrix(recipe, context, given)
     if matrix is None:
         return []
-    return with_samples(matrix.document, matrix.cells, matrix.name, given or {}, context.sink)
+    return with_samples(context.folder / recipe, matrix, given or {}, context)
 
 
 def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:

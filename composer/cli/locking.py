@@ -16,8 +16,8 @@ from composer.cli.reporting import USAGE, exit_code, report, say
 if TYPE_CHECKING:
     from composer.cli.choices import Choices
     from composer.context import Context
+    from composer.plan.concrete import Given
     from composer.plan.plan import Plan
-    from composer.plan.planner import Given
     from composer.sources.fetching import Fetching
     from composer.sources.lock import Lock
     from composer.sources.lock_file import Disputed
