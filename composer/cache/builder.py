@@ -88,7 +88,7 @@ class Maker:
     def make(
         self,
         context: Context,
-        session: Session | None,
+        session: Session,
         given: Mapping[str, Node],
         name: str | None = None,
         sample: int = 0,
@@ -97,21 +97,20 @@ class Maker:
         outcomes: list[Outcome] | None = None,
     ) -> Made | None:
         """Plan the model, and build it unless the cache knows what is planned; faults go to the context's sink."""
-        from composer.plan.planner import plan_what_remains
-        from composer.stages import build
+        from composer import stages
 
         outcomes = [] if outcomes is None else outcomes
-        plan = plan_what_remains(self.recipe, context, given, name, sample)
+        request = stages.Request(
+            self.recipe, given, name, sample, self.options.verified, self.options.deduplicated
+        )
+        plan = stages.planned(request, context)
         if plan is None:
             return None
         if key is not None and self.options.text_beside is None and not context.sink.has_errors:
             known = self._recall_planned(plan, name, context, key, outcomes)
             if known is not None:
                 return known
-        built = build(
-            self.recipe, context, plan=plan, verified=self.options.verified, deduplicated=self.options.deduplicated,
-            session=session, name=name, library=self.library, hear=outcomes.append,
-        )  # fmt: skip
+        built = stages.built(plan, request, context, session, self.library, outcomes.append)
         if built is None:
             return None
         from composer.bundle.licence_table import licence_rows
