@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from lxml.etree import _Element as Node
 
+from composer.compiled.joints import FREE
 from composer.link import numbers
 from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, lay_out
 from composer.link.linking import Linking
@@ -31,7 +32,6 @@ _ARRAYS = (
     "actuator_ctrlnum",
 )
 _SIZES = ("nq", "nv")
-_FREE = 0  # of `mjtJoint`
 
 
 def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
@@ -149,7 +149,7 @@ def _counts(arrays: Mapping[str, list[float]], name: str) -> list[int]:
 def _free_joints(arrays: Mapping[str, list[float]]) -> Iterator[tuple[int, int]]:
     """Where the numbers of every free joint begin."""
     joints = zip(arrays["jnt_type"], arrays["jnt_qposadr"], arrays["jnt_dofadr"], strict=True)
-    return ((int(q), int(v)) for kind, q, v in joints if kind == _FREE)
+    return ((int(q), int(v)) for kind, q, v in joints if kind == FREE)
 
 
 def _free_inside(
