@@ -99,7 +99,7 @@ def made_lock(
 def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
     """The matrix may choose sources that the recipe alone does not name."""
     from composer.cache.cells import cells_of
-    from composer.plan.choosing import parameters_choose
+    from composer.plan.pieces import parameters_choose
     from composer.plan.planner import plan_what_remains
     from composer.plan.read import read_recipe
 

@@ -15,17 +15,14 @@ from composer.document.node import Mapping, find, locate
 from composer.expand.expand import Concrete
 from composer.plan.angle_context import Reading, Readings, check_bare_angles, readings_of
 from composer.plan.concrete import Given, validated
-from composer.plan.copies import copies
 from composer.plan.drawn import Drawn
 from composer.plan.drawn_parameters import drawn_parameters
 from composer.plan.locked import use_lock
 from composer.plan.matrix import read_matrix
-from composer.plan.order import in_order
-from composer.plan.part_names import check_part_names
+from composer.plan.parts import check_part_names, copies, in_order, without_rings
 from composer.plan.pieces import check_pieces
 from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.plan.read import folder_of
-from composer.plan.rings import without_rings
 from composer.plan.steps.set_singleton import SetSingleton
 from composer.plan.steps.step import Written
 from composer.plan.steps.table import steps_of
