@@ -18,7 +18,7 @@ from composer.importing.comparing import Changed
 from composer.importing.contrasting import Outcome
 from composer.importing.recover import Recovered, recover
 from composer.importing.words import changed, left
-from composer.stages import build
+from composer.stages import Request, build
 
 ARM = """\
 <mujoco model="arm">
@@ -291,7 +291,7 @@ def test_real_models_that_were_changed(pair: str, corpus: Path, tmp_path: Path) 
     (tmp_path / "cell.yaml").write_text(
         f"recipe: 1\nconflict: merge\nbase: {files[0]}\nattach: {{tool: {{model: {files[1]}, site: {site}}}}}\n"
     )
-    built = build(tmp_path / "cell.yaml", Context(folder=tmp_path))
+    built = build(Request(tmp_path / "cell.yaml"), Context(folder=tmp_path))
     assert built is not None
     (tmp_path / "cell").mkdir()
     write_files(built.bundle, tmp_path / "cell")
