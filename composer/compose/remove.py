@@ -98,5 +98,5 @@ def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None
         editing.span(at),
         notes=notes,
         help="write `remove: cascade` to take along what refers to it",
-        subjects=[name for node in going for name in editing.subjects(node)],
+        subjects=[name for _, node in removal.going for name in editing.subjects(node)],
     )

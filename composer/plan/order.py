@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Mapping as Located
 from composer.document.node import locate
 from composer.recipe.attach import RESERVED, Attachment
@@ -53,16 +53,13 @@ def _asked(
             yield word, other
         elif other is not None:
             known = [each for each in parts if each != key]
-            help = did_you_mean(other, known, f"{word}: {{}}")
-            if other == RESERVED:
-                help = f"the {RESERVED} always comes first: leave `{word}` out"
-            sink.error(
-                "unknown-name",
-                f"there is no part `{other}` for `{key}` to stand {word}",
-                locate(document, ("attach", key, word)),
-                notes=(exists_note("part", known, other),),
-                help=help,
-                subjects=(other, key),
+            span = locate(document, ("attach", key, word))
+            first = f"the {RESERVED} always comes first: leave `{word}` out" if other == RESERVED else None
+            purpose, written = f" for `{key}` to stand {word}", f"{word}: {{}}"
+            sink.add(
+                unknown_name(
+                    "part", other, known, span, purpose=purpose, written=written, help=first, about=(key,)
+                )
             )
 
 

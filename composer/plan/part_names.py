@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, did_you_mean, exists_note
+from composer.diagnostics.suggest import closest
+from composer.diagnostics.unknown import unknown_name
 from composer.document.node import locate
 from composer.plan.parts import parts_of
 from composer.plan.plan import Plan
@@ -24,13 +25,16 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
         if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
             continue
         near = closest(check.part, parts)
-        sink.error(
-            "unknown-name",
-            f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
-            locate(plan.document, (*check.at, "unchanged", "part")),
-            notes=[exists_note("part", parts, check.part)],
-            help=f"write `part: {near[0]}`" if near else None,
-            subjects=(check.name, check.part),
+        sink.add(
+            unknown_name(
+                "part",
+                check.part,
+                parts,
+                locate(plan.document, (*check.at, "unchanged", "part")),
+                message=f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
+                help=f"write `part: {near[0]}`" if near else None,
+                about=(check.name,),
+            )
         )
 
 
@@ -47,11 +51,5 @@ def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
                     subjects=(part,),
                 )
             elif part not in parts:
-                sink.error(
-                    "unknown-name",
-                    f"there is no part `{part}` to take a key from",
-                    locate(plan.document, (*step.key.at, FROM, part), key=True),
-                    notes=(exists_note("part", parts, part),),
-                    help=did_you_mean(part, parts),
-                    subjects=(part,),
-                )
+                span = locate(plan.document, (*step.key.at, FROM, part), key=True)
+                sink.add(unknown_name("part", part, parts, span, purpose=" to take a key from"))
