@@ -8,7 +8,8 @@ from lxml import etree
 
 from composer.diagnostics import Sink
 from composer.link.link import finish, link
-from composer.link.linking import Linking, Part, Place
+from composer.link.linking import Linking
+from composer.link.part import Part, Place
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.write import write

@@ -6,8 +6,8 @@ What this package offers is imported when it is first asked for, so that `import
 from __future__ import annotations
 
 from importlib import import_module
+from typing import TYPE_CHECKING
 
-TYPE_CHECKING = False  # `typing` takes longer to import than all else that a known model needs
 if TYPE_CHECKING:
     from composer.loading.errors import BundleWarning as BundleWarning
     from composer.loading.errors import LoadError as LoadError

@@ -7,8 +7,8 @@ pydantic. What is not used is not imported.
 from __future__ import annotations
 
 from importlib import import_module
+from typing import TYPE_CHECKING
 
-TYPE_CHECKING = False  # `typing` takes longer to import than all else that a known model needs
 if TYPE_CHECKING:
     from typing import Any
 

@@ -29,9 +29,7 @@ from composer.bundle.portable import Portable
 from composer.bundle.renamed import Renamed, renamed_in
 from composer.context import Context, as_text
 from composer.diagnostics.span import Span
-from composer.document.node import Mapping as Located
-from composer.document.node import Node
-from composer.document.node import Sequence as List
+from composer.document.node import spans
 from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
@@ -163,18 +161,9 @@ def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str,
 
 def _files_of(plan: Plan) -> Iterator[str]:
     """The recipes of a plan, with those they extend, as messages call them."""
-    yield from (os.fspath(source.path) for source, _ in plan.extended)
-    waiting: list[Node] = [plan.document]
-    while waiting:
-        node = waiting.pop()
-        yield node.span.file
-        if isinstance(node, Located):
-            waiting += [value for _, value in node.entries.values()]
-        elif isinstance(node, List):
-            waiting += node.items
-    for model in (plan.base.model, *(part.model for part in plan.parts)):
-        if isinstance(model, Plan):
-            yield from _files_of(model)
+    for each in plan.plans():
+        yield from (os.fspath(source.path) for source, _ in each.extended)
+        yield from (span.file for span in spans(each.document))
 
 
 def _by_licence(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> dict[str, tuple[str, ...]]:
@@ -186,21 +175,16 @@ def _by_licence(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> d
 
 def _origins(plan: Plan) -> Iterator[Fetched | None]:
     """What the recipes of a plan were fetched or installed with."""
-    yield plan.source.origin if plan.source is not None else None
-    yield from (source.origin for source, _ in plan.extended)
-    for model in (plan.base.model, *(part.model for part in plan.parts)):
-        if isinstance(model, Plan):
-            yield from _origins(model)
+    for each in plan.plans():
+        yield each.source.origin if each.source is not None else None
+        yield from (source.origin for source, _ in each.extended)
 
 
-def sources(plan: Plan, prefix: str = "") -> Iterator[tuple[str, Source]]:
+def sources(plan: Plan) -> Iterator[tuple[str, Source]]:
     """Every source file of a plan and of the recipes in it, by the prefix of its part (or the base's name)."""
-    for part_prefix, model in [("", plan.base.model), *((part.prefix, part.model) for part in plan.parts)]:
-        label = prefix + part_prefix
-        if isinstance(model, Plan):
-            yield from sources(model, label)
-        elif model is not None:
-            yield label.strip(plan.separator) or model.path.stem, model
+    for place in plan.walk():
+        if isinstance(place.model, Source):
+            yield place.prefix.strip(plan.separator) or place.model.path.stem, place.model
 
 
 def _licences(named: Iterable[tuple[str, Source]]) -> Licences:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
+from composer.tree.classes import through_frames
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -55,16 +56,8 @@ def _elements(root: Node, kind: str) -> Iterator[Node]:
 
 def _of_body(body: Node, tags: tuple[str, ...]) -> Iterator[Node]:
     """What stands in a body, frames seen through, before what stands in the bodies below it: MuJoCo's order."""
-    inner = list(_through_frames(body))
+    inner = list(through_frames(body))
     yield from (each for each in inner if each.tag in tags)
     for each in inner:
         if each.tag == "body":
             yield from _of_body(each, tags)
-
-
-def _through_frames(body: Node) -> Iterator[Node]:
-    for each in body.iterchildren("*"):
-        if each.tag == "frame":
-            yield from _through_frames(each)
-        else:
-            yield each

@@ -7,19 +7,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from composer.bundle.manifest import Actuator, Camera, Index, Joint, Keyframe, Range, Sensor
+from composer.compiled.joints import BY_WORD
 
 if TYPE_CHECKING:
     from composer import engine
 
 Written = Mapping[tuple[str, int], tuple[str, str]]
 """By kind (`joint`, `actuator`, `sensor`, `camera`, `key`) and number: the tag of an element, and FILE:LINE."""
-
-_UNITS = {
-    "hinge": ("rad", "rad/s"),
-    "slide": ("m", "m/s"),
-    "ball": ("quaternion", "rad/s"),
-    "free": (None, None),
-}
 
 
 def _range(pair: tuple[float, float] | None) -> Range | None:
@@ -47,8 +41,8 @@ def index_of(index: engine.Index, written: Written | None = None) -> Index:
                 qpos_size=joint.qpos_size,
                 dof=joint.dof_address,
                 dof_size=joint.dof_size,
-                unit=_UNITS[joint.type][0],
-                velocity_unit=_UNITS[joint.type][1],
+                unit=BY_WORD[joint.type].unit,
+                velocity_unit=BY_WORD[joint.type].velocity_unit,
                 range=_range(joint.range if joint.limited else None),
                 origin=origin("joint", number),
             )

@@ -34,16 +34,7 @@ def check_is_no_source(out: Path, files: Iterable[Path]) -> None:
 
 def files_read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
     """The recipes, models and assets that a model was made of."""
-    from composer.bundle.assemble import sources  # what was built before needs none of this
-
-    yield from _recipes(plan)
-    yield from (source.path for _, source in sources(plan))
+    yield from (each.path for each in plan.plans())
+    yield from (source.path for source in plan.sources())
     yield from (text for text in model.origins.texts.values() if isinstance(text, Path))
     yield from (Path(use.source) for use in uses if use.content is None)
-
-
-def _recipes(plan: Plan) -> Iterator[Path]:
-    yield plan.path
-    for part in (plan.base.model, *(part.model for part in plan.parts)):
-        if isinstance(part, type(plan)):
-            yield from _recipes(part)

@@ -84,7 +84,7 @@ class Maker:
 
             return None, (LOST,)
         _tell(found.record, context, outcomes)
-        return replace(made, answer=found.answer), ()
+        return made, ()
 
     def make(
         self,
@@ -119,12 +119,13 @@ class Maker:
 
         made = fresh(built, licence_rows(plan, context), why, question)
         if self.order.text_beside is None:
-            made = replace(made, answer=self._keep(made, outcomes, context, name))
+            self._keep(made, outcomes, context, name)
         return made
 
     def with_text(self, made: Made, text: bytes, context: Context) -> Made:
         """The model with its text alone, which is made when it is to be written, and is remembered."""
-        return replace(made, text=text, answer=self._keep(made, (), context, None, text))
+        self._keep(made, (), context, None, text)
+        return replace(made, text=text)
 
     def content(self, made: Made) -> str:
         """What the bytes of an output are called."""
@@ -200,7 +201,10 @@ class Maker:
             return None
         written = places_of_checks(plan)
         record = replace(
-            record, checks=tuple(replace(each, span=written[each.name]) for each in record.checks)
+            record,
+            checks=tuple(replace(each, span=written[each.name]) for each in record.checks),
+            cells=plan.cells,
+            cells_at=plan.cells_at,
         )
         recipes = [self.cache.files.look(path) for path in self._names().recipes(plan)]
         record = self._of_recipes(record, {each.path: each.state for each in recipes})
@@ -208,10 +212,9 @@ class Maker:
         if record is None or made is None:
             return None
         _tell(record, context, outcomes)
-        kept = None
         if not may_move(context):
-            kept = self.cache.keep(question, record, [*recipes, *answer.inputs], answer.packages)
-        return replace(made, why=(_SETTLED,), answer=kept)
+            self.cache.keep(question, record, [*recipes, *answer.inputs], answer.packages)
+        return replace(made, why=(_SETTLED,))
 
     def _of_recipes(self, record: Record, states: Mapping[str, str]) -> Record | None:
         """The record of the same model made by other bytes of its recipes, whose hashes are in its manifest."""
@@ -237,7 +240,7 @@ class Maker:
         context: Context,
         cell: str | None,
         text: bytes | None = None,
-    ) -> Answer | None:
+    ) -> None:
         """Remember a model that was built now, unless something that it was made of has changed meanwhile."""
         from composer.bundle.bundle import MANIFEST
         from composer.cache.concrete import places, tells_places
@@ -246,7 +249,7 @@ class Maker:
 
         cache, built, question = self.cache, made.built, made.question
         if cache is None or built is None or question is None:
-            return None
+            return
         names, files = self._names(), cache.files
         files.forget()
         paths = names.recipes(built.plan), names.others(built, context)
@@ -256,7 +259,7 @@ class Maker:
             for each in paths
             for path in each
         ):
-            return None
+            return
         recipes, others = ([files.look(path) for path in each] for each in paths)
         known = {each.state: each.path for each in others if not os.path.isdir(each.path)}
         digest = None
@@ -268,15 +271,14 @@ class Maker:
             self._kept(built.bundle, known) if text is None else (), digest,
             made.mujoco, made.licences, tuple(context.sink.diagnostics), tuple(outcomes), made.draws,
             {each.path: each.state for each in recipes}, places(built.plan), False,
+            built.plan.cells, built.plan.cells_at,
         )  # fmt: skip
         record = replace(record, tells_places=tells_places(built.plan, record, built.bundle.files[MANIFEST]))
         packages = list(names.packages(built.plan))
-        answer = None
         if not may_move(context):
-            answer = cache.keep(question, record, [*recipes, *others], packages)
+            cache.keep(question, record, [*recipes, *others], packages)
         if text is None:
             cache.keep(self._planned(built.plan, cell), record, others, packages)
-        return answer
 
     def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
         """The files of a bundle; those that no file of the user's has (`known`, by hash) go to the store."""

@@ -74,36 +74,34 @@ class Cache:
         for answer in answers:
             if self._changes(answer):
                 continue
-            record = self.record(answer)
+            record = self._record(answer)
             if record is None:
                 return Found(why=(LOST,))
             if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
                 self._refresh(question, answer, answers)
-            for kind, key in self.used(answer):
-                with contextlib.suppress(OSError):  # somebody else's store, which may be read
-                    os.utime(self.store.folder / kind / key)
+            self._mark_used(answer)
             return Found(record, answer)
         return Found(why=self._why(question, answers))
 
-    def used(self, answer: Answer) -> list[tuple[str, str]]:
-        """What in the store an answer stands on, by folder and name: it is used when the answer is."""
+    def _mark_used(self, answer: Answer) -> None:
+        """Mark as used what was fetched and the answer needs."""
         own = os.path.join(self.store.folder, "")
         inside = (
             each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own)
         )
-        entries = {f"{path[0]}{os.sep}{path[1]}" for path in inside if path[0] in KINDS and len(path) > 2}
-        return [("built", answer.record), *((entry, ENTRY) for entry in sorted(entries))]
+        for folder in {os.path.join(*path[:2]) for path in inside if path[0] in KINDS and len(path) > 2}:
+            with contextlib.suppress(OSError):  # somebody else's store, which may be read
+                os.utime(self.store.folder / folder / ENTRY)
 
     def keep(
         self, question: Question, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
-    ) -> Answer:
-        """Remember the answer to a question, which is returned."""
+    ) -> None:
+        """Remember the answer to a question."""
         text = to_json(record)
         key = key_of([text.decode()])
         self._put("built", key, text)
         answer = Answer(key, tuple(inputs), tuple(packages))
         self._write(question, [answer, *self._answers(question.key)])
-        return answer
 
     def keep_raw(self, sha256: str, content: bytes) -> None:
         if not blobs.has(self.store.folder, "raw", sha256):
@@ -158,7 +156,7 @@ class Cache:
         except (TypeError, ValueError, KeyError):
             return []
 
-    def record(self, answer: Answer) -> Record | None:
+    def _record(self, answer: Answer) -> Record | None:
         """What an answer says; None where that is no longer whole."""
         text = blobs.get(self.store.folder, "built", answer.record)
         if text is None:

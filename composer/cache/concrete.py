@@ -7,7 +7,6 @@ import re
 from collections.abc import Collection, Iterator
 
 from composer.cache.entry import Record
-from composer.cache.inputs import models, plans
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping, Node, Scalar, Sequence, spans
@@ -21,11 +20,11 @@ def concrete(plan: Plan) -> list[object]:
     The lines and columns of recipes are left out, their files are not: paths count from them.
     """
     found: list[object] = []
-    for each in plans(plan):
+    for each in plan.plans():
         told = [[name, repr(value)] for name, value in sorted(each.scope.items())]
         values = list(_values(each.document, ""))
         read = [[file, reading.angle, reading.eulerseq] for file, reading in each.readings.others.items()]
-        sources = [_source(model) for model in models(each)]
+        sources = [_source(each.base.model), *(_source(part.model) for part in each.parts)]
         found.append([each.name, str(each.path), told, values, read, sources])
     return found
 
@@ -59,7 +58,7 @@ def _values(node: Node, file: str) -> Iterator[object]:
 def places(plan: Plan) -> str:
     """A hash of where everything is written in the recipes of a plan. No I/O."""
     whole = hashlib.sha256()
-    for each in plans(plan):
+    for each in plan.plans():
         for span in spans(each.document):
             place = f"{span.file}:{span.line}:{span.column}:{span.end_line}:{span.end_column}\n"
             whole.update(place.encode("utf-8", "surrogateescape"))
@@ -68,8 +67,8 @@ def places(plan: Plan) -> str:
 
 def tells_places(plan: Plan, record: Record, manifest: bytes) -> bool:
     """Whether what was told, or a manifest, names lines of the plan's recipes. No I/O."""
-    files = {span.file for each in plans(plan) for span in spans(each.document)}
-    files |= {each.file for each in plans(plan)}
+    files = {span.file for each in plan.plans() for span in spans(each.document)}
+    files |= {each.file for each in plan.plans()}
     told = [span for each in record.diagnostics for span in _spans_of(each)]
     told += [span for check in record.checks for each in check.told for span in _spans_of(each)]
     if any(span.file in files for span in told):

@@ -31,7 +31,8 @@ class Record:
 
     `draws` are the numbers that a sample has drawn, by their columns in a table; None for what is no sample.
     `recipes` are the recipe files and their hashes then, `places` is a hash of where everything stands in them, and
-    `tells_places` says that something of this would be wrong if it stood elsewhere.
+    `tells_places` says that something of this would be wrong if it stood elsewhere. `cells` is how many cells the
+    recipe's matrix has, where this is the model of none of them, and `cells_at` the place of the first.
     """
 
     name: str
@@ -49,6 +50,8 @@ class Record:
     recipes: Mapping[str, str]
     places: str
     tells_places: bool
+    cells: int
+    cells_at: Span | None
 
 
 def to_json(record: Record) -> bytes:
@@ -71,6 +74,7 @@ def from_json(text: bytes) -> Record:
         )
         for each in data["checks"]
     )
+    data["cells_at"] = _span(data["cells_at"])
     return Record(**data)
 
 

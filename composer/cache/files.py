@@ -9,8 +9,11 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from composer.cache.stamp import Stamp, stamp_of
 from composer.sources.licence_name import licence_names
+
+Stamp = tuple[int, int, int, int]
+"""What changes when a file does, as far as one can tell without reading it: size, times of the last change of content
+and of the inode in ns, and inode."""
 
 ABSENT = ""
 # Within this time of its last change a file may change again and keep its stamp: its content is asked then.
@@ -81,6 +84,11 @@ class Files:
             else:
                 self._stamps[path] = stamp_of(status), stat.S_ISDIR(status.st_mode)
         return self._stamps[path]
+
+
+def stamp_of(status: os.stat_result) -> Stamp:
+    """The stamp of a file by its status. No I/O."""
+    return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
 
 
 def now() -> int:

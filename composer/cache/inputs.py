@@ -25,16 +25,16 @@ class Inputs:
 
     def recipes(self, plan: Plan) -> tuple[str, ...]:
         """The recipe files of a plan: its own, those it extends, those nested in it."""
-        chains = ((each.path, *(source.path for source, _ in each.extended)) for each in plans(plan))
+        chains = ((each.path, *(source.path for source, _ in each.extended)) for each in plan.plans())
         paths = [path for chain in chains for path in chain]
         return tuple(dict.fromkeys(map(os.path.abspath, paths)))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
         """All other files: models, what they include, assets, licences and where these are looked for, the lock."""
         found: dict[str, None] = {}
-        for each in plans(built.plan):
+        for each in built.plan.plans():
             found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each, context.folder))))
-        for source in sources(built.plan):
+        for source in built.plan.sources():
             found.update(dict.fromkeys(self._of(source)))
         model = built.composed.model
         found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))
@@ -47,7 +47,7 @@ class Inputs:
 
     def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
         """The packages that decide what comes out, and those that sources are in."""
-        known = list(sources(plan))
+        known = list(plan.sources())
         named = [each.package for each in known if each.package]
         named += [library.name for each in known for library in each.kind.libraries]
         for name in dict.fromkeys([*PACKAGES, *named]):
@@ -63,25 +63,6 @@ class Inputs:
             inside = [each for above in searched for each in licence_folders(above)]
             self._of_sources[source.path] = (*read, *searched, *inside)
         return self._of_sources[source.path]
-
-
-def plans(plan: Plan) -> Iterator[Plan]:
-    """A plan and those of the recipes nested in it."""
-    yield plan
-    for model in models(plan):
-        if isinstance(model, Plan):
-            yield from plans(model)
-
-
-def sources(plan: Plan) -> Iterator[Source]:
-    """The model files of a plan and of the recipes nested in it."""
-    for each in plans(plan):
-        yield from (model for model in models(each) if isinstance(model, Source))
-
-
-def models(plan: Plan) -> tuple[Plan | Source | None, ...]:
-    """What a plan starts from, and its parts."""
-    return plan.base.model, *(part.model for part in plan.parts)
 
 
 def may_move(context: Context) -> bool:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+from typing import TYPE_CHECKING
 
-from composer.cache.stamp import stamp_of
+from composer.cache.files import stamp_of
 from composer.sources import blobs
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from os import PathLike
@@ -16,26 +16,15 @@ if TYPE_CHECKING:
 
 def is_written(store: str | PathLike[str], out: str, content: str) -> bool:
     """Whether an output is as it was when `note_written` was told that this is its content."""
-    return _written(store, out) == content
-
-
-def is_another(store: str | PathLike[str], out: str, content: str) -> bool:
-    """Whether an output is as it was left, with another content than this."""
-    return _written(store, out) not in (None, content)
-
-
-def _written(store: str | PathLike[str], out: str) -> str | None:
-    """The content of an output that is as it was left; None of any other."""
     text = blobs.get(store, "asked", _key(out))
     try:
         known: object = None if text is None else json.loads(text)
     except (ValueError, RecursionError):
-        return None
+        return False
     if not isinstance(known, list) or len(known) != 3 or not isinstance(known[1], list):
-        return None
-    content, beside, stamps = known
-    whole = isinstance(content, str) and stamps == (_stamps([out, *beside]) or None)
-    return content if whole else None
+        return False
+    noted, beside, stamps = known
+    return bool(noted == content and stamps == (_stamps([out, *beside]) or None))
 
 
 def note_written(

@@ -10,9 +10,10 @@ if TYPE_CHECKING:
     from composer.bundle.bundle import Bundle
     from composer.bundle.licence_table import Row
     from composer.bundle.packing import Packed
-    from composer.cache.cache import Answer, Cache
+    from composer.cache.cache import Cache
     from composer.cache.entry import Record
     from composer.cache.question import Question
+    from composer.diagnostics.span import Span
     from composer.expr.value import Value
     from composer.stages import Built
 
@@ -23,9 +24,9 @@ class Made:
 
     Of the latter there is what the form of its output needs: `packed` for archives, `text` for text alone, `bundle` for
     folders and MuJoCo's binary form, and nothing where the output `is_written` already. `inputs` are the files that it
-    was made of; `answer` is what the cache will say next time, None where it must be asked. `why` says in words why the
-    cache did not know it. `replaced` is what the output before was made of, as far as that differs. `draws` are the
-    numbers that a sample has drawn, by their columns in a table; None for what is no sample.
+    was made of. `why` says in words why the cache did not know it. `replaced` is what the output before was made of, as
+    far as that differs. `draws` are the numbers that a sample has drawn, by their columns in a table; None for what is
+    no sample. `cells` and `cells_at` are as in a plan.
     """
 
     name: str
@@ -43,8 +44,9 @@ class Made:
     licences: tuple[Row, ...] = ()
     question: Question | None = None
     inputs: tuple[str, ...] = ()
-    answer: Answer | None = None
     draws: Mapping[str, Value] | None = None
+    cells: int = 0
+    cells_at: Span | None = None
     replaced: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -55,6 +57,7 @@ def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], question:
     return Made(
         built.plan.name, built.bundle.sha256, sizes, built.merged, built, bundle=built.bundle, why=why,
         mujoco=mujoco, licences=tuple(licences), question=question, draws=_draws(built),
+        cells=built.plan.cells, cells_at=built.plan.cells_at,
     )  # fmt: skip
 
 
@@ -68,7 +71,8 @@ def _draws(built: Built) -> dict[str, Value] | None:
 def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
     """A model that was built before, without any of its files."""
     return Made(record.name, record.sha256, record.sizes, record.merged, record=record, inputs=inputs,
-                mujoco=record.mujoco, licences=record.licences, draws=record.draws)  # fmt: skip
+                mujoco=record.mujoco, licences=record.licences, draws=record.draws,
+                cells=record.cells, cells_at=record.cells_at)  # fmt: skip
 
 
 def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:

@@ -10,13 +10,13 @@ import click
 from composer.bundle.output_error import OutputError
 from composer.cache.cells import made_cells
 from composer.cache.sample_table import FILE, SampleTable
-from composer.cli.build import build_one, finish, put
 from composer.cli.built_words import said
 from composer.cli.counting import counting
 from composer.cli.matrix import chosen_cells
 from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report, say
 from composer.cli.tally import Tally
 from composer.cli.wanted import Wanted, kind_of_output
+from composer.cli.writing import build_one, finish, put
 
 if TYPE_CHECKING:
     from composer.cache.builder import Maker

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +18,82 @@ if TYPE_CHECKING:
     from composer.document import Node
 
 
+@dataclass(frozen=True, slots=True)
+class Choices:
+    """What `--set`, `--set-file` and `--variant` say."""
+
+    sets: tuple[str, ...] = ()
+    set_files: tuple[Path, ...] = ()
+    variants: tuple[str, ...] = ()
+
+    def values(self, context: Context) -> dict[str, Node]:
+        """The values by name, those of options over those of files; faults go to the context's sink."""
+        found: dict[str, Node] = {}
+        if not (self.sets or self.set_files or self.variants):
+            return found  # and import nothing
+        from composer.diagnostics.span import Span
+        from composer.document import Mapping, Scalar, load
+
+        for file in self.set_files:
+            shown = context.shown(file)
+            try:
+                text = (context.folder / file).read_bytes()
+            except OSError as error:
+                reason = (error.strerror or str(error)).lower()
+                context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
+                continue
+            node = load(text, shown, context.sink)
+            if isinstance(node, Mapping):
+                found.update({name: value for name, (_, value) in node.entries.items()})
+            elif node is not None:
+                context.sink.error(
+                    "wrong-type", "a file of values is a mapping from names to values", node.span
+                )
+        for option, written in [("--set", each) for each in self.sets] + [
+            ("--variant", each) for each in self.variants
+        ]:
+            name, equals, text_of_value = written.partition("=")
+            if not equals or not name:
+                context.sink.error("wrong-type", f"`{option} {written}` is not NAME=VALUE",
+                                   help=f"write for instance `{option} {name or 'reach'}=0.5`")  # fmt: skip
+                continue
+            span = Span(f"{option} {name}", 1, 1)
+            if option == "--variant" or not text_of_value:
+                found[name] = Scalar(text_of_value, span, text_of_value, False)
+            elif (value := load(text_of_value, span.file, context.sink)) is not None:
+                found[name] = value
+        return found
+
+    def named(self, context: Context) -> dict[str, str]:
+        """The values as text, by what a person calls them: what the build cache compares. Nothing is judged."""
+        from composer.cache.values import content_of, name_of
+
+        found: dict[str, str] = {}
+        for file in self.set_files:
+            content = "unreadable"
+            with contextlib.suppress(OSError):
+                content = content_of((context.folder / file).read_bytes())
+            found[name_of(file)] = content
+        if len(self.set_files) > 1:  # a value of a later file counts
+            found["the order of `--set-file`"] = ", ".join(map(str, self.set_files))
+        for what, written in [
+            *(("", each) for each in self.sets),
+            *(("variant ", each) for each in self.variants),
+        ]:
+            name, equals, value = written.partition("=")
+            found[f"{what}`{name}`"] = value if equals else "nothing"
+        return found
+
+
 def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--set`, `--set-file` and `--variant`; the command gets them as `sets`, `set_files` and `variants`."""
+    """`--set`, `--set-file` and `--variant`; the command gets them as `choices`."""
+
+    @functools.wraps(command)
+    def choosing(
+        *args: Any, sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], **rest: Any
+    ) -> Any:
+        return command(*args, choices=Choices(sets, set_files, variants), **rest)
+
     for option in reversed((
         click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="The value of a parameter.",
                      shell_complete=completing.parameters),
@@ -26,60 +102,5 @@ def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--variant", "variants", multiple=True, metavar="AXIS=VALUE", help="The value of a variant.",
                      shell_complete=completing.variants),
     )):  # fmt: skip
-        command = option(command)
-    return command
-
-
-def chosen_values(
-    sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], context: Context
-) -> dict[str, Node]:
-    """The values by name, those of options over those of files; faults go to the context's sink."""
-    from composer.diagnostics.span import Span
-    from composer.document import Mapping, Scalar, load
-
-    found: dict[str, Node] = {}
-    for file in set_files:
-        shown = context.shown(file)
-        try:
-            text = (context.folder / file).read_bytes()
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
-            continue
-        node = load(text, shown, context.sink)
-        if isinstance(node, Mapping):
-            found.update({name: value for name, (_, value) in node.entries.items()})
-        elif node is not None:
-            context.sink.error("wrong-type", "a file of values is a mapping from names to values", node.span)
-    for option, written in [("--set", each) for each in sets] + [("--variant", each) for each in variants]:
-        name, equals, text_of_value = written.partition("=")
-        if not equals or not name:
-            context.sink.error("wrong-type", f"`{option} {written}` is not NAME=VALUE",
-                               help=f"write for instance `{option} {name or 'reach'}=0.5`")  # fmt: skip
-            continue
-        span = Span(f"{option} {name}", 1, 1)
-        if option == "--variant" or not text_of_value:
-            found[name] = Scalar(text_of_value, span, text_of_value, False)
-        elif (value := load(text_of_value, span.file, context.sink)) is not None:
-            found[name] = value
-    return found
-
-
-def named_choices(
-    sets: tuple[str, ...], set_files: tuple[Path, ...], variants: tuple[str, ...], context: Context
-) -> dict[str, str]:
-    """The same as text, by what a person calls it: what the build cache compares. Nothing is judged."""
-    from composer.cache.values import content_of, name_of
-
-    found: dict[str, str] = {}
-    for file in set_files:
-        content = "unreadable"
-        with contextlib.suppress(OSError):
-            content = content_of((context.folder / file).read_bytes())
-        found[name_of(file)] = content
-    if len(set_files) > 1:  # a value of a later file counts
-        found["the order of `--set-file`"] = ", ".join(map(str, set_files))
-    for what, written in [*(("", each) for each in sets), *(("variant ", each) for each in variants)]:
-        name, equals, value = written.partition("=")
-        found[f"{what}`{name}`"] = value if equals else "nothing"
-    return found
+        choosing = option(choosing)
+    return choosing

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from composer.cli.amount import Amount
-from composer.cli.choices import choice_options, chosen_values
+from composer.cli.choices import Choices, choice_options
 from composer.cli.matrix import pick_option
 from composer.cli.reporting import (
     USAGE,
@@ -56,9 +56,7 @@ def _no_all(_context: click.Context, _option: click.Parameter, wanted: bool) -> 
 def command(
     a: str,
     b: str,
-    sets: tuple[str, ...],
-    set_files: tuple[Path, ...],
-    variants: tuple[str, ...],
+    choices: Choices,
     pick: str | None,
     only: tuple[str, ...],
     tolerance: float,
@@ -80,7 +78,7 @@ def command(
     from composer.engine import Limits, Session
 
     context = Context()
-    given = chosen_values(sets, set_files, variants, context)
+    given = choices.values(context)
     found = None
     if not context.sink.has_errors:
         progress(f"comparing {a} with {b}")

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from composer.cli import completing
-from composer.cli.choices import choice_options, chosen_values
+from composer.cli.choices import Choices, choice_options
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.matrix import cell_options, chosen_cell
 from composer.cli.reporting import (
@@ -36,9 +36,7 @@ def command(
     model: Path,
     query: str,
     attribute: str | None,
-    sets: tuple[str, ...],
-    set_files: tuple[Path, ...],
-    variants: tuple[str, ...],
+    choices: Choices,
     pick: str | None,
     sample: int | None,
     form: str,
@@ -65,7 +63,7 @@ def command(
     if asked is None:
         report(context, form)
         sys.exit(USAGE)
-    given = chosen_values(sets, set_files, variants, context)
+    given = choices.values(context)
     if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from composer.cli.choices import choice_options
+from composer.cli.choices import Choices, choice_options
 from composer.cli.fetching import fetching_options
 from composer.cli.locking import write_lock
 from composer.cli.reporting import reporting_options
@@ -19,9 +19,7 @@ from composer.cli.reporting import reporting_options
 @reporting_options
 def command(
     recipe: Path,
-    sets: tuple[str, ...],
-    set_files: tuple[Path, ...],
-    variants: tuple[str, ...],
+    choices: Choices,
     form: str,
 ) -> None:
     """Lock the sources of RECIPE: commits, hashes and licences go to a file beside it, ARM.lock for ARM.yaml.
@@ -29,4 +27,4 @@ def command(
     What is locked already stays as it is; new sources are added, files of your own are hashed anew, and what is
     no longer used is taken out.
     """
-    write_lock(recipe, None, form, (sets, set_files, variants))
+    write_lock(recipe, None, form, choices)

@@ -14,6 +14,7 @@ import click
 from composer.cli.reporting import USAGE, exit_code, report, say
 
 if TYPE_CHECKING:
+    from composer.cli.choices import Choices
     from composer.context import Context
     from composer.plan.plan import Plan
     from composer.plan.planner import Given
@@ -21,18 +22,14 @@ if TYPE_CHECKING:
     from composer.sources.lock import Lock
     from composer.sources.lock_file import Disputed
 
-Chosen = tuple[tuple[str, ...], tuple[Path, ...], tuple[str, ...]]
-"""What `--set`, `--set-file` and `--variant` say."""
 
-
-def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str, chosen: Chosen) -> None:
+def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str, choices: Choices) -> None:
     """Make the lock anew; `names` are what is to be updated: nothing for None, everything for `()`."""
-    from composer.cli.choices import chosen_values
     from composer.cli.fetching import fetching
     from composer.context import Context
 
     context = Context(fetching=fetching())
-    given = chosen_values(*chosen, context)
+    given = choices.values(context)
     wrong_values = context.sink.has_errors
     told = None if wrong_values else made_lock(recipe, names, context, given)
     report(context, form)
@@ -55,7 +52,7 @@ def made_lock(
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
     from composer.plan.locked import changed, lock_of, use_lock
-    from composer.plan.matrix import of_first_cell
+    from composer.plan.matrix import like_first_cell
     from composer.plan.planner import make_plan
     from composer.sources.lock_file import to_text
 
@@ -74,8 +71,7 @@ def made_lock(
     if context.sink.error_count:
         return None
     given = given or {}
-    like = of_first_cell(recipe, context, given)
-    whole = {**given, **(like[1] if like else {})}
+    whole = like_first_cell(recipe, context, given).given
     plan = make_plan(recipe, context, whole)
     if plan is None:
         return None

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.choices import choice_options, chosen_values
+from composer.cli.choices import Choices, choice_options
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.matrix import cell_options, chosen_cell
 from composer.cli.reporting import FINDINGS, USAGE, exit_code, report, reporting_options
@@ -33,9 +33,7 @@ if TYPE_CHECKING:
 @reporting_options
 def command(
     recipe: Path,
-    sets: tuple[str, ...],
-    set_files: tuple[Path, ...],
-    variants: tuple[str, ...],
+    choices: Choices,
     pick: str | None,
     sample: int | None,
     expanded: bool,
@@ -48,12 +46,12 @@ def command(
     from composer.expr.value import shown
     from composer.plan.describe import Subtrees, as_data, describe
     from composer.plan.expanded import expanded_text
-    from composer.plan.matrix import of_first_cell
+    from composer.plan.matrix import LikeCell, like_first_cell
     from composer.plan.planner import make_plan
     from composer.plan.samples import check_sample
 
     context = Context(fetching=fetching())
-    given = chosen_values(sets, set_files, variants, context)
+    given = choices.values(context)
     if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
@@ -61,12 +59,12 @@ def command(
     if code:
         report(context, form)
         sys.exit(code)
-    like, cells = None, []
+    like, cells = LikeCell(given), []
     if cell is not None:
         plan = make_plan(recipe, context, {**given, **cell.given}, cell.sample, cell.name)
     else:
-        like = of_first_cell(recipe, context, given)
-        plan = make_plan(recipe, context, {**given, **(like[1] if like else {})}, sample or 0)
+        like = like_first_cell(recipe, context, given)
+        plan = make_plan(recipe, context, like.given, sample or 0)
         if plan is not None:
             check_sample(plan, sample or 0, context.sink)
             cells = cells_of(recipe, context, given)
@@ -84,8 +82,8 @@ def command(
         click.echo(expanded_text(plan))
     elif form == "json":
         data = as_data(plan, subtrees)
-        if like is not None:
-            data["as_cell"] = like[0]
+        if like.cell is not None:
+            data["as_cell"] = like.cell
         if cells:
             data["cells"] = [
                 {"name": cell.name, "set": cell.values(), "sample": cell.sample} for cell in cells
@@ -93,9 +91,11 @@ def command(
         click.echo(json.dumps(data, indent=2))
     else:
         click.echo(describe(plan, subtrees))
-        if like is not None:
-            values = ", ".join(f"`{name}`" for name in like[1])
-            click.echo(f"  {values} as in the cell {like[0]}: without a default, only the cells have a value")
+        if like.cell is not None:
+            values = ", ".join(f"`{name}`" for name in like.taken)
+            click.echo(
+                f"  {values} as in the cell {like.cell}: without a default, only the cells have a value"
+            )
         if cells:
             what = "models" if plan.randomize is not None else "cells of the matrix"
             click.echo(f"{len(cells)} {what}, built by --all or --pick:")

@@ -81,12 +81,6 @@ def report(context: Context, form: str, *, err: bool = False) -> None:
         click.echo(told, nl=False, err=err or form == "text", color=use_color())
 
 
-def told_by_report(context: Context, form: str) -> list[tuple[bool, str]]:
-    """What `report` prints, and whether to standard error."""
-    told = _told(context, form)
-    return [(form == "text", told)] if told else []
-
-
 def _told(context: Context, form: str) -> str:
     found = context.sink.sorted()
     if not found:

@@ -33,14 +33,11 @@ class Tally:
         else:
             self.whole += 1
 
-    def say(self, form: str, *, err: bool = False) -> list[tuple[bool, str]]:
-        """Print it: in JSON always, else where a cell failed. Gives what was printed, and whether to standard error."""
+    def say(self, form: str, *, err: bool = False) -> None:
+        """Print it: in JSON always, else where a cell failed."""
         words = self._said(form)
-        if words is None:
-            return []
-        err = err or form == "text"
-        click.echo(words, err=err)
-        return [(err, f"{words}\n")]
+        if words is not None:
+            click.echo(words, err=err or form == "text")
 
     def _said(self, form: str) -> str | None:
         if form == "json":

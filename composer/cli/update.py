@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from composer.cli.choices import choice_options
+from composer.cli.choices import Choices, choice_options
 from composer.cli.locking import write_lock
 from composer.cli.reporting import reporting_options
 
@@ -19,13 +19,11 @@ from composer.cli.reporting import reporting_options
 def command(
     recipe: Path,
     names: tuple[str, ...],
-    sets: tuple[str, ...],
-    set_files: tuple[Path, ...],
-    variants: tuple[str, ...],
+    choices: Choices,
     form: str,
 ) -> None:
     """Lock the sources of RECIPE as they are now: branches where they have moved to, archives as they are served.
 
     NAME is a part's prefix, `base`, or a source as the lock names it; without one all sources are updated.
     """
-    write_lock(recipe, names, form, (sets, set_files, variants))
+    write_lock(recipe, names, form, choices)

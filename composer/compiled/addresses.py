@@ -1,12 +1,19 @@
-"""Where the numbers of an element stand in arrays that have not one row for each element of its kind."""
+"""Where the numbers of an element are in arrays that do not have one row for each element of its kind.
+
+`RUNS` has them by kind and by the size that the array has rows for: `RUNS["joint"]["nv"]` serves every `dof_` array and
+`qvel`. `rows_of` goes by the name of an array, `span` by the name of a vector.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from composer.compiled.kinds import JOINT_POSITIONS, JOINT_VELOCITIES, Model
+from composer.compiled.joints import JOINT_TYPES
+from composer.compiled.kinds import Model
 
+POSITIONS = tuple(each.positions for each in JOINT_TYPES)
+VELOCITIES = tuple(each.velocities for each in JOINT_TYPES)
 _EDGES_OF_AN_ELEMENT = {1: 1, 2: 3, 3: 6}
 
 Shape = tuple[int, ...]
@@ -28,11 +35,16 @@ class Run:
     shape: Callable[[Model, int], Shape] | None = None
 
     def rows(self, model: Model, index: int) -> range:
-        first = int(getattr(model, self.first)[index])
+        """The rows of one element; of those it lacks, none."""
+        firsts = getattr(model, self.first, None)
+        if firsts is None:  # MuJoCo 3 counts no controls and outputs: an actuator has one of each
+            return range(index, index + 1)
+        first = int(firsts[index])
         return range(first, first + self.number(model, index)) if first >= 0 else range(0)
 
 
-def _counted(array: str) -> Callable[[Model, int], int]:
+def counted(array: str) -> Callable[[Model, int], int]:
+    """How many rows an array of counts gives to each element."""
     return lambda model, index: int(getattr(model, array)[index])
 
 
@@ -86,49 +98,81 @@ _TEXTURE = ("tex_height", "tex_width", "tex_nchannel")
 RUNS: Mapping[str, Mapping[str, Run]] = {
     "body": {"nmocap": Run("body_mocapid", lambda model, index: 1, as_row=True, required="a mocap body")},
     "joint": {
-        "nq": Run("jnt_qposadr", _of_joint(JOINT_POSITIONS)),
-        "nv": Run("jnt_dofadr", _of_joint(JOINT_VELOCITIES)),
+        "nq": Run("jnt_qposadr", _of_joint(POSITIONS)),
+        "nv": Run("jnt_dofadr", _of_joint(VELOCITIES)),
         "nplastic": _plastic("jnt_plasticadr"),
     },
     "actuator": {
-        "nu": Run("actuator_ctrladr", _counted("actuator_ctrlnum"), as_row=True),
-        "nout": Run("actuator_outadr", _counted("actuator_outnum"), as_row=True),
-        "na": Run("actuator_actadr", _counted("actuator_actnum"), as_row=True),
+        "nu": Run("actuator_ctrladr", counted("actuator_ctrlnum"), as_row=True),
+        "nout": Run("actuator_outadr", counted("actuator_outnum"), as_row=True),
+        "na": Run("actuator_actadr", counted("actuator_actnum"), as_row=True),
     },
-    "sensor": {"nsensordata": Run("sensor_adr", _counted("sensor_dim"))},
+    "sensor": {"nsensordata": Run("sensor_adr", counted("sensor_dim"))},
     "tendon": {
-        "nwrap": Run("tendon_adr", _counted("tendon_num")),
-        "nJten": Run("ten_J_rowadr", _counted("ten_J_rownnz")),
+        "nwrap": Run("tendon_adr", counted("tendon_num")),
+        "nJten": Run("ten_J_rowadr", counted("ten_J_rownnz")),
         "nplastic": _plastic("tendon_plasticadr"),
     },
     "mesh": {
-        "nmeshvert": Run("mesh_vertadr", _counted("mesh_vertnum")),
-        "nmeshnormal": Run("mesh_normaladr", _counted("mesh_normalnum")),
-        "nmeshtexcoord": Run("mesh_texcoordadr", _counted("mesh_texcoordnum")),
-        "nmeshface": Run("mesh_faceadr", _counted("mesh_facenum")),
-        "nmeshpoly": Run("mesh_polyadr", _counted("mesh_polynum")),
+        "nmeshvert": Run("mesh_vertadr", counted("mesh_vertnum")),
+        "nmeshnormal": Run("mesh_normaladr", counted("mesh_normalnum")),
+        "nmeshtexcoord": Run("mesh_texcoordadr", counted("mesh_texcoordnum")),
+        "nmeshface": Run("mesh_faceadr", counted("mesh_facenum")),
+        "nmeshpoly": Run("mesh_polyadr", counted("mesh_polynum")),
         "nmeshgraph": Run("mesh_graphadr", _up_to_the_next("mesh_graphadr", "nmeshgraph", "mesh_graphadr")),
     },
     "hfield": {"nhfielddata": Run("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
     "texture": {"ntexdata": Run("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
     "skin": {
-        "nskinvert": Run("skin_vertadr", _counted("skin_vertnum")),
-        "nskintexvert": Run("skin_texcoordadr", _counted("skin_vertnum")),
-        "nskinface": Run("skin_faceadr", _counted("skin_facenum")),
-        "nskinbone": Run("skin_boneadr", _counted("skin_bonenum")),
+        "nskinvert": Run("skin_vertadr", counted("skin_vertnum")),
+        "nskintexvert": Run("skin_texcoordadr", counted("skin_vertnum")),
+        "nskinface": Run("skin_faceadr", counted("skin_facenum")),
+        "nskinbone": Run("skin_boneadr", counted("skin_bonenum")),
     },
     "flex": {
-        "nflexvert": Run("flex_vertadr", _counted("flex_vertnum")),
-        "nflexnode": Run("flex_nodeadr", _counted("flex_nodenum")),
-        "nflexedge": Run("flex_edgeadr", _counted("flex_edgenum")),
-        "nflexelem": Run("flex_elemadr", _counted("flex_elemnum")),
+        "nflexvert": Run("flex_vertadr", counted("flex_vertnum")),
+        "nflexnode": Run("flex_nodeadr", counted("flex_nodenum")),
+        "nflexedge": Run("flex_edgeadr", counted("flex_edgenum")),
+        "nflexelem": Run("flex_elemadr", counted("flex_elemnum")),
         "nflexelemdata": Run("flex_elemdataadr", _corners),
         "nflexelemedge": Run("flex_elemedgeadr", _edges),
         "nplastic": _plastic("flex_plasticadr"),
         "nflexshelldata": Run("flex_shelldataadr", _cells("flex_shellnum", "flex_dim")),
     },
-    "numeric": {"nnumericdata": Run("numeric_adr", _counted("numeric_size"))},
-    "tuple": {"ntupledata": Run("tuple_adr", _counted("tuple_size"))},
-    "plugin": {"npluginstate": Run("plugin_stateadr", _counted("plugin_statenum"))},
+    "numeric": {"nnumericdata": Run("numeric_adr", counted("numeric_size"))},
+    "tuple": {"ntupledata": Run("tuple_adr", counted("tuple_size"))},
+    "plugin": {"npluginstate": Run("plugin_stateadr", counted("plugin_statenum"))},
 }
 """By kind, and by the size that an array has rows for."""
+
+VECTORS: Mapping[str, tuple[str, str]] = {
+    "qpos": ("joint", "nq"),
+    "qvel": ("joint", "nv"),
+    "ctrl": ("actuator", "nu"),
+    "act": ("actuator", "na"),
+    "sensordata": ("sensor", "nsensordata"),
+    "mocap_pos": ("body", "nmocap"),
+}
+"""The vectors of `mjData` that users address: the kind whose elements are in each, and its length in `mjModel`."""
+
+_OUTPUTS = frozenset({"actuator_gear", "actuator_lengthrange", "actuator_length0", "actuator_acc0"})
+
+
+def span(model: Model, vector: str, index: int) -> range:
+    """Where an element of the vector's kind is in it; empty where it has nothing there."""
+    kind, size = VECTORS[vector]
+    return RUNS[kind][size].rows(model, index)
+
+
+def rows_of(model: Model, kind: str, array: str, index: int) -> range:
+    """The rows that an element has in an array of `mjModel` that is called after its kind, or after its state.
+
+    Most arrays have one row an element. Joints have several rows in `qpos0`, `qpos_spring` and the `dof_` arrays; since
+    MuJoCo 4 actuators may have several in those about controls (`actuator_ctrlrange`) and outputs (`actuator_gear`).
+    """
+    size = None
+    if kind == "joint":
+        size = "nv" if array.startswith("dof_") else "nq" if array.startswith("qpos") else None
+    elif kind == "actuator":
+        size = "nu" if "ctrl" in array else "nout" if array in _OUTPUTS else None
+    return range(index, index + 1) if size is None else RUNS[kind][size].rows(model, index)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from collections.abc import Set as AbstractSet
 
+from composer.compiled.attributes import TAGS, array_of, attributes
 from composer.compiled.fields import RULES, Treatment
 from composer.compiled.kinds import KINDS
 
@@ -75,9 +77,13 @@ def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
     """
     ends = _BECOMES.get(attribute, attribute).split()
     if tag is None:
-        return {*ends, *DERIVED}
+        return {*ends, *DERIVED, *_own(attribute, TAGS)}
     kind = _KINDS.get(tag, tag)
     starts = [KINDS[kind].arrays if kind in KINDS else kind, *_BEYOND.get(kind, [])]
-    return DERIVED.union(
-        end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends
-    )
+    following = {end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends}
+    return following | DERIVED | _own(attribute, (kind,))
+
+
+def _own(attribute: str, kinds: Iterable[str]) -> set[str]:
+    """The arrays that keep the value itself; some kinds call theirs otherwise: `tendon_solref_lim`."""
+    return {array_of(kind, attribute) for kind in kinds if kind in TAGS and attribute in attributes(kind)}

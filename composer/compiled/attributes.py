@@ -1,18 +1,21 @@
-"""Where a compiled model keeps the attributes of MJCF whose values can be asked for."""
+"""Which array of `mjModel` keeps which attribute of MJCF: numbers, and words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from composer.compiled.enums import ENUMS
+from composer.compiled.kinds import KINDS
+
 _CONTACT = "friction solref solimp margin gap"
 _RANGES = "ctrlrange forcerange actrange ctrllimited forcelimited actlimited lengthrange"
+_LAMP = "ambient diffuse specular attenuation intensity"
 _SHAPE = "pos quat size rgba group user"
 
-# By tag: what the arrays start with, the attributes that are called as their arrays are, and those that are not.
-_TABLE: Mapping[str, tuple[str, str, Mapping[str, str]]] = {
-    "body": ("body", "pos quat mass gravcomp user", {"diaginertia": "body_inertia"}),
+# By tag: the attributes that are called as their arrays are, and those that are not.
+_TABLE: Mapping[str, tuple[str, Mapping[str, str]]] = {
+    "body": ("pos quat mass gravcomp user", {"diaginertia": "body_inertia"}),
     "joint": (
-        "jnt",
         "axis pos range limited stiffness margin group user",
         {
             **{name: f"dof_{name}" for name in ("armature", "damping", "frictionloss")},
@@ -27,23 +30,20 @@ _TABLE: Mapping[str, tuple[str, str, Mapping[str, str]]] = {
             "actuatorgravcomp": "jnt_actgravcomp",
         },
     ),
-    "geom": ("geom", f"{_SHAPE} {_CONTACT} condim contype conaffinity priority solmix", {}),
-    "site": ("site", _SHAPE, {}),
-    "camera": ("cam", "pos quat fovy ipd resolution user", {}),
+    "geom": (f"{_SHAPE} {_CONTACT} condim contype conaffinity priority solmix", {}),
+    "site": (_SHAPE, {}),
+    "camera": ("pos quat fovy ipd resolution user", {}),
     "light": (
-        "light",
-        "pos dir ambient diffuse specular attenuation cutoff exponent castshadow active bulbradius intensity range",
+        f"{_LAMP} pos dir cutoff exponent castshadow active bulbradius range",
         {},
     ),
     "material": (
-        "mat",
         "rgba emission specular shininess reflectance metallic roughness texrepeat texuniform",
         {},
     ),
-    "pair": ("pair", f"{_CONTACT} solreffriction", {"condim": "pair_dim"}),
-    "equality": ("eq", "solref solimp", {"active": "eq_active0"}),
+    "pair": (f"{_CONTACT} solreffriction", {"condim": "pair_dim"}),
+    "equality": ("solref solimp", {"active": "eq_active0"}),
     "tendon": (
-        "tendon",
         "range limited stiffness damping armature frictionloss margin width rgba group user",
         {
             "springlength": "tendon_lengthspring",
@@ -55,9 +55,9 @@ _TABLE: Mapping[str, tuple[str, str, Mapping[str, str]]] = {
             "actuatorfrclimited": "tendon_actfrclimited",
         },
     ),
-    "actuator": ("actuator", f"{_RANGES} gear cranklength gainprm biasprm dynprm group user", {}),
-    "sensor": ("sensor", "cutoff noise user", {}),
-    "key": ("key", "time", {}),
+    "actuator": (f"{_RANGES} gear cranklength gainprm biasprm dynprm group user", {}),
+    "sensor": ("cutoff noise user", {}),
+    "key": ("time", {}),
 }
 TAGS = tuple(_TABLE)
 ANGLES: Mapping[str, frozenset[str]] = {
@@ -69,7 +69,7 @@ ANGLES: Mapping[str, frozenset[str]] = {
 
 def attributes(tag: str) -> Iterator[str]:
     """The attributes of a tag's elements that can be asked for."""
-    _, plain, other = _TABLE[tag]
+    plain, other = _TABLE[tag]
     yield from plain.split()
     yield from other
 
@@ -80,5 +80,17 @@ def array_of(tag: str, attribute: str) -> str:
     >>> array_of("joint", "range"), array_of("joint", "damping")
     ('jnt_range', 'dof_damping')
     """
-    start, _, other = _TABLE[tag]
-    return other.get(attribute, f"{start}_{attribute}")
+    other = _TABLE[tag][1] if tag in _TABLE else {}
+    return other.get(attribute, f"{KINDS[tag].arrays}_{attribute}")
+
+
+_NOT_WRITTEN = frozenset({"actuator_trntype"})
+ENUMERATED: Mapping[str, frozenset[str]] = {
+    tag: frozenset(
+        array.removeprefix(f"{kind.arrays}_")
+        for array in ENUMS
+        if array.startswith(f"{kind.arrays}_") and array not in _NOT_WRITTEN
+    )
+    for tag, kind in KINDS.items()
+}
+"""By tag the attributes whose values are words (`type`, `mode`); `enums.words` has these for `array_of` each."""

@@ -11,20 +11,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 
-from composer.compiled.kinds import KINDS, Model, NameTable
+from composer.compiled.kinds import HOLDERS, KINDS, ON_BODIES, Model, NameTable
 from composer.compiled.links import UNORDERED, Link, World, links
 from composer.compiled.mount import Mount
 from composer.compiled.signature import raw, shape, tells_apart, values
 from composer.numerics.pose import Pose
-
-ON_BODIES = {
-    "joint": "jnt_bodyid",
-    "geom": "geom_bodyid",
-    "site": "site_bodyid",
-    "camera": "cam_bodyid",
-    "light": "light_bodyid",
-}
-"""The kinds that stand on a body, and the array that says on which."""
 
 _ASSETS = ("texture", "material", "mesh", "hfield")
 _GLOBAL = (
@@ -136,10 +127,9 @@ class Correspondence:
 
     def _match_bodies(self) -> None:
         found = self.ids["body"]
-        names_owners = ON_BODIES | {"body": "body_parentid"}
         self._owners = {
             kind: (getattr(self.alone.model, array).tolist(), getattr(self.composed.model, array).tolist())
-            for kind, array in names_owners.items()
+            for kind, array in HOLDERS.items()
         }
         self._loads: dict[int, list[tuple[str, int]]] = {}
         for kind, (owners, _) in self._owners.items():
@@ -272,7 +262,7 @@ class Correspondence:
     def _apart(self, kind: str, index: int, target: int) -> float:
         """How far ``target`` is from where ``index`` is to be expected, in metres; 0 if unknown."""
         positions = f"{KINDS[kind].arrays}_pos"
-        if kind not in (*ON_BODIES, "body") or kind == "joint":
+        if kind not in HOLDERS or kind == "joint":
             return 0.0
         x, y, z = getattr(self.alone.model, positions)[index].tolist()
         expected = Pose((x, y, z))

@@ -9,7 +9,11 @@ from __future__ import annotations
 
 import math
 
-from composer.compiled.kinds import JOINT_VELOCITIES, Model
+from composer.compiled.addresses import rows_of, span
+from composer.compiled.joints import SLIDE
+from composer.compiled.kinds import Model
+from composer.compiled.links import ON_JOINTS, ON_TENDON, WRAP_JOINT
+from composer.compiled.servos import servo
 
 _CLOSE = 1e-6
 
@@ -29,8 +33,7 @@ def same_damping(alone: Model, composed: Model, joint: int, target: int) -> bool
 
 
 def _inverse_inertia(model: Model, joint: int) -> float:
-    first = int(model.jnt_dofadr[joint])
-    return float(model.dof_invweight0[first : first + JOINT_VELOCITIES[int(model.jnt_type[joint])]].mean())
+    return float(model.dof_invweight0[span(model, "qvel", joint)].mean())
 
 
 def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) -> bool:
@@ -51,43 +54,26 @@ def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) ->
     )
 
 
-_FIXED, _AFFINE = 0, 1
-_JOINT, _JOINT_IN_PARENT, _TENDON = 0, 1, 3
-_SLIDE = 2
-_WRAP_JOINT = 1
-
-
 def _is_damped_servo(model: Model, actuator: int) -> bool:
-    stiffness, damping = (
-        float(model.actuator_gainprm[actuator, 0]),
-        -float(model.actuator_biasprm[actuator, 2]),
-    )
-    return (
-        int(model.actuator_gaintype[actuator]) == _FIXED
-        and int(model.actuator_biastype[actuator]) == _AFFINE
-        and stiffness > 0
-        and stiffness == -float(model.actuator_biasprm[actuator, 1])
-        and damping > 0
-    )
+    gains = servo(model, actuator) or {}
+    return gains.get("kp", 0) > 0 and gains.get("kv", 0) > 0
 
 
 def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
     """The damping ratio of a servo by the inverse weight and by the mass matrix; None where there is none."""
-    stiffness, damping = (
-        float(model.actuator_gainprm[actuator, 0]),
-        -float(model.actuator_biasprm[actuator, 2]),
-    )
-    output = int(model.actuator_outadr[actuator]) if hasattr(model, "actuator_outadr") else actuator
+    gains = servo(model, actuator) or {}
+    stiffness, damping = gains["kp"], gains["kv"]
+    output = rows_of(model, "actuator", "actuator_gear", actuator).start
     gear = float(model.actuator_gear[output, 0])
     kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
     if gear == 0:
         return None, None
-    if kind in (_JOINT, _JOINT_IN_PARENT):
-        if int(model.jnt_type[target]) < _SLIDE:
+    if kind in ON_JOINTS:
+        if int(model.jnt_type[target]) < SLIDE:
             return None, None
         dof = int(model.jnt_dofadr[target])
         light, heavy = float(model.dof_invweight0[dof]), float(model.dof_M0[dof])
-    elif kind == _TENDON:
+    elif kind == ON_TENDON:
         light, heavy = float(model.tendon_invweight0[target]), _inertia_along(model, target)
     else:
         return None, None
@@ -102,7 +88,7 @@ def _inertia_along(model: Model, tendon: int) -> float:
     inertia = 0.0
     for at in range(first, first + int(model.tendon_num[tendon])):
         joint, coefficient = int(model.wrap_objid[at]), float(model.wrap_prm[at])
-        if int(model.wrap_type[at]) != _WRAP_JOINT or coefficient == 0:
+        if int(model.wrap_type[at]) != WRAP_JOINT or coefficient == 0:
             return 0.0
         inertia += float(model.dof_M0[model.jnt_dofadr[joint]]) / coefficient**2
     return inertia

@@ -6,6 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from composer.compiled import units
+from composer.compiled.addresses import span
+from composer.compiled.enums import words
+from composer.compiled.joints import JOINT_TYPES, LENGTH
+from composer.compiled.kinds import Model, holder, names
+
 Range: TypeAlias = tuple[float, float]
 
 
@@ -144,3 +150,114 @@ class Index:
 
 def _range(bounds: list[float] | None) -> Range | None:
     return None if bounds is None else (bounds[0], bounds[1])
+
+
+def index(model: Model, mujoco: Any) -> dict[str, Any]:
+    """The index of a compiled model as JSON data; addresses are [start, count]. Runs in the child process."""
+    bodies = names(model, "body")
+    return {
+        "joints": _joints(model, bodies),
+        "actuators": _actuators(model, mujoco),
+        "sensors": _sensors(model, mujoco),
+        "keyframes": [
+            {"name": name, "time": float(model.key_time[row])} for row, name in enumerate(names(model, "key"))
+        ],
+        "cameras": _cameras(model, mujoco, bodies),
+        "bodies": bodies,
+    }
+
+
+def _joints(model: Model, bodies: list[str]) -> list[dict[str, Any]]:
+    rows = []
+    for row, name in enumerate(names(model, "joint")):
+        rows.append(
+            {
+                "name": name,
+                "type": JOINT_TYPES[int(model.jnt_type[row])].word,
+                "qpos": _span(span(model, "qpos", row)),
+                "dof": _span(span(model, "qvel", row)),
+                "limited": bool(model.jnt_limited[row]),
+                "range": _bounds(model.jnt_range[row]),
+                "body": bodies[holder(model, "joint", row)],
+            }
+        )
+    return rows
+
+
+def _actuators(model: Model, mujoco: Any) -> list[dict[str, Any]]:
+    rows = []
+    for row, name in enumerate(names(model, "actuator")):
+        controls = span(model, "ctrl", row)
+        limited, bounds = model.actuator_ctrllimited, model.actuator_ctrlrange
+        rows.append(
+            {
+                "name": name,
+                "ctrl": _span(controls),
+                "act": _span(span(model, "act", row)),
+                "unit": units.of_control(model, mujoco, row) if len(controls) == 1 else None,
+                "ctrl_ranges": [_bounds(bounds[each]) if limited[each] else None for each in controls],
+                "act_range": _bounds(model.actuator_actrange[row])
+                if model.actuator_actlimited[row]
+                else None,
+                "force_range": _bounds(model.actuator_forcerange[row])
+                if model.actuator_forcelimited[row]
+                else None,
+            }
+        )
+    return rows
+
+
+def _span(rows: range) -> list[int]:
+    """The first number and how many there are; [-1, 0] for none."""
+    return [rows.start, len(rows)] if rows else [-1, 0]
+
+
+def _bounds(pair: Any) -> list[float]:
+    return [float(bound) for bound in pair]
+
+
+def _sensors(model: Model, mujoco: Any) -> list[dict[str, Any]]:
+    tags = words(mujoco, "sensor_type")
+    rows = []
+    for row, name in enumerate(names(model, "sensor")):
+        tag, size = tags.get(int(model.sensor_type[row]), "unknown"), int(model.sensor_dim[row])
+        cutoff = float(model.sensor_cutoff[row])
+        rows.append(
+            {
+                "name": name,
+                "type": tag,
+                "data": _span(span(model, "sensordata", row)),
+                "unit": units.of_sensor(tag, size, _coordinate(model, tag, int(model.sensor_objid[row]))),
+                "cutoff": cutoff if cutoff > 0 else None,
+            }
+        )
+    return rows
+
+
+def _coordinate(model: Model, tag: str, row: int) -> str | None:
+    """The unit of the coordinate of the joint or actuator that a sensor is on."""
+    if tag.startswith("actuator"):
+        return units.of_transmission(model, row)
+    if tag.startswith("joint"):
+        return JOINT_TYPES[int(model.jnt_type[row])].coordinate
+    return None
+
+
+def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "body": bodies[holder(model, "camera", row)],
+            "fovy": float(model.cam_fovy[row]),
+            "unit": LENGTH if _is_orthographic(model, mujoco, row) else "deg",
+            "resolution": [int(each) for each in model.cam_resolution[row]],
+        }
+        for row, name in enumerate(names(model, "camera"))
+    ]
+
+
+def _is_orthographic(model: Model, mujoco: Any, row: int) -> bool:
+    """In such a camera `fovy` is a length. Older versions have a flag, newer ones a kind of projection."""
+    if hasattr(model, "cam_projection"):
+        return int(model.cam_projection[row]) == int(mujoco.mjtProjection.mjPROJ_ORTHOGRAPHIC)
+    return bool(getattr(model, "cam_orthographic", [0] * (row + 1))[row])

@@ -7,10 +7,12 @@ from enum import StrEnum
 
 import numpy as np
 
+from composer.compiled.addresses import RUNS, span
 from composer.compiled.correspondence import ABSENT, Correspondence
 from composer.compiled.difference import MISSING, Difference
 from composer.compiled.fields import ROUNDING
-from composer.compiled.kinds import FREE_JOINT, JOINT_POSITIONS, JOINT_VELOCITIES, Model
+from composer.compiled.joints import FREE
+from composer.compiled.kinds import Model
 from composer.compiled.rows import Array, unequal
 from composer.numerics.pose import Pose, rotate
 
@@ -126,32 +128,28 @@ def _entries(
             continue
         name = matching.composed.describe("joint", there)
         kind = int(alone.jnt_type[joint])
-        mine_q, mine_v = _joint_state(alone, key, joint, kind)
-        theirs_q, theirs_v = _joint_state(composed, target, there, kind)
+        mine_q, mine_v = _joint_state(alone, key, joint)
+        theirs_q, theirs_v = _joint_state(composed, target, there)
         bound = 0.0
-        if kind == FREE_JOINT and moved is not None:
+        if kind == FREE and moved is not None:
             mine_q, mine_v, bound = _moved(mine_q, moved), _turned(mine_v, moved), ROUNDING
             theirs_q = _aligned(theirs_q, mine_q)
         yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
         yield f"key_qvel of `{name}`", mine_v, theirs_v, bound
-        yield from _plastic(matching, "joint", "jnt", key, target, joint, there)
+        yield from _plastic(matching, "joint", key, target, joint, there)
     for actuator, there in enumerate(matching.ids["actuator"]):
         if there == ABSENT:
             continue
         name = matching.composed.describe("actuator", there)
-        yield f"key_ctrl of `{name}`", _control(alone, key, actuator), _control(composed, target, there), 0.0
-        yield (
-            f"key_act of `{name}`",
-            _activation(alone, key, actuator),
-            _activation(composed, target, there),
-            0.0,
-        )
+        for vector in ("ctrl", "act"):
+            mine, theirs = _entry(alone, vector, key, actuator), _entry(composed, vector, target, there)
+            yield f"key_{vector} of `{name}`", mine, theirs, 0.0
     for tendon, there in enumerate(matching.ids["tendon"]):
         if there != ABSENT:
-            yield from _plastic(matching, "tendon", "tendon", key, target, tendon, there)
+            yield from _plastic(matching, "tendon", key, target, tendon, there)
     for flex, there in enumerate(matching.ids["flex"]):
         if there != ABSENT:
-            yield from _plastic(matching, "flex", "flex", key, target, flex, there)
+            yield from _plastic(matching, "flex", key, target, flex, there)
     for body, there in enumerate(matching.ids["body"]):
         if not body or there == ABSENT or alone.body_mocapid[body] < 0 or composed.body_mocapid[there] < 0:
             continue
@@ -165,26 +163,15 @@ def _entries(
         yield f"key_mquat of `{name}`", mine[3:], theirs[3:], bound
 
 
-def _joint_state(model: Model, key: int, joint: int, kind: int) -> tuple[Array, Array]:
-    at, to = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-    return (
-        model.key_qpos[key, at : at + JOINT_POSITIONS[kind]],
-        model.key_qvel[key, to : to + JOINT_VELOCITIES[kind]],
-    )
+def _joint_state(model: Model, key: int, joint: int) -> tuple[Array, Array]:
+    return _entry(model, "qpos", key, joint), _entry(model, "qvel", key, joint)
 
 
-def _control(model: Model, key: int, actuator: int) -> Array:
-    row: Array = model.key_ctrl[key]
-    if not hasattr(model, "actuator_ctrladr"):
-        return row[actuator : actuator + 1]
-    at = int(model.actuator_ctrladr[actuator])
-    return row[at : at + int(model.actuator_ctrlnum[actuator])]
-
-
-def _activation(model: Model, key: int, actuator: int) -> Array:
-    row: Array = model.key_act[key]
-    at = int(model.actuator_actadr[actuator])
-    return row[at : at + int(model.actuator_actnum[actuator])] if at >= 0 else row[:0]
+def _entry(model: Model, vector: str, key: int, index: int) -> Array:
+    """What a key says of one element in a vector."""
+    rows = span(model, vector, index)
+    entry: Array = getattr(model, f"key_{vector}")[key, rows.start : rows.stop]
+    return entry
 
 
 def _mocap(model: Model, key: int, body: int) -> Array:
@@ -194,26 +181,22 @@ def _mocap(model: Model, key: int, body: int) -> Array:
 
 
 def _plastic(
-    matching: Correspondence, kind: str, arrays: str, key: int, target: int, index: int, there: int
+    matching: Correspondence, kind: str, key: int, target: int, index: int, there: int
 ) -> Iterator[tuple[str, Array, Array, float]]:
     if not hasattr(matching.alone.model, "key_plastic"):
         return
-    mine = _plastic_state(matching.alone.model, arrays, key, index)
-    theirs = _plastic_state(matching.composed.model, arrays, target, there)
+    mine = _plastic_state(matching.alone.model, kind, key, index)
+    theirs = _plastic_state(matching.composed.model, kind, target, there)
     if mine.size or theirs.size:
         # Where nothing is written it is the length in the reference configuration, measured in the world.
         bound = ROUNDING if kind == "tendon" else 0.0
         yield f"key_plastic of `{matching.composed.describe(kind, there)}`", mine, theirs, bound
 
 
-def _plastic_state(model: Model, arrays: str, key: int, index: int) -> Array:
-    row: Array = model.key_plastic[key]
-    first = int(getattr(model, f"{arrays}_plasticadr")[index])
-    if first < 0:
-        return row[:0]
-    every = np.concatenate([model.jnt_plasticadr, model.tendon_plasticadr, model.flex_plasticadr])
-    later = every[every > first]
-    return row[first : int(later.min())] if len(later) else row[first:]
+def _plastic_state(model: Model, kind: str, key: int, index: int) -> Array:
+    rows = RUNS[kind]["nplastic"].rows(model, index)
+    state: Array = model.key_plastic[key, rows.start : rows.stop]
+    return state
 
 
 def _moved(state: Array, transform: Pose) -> Array:

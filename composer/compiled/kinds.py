@@ -14,96 +14,88 @@ Model: TypeAlias = Any
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """One kind of element: the word used for it in messages, and how its arrays are called in `mjModel`."""
+    """One kind of element: its word in messages, the start of its arrays' names, and its value of `mjtObj`."""
 
     word: str
     arrays: str
+    object_type: int
 
     @property
     def addresses(self) -> str:
-        """The array of addresses of the names; its length is the number of elements, in every version."""
+        """The array with the addresses of the names; its length is the number of elements in every version."""
         return f"name_{self.arrays}adr"
+
+    @property
+    def size(self) -> str:
+        """The size of `mjModel` that counts the elements; MuJoCo 3 has no `nactuator`, where it would equal `nu`."""
+        return f"n{self.arrays}"
 
 
 KINDS: dict[str, Kind] = {
-    word: Kind(word, arrays)
-    for word, arrays in (
-        ("body", "body"),
-        ("joint", "jnt"),
-        ("geom", "geom"),
-        ("site", "site"),
-        ("camera", "cam"),
-        ("light", "light"),
-        ("texture", "tex"),
-        ("material", "mat"),
-        ("mesh", "mesh"),
-        ("hfield", "hfield"),
-        ("skin", "skin"),
-        ("flex", "flex"),
-        ("tendon", "tendon"),
-        ("equality", "eq"),
-        ("pair", "pair"),
-        ("exclude", "exclude"),
-        ("actuator", "actuator"),
-        ("sensor", "sensor"),
-        ("numeric", "numeric"),
-        ("text", "text"),
-        ("tuple", "tuple"),
-        ("plugin", "plugin"),
-        ("key", "key"),
+    word: Kind(word, arrays, object_type)
+    for word, arrays, object_type in (
+        ("body", "body", 1),
+        ("joint", "jnt", 3),
+        ("geom", "geom", 5),
+        ("site", "site", 6),
+        ("camera", "cam", 7),
+        ("light", "light", 8),
+        ("texture", "tex", 13),
+        ("material", "mat", 14),
+        ("mesh", "mesh", 10),
+        ("hfield", "hfield", 12),
+        ("skin", "skin", 11),
+        ("flex", "flex", 9),
+        ("tendon", "tendon", 18),
+        ("equality", "eq", 17),
+        ("pair", "pair", 15),
+        ("exclude", "exclude", 16),
+        ("actuator", "actuator", 19),
+        ("sensor", "sensor", 20),
+        ("numeric", "numeric", 21),
+        ("text", "text", 22),
+        ("tuple", "tuple", 23),
+        ("plugin", "plugin", 25),
+        ("key", "key", 24),
     )
 }
+"""Every kind of element that `mjModel` names, in the order in which models are compared."""
 
-OF_OBJECT_TYPE: dict[int, str] = {
-    1: "body",
-    2: "body",
-    3: "joint",
-    5: "geom",
-    6: "site",
-    7: "camera",
-    8: "light",
-    9: "flex",
-    10: "mesh",
-    11: "skin",
-    12: "hfield",
-    13: "texture",
-    14: "material",
-    15: "pair",
-    16: "exclude",
-    17: "equality",
-    18: "tendon",
-    19: "actuator",
-    20: "sensor",
-    21: "numeric",
-    22: "text",
-    23: "tuple",
-    24: "key",
-    25: "plugin",
+_XBODY = 2
+OF_OBJECT_TYPE: dict[int, str] = {_XBODY: "body", **{kind.object_type: word for word, kind in KINDS.items()}}
+"""The kind that each value of `mjtObj` stands for; body and xbody are one kind."""
+
+ON_BODIES: dict[str, str] = {
+    kind: f"{KINDS[kind].arrays}_bodyid" for kind in ("joint", "geom", "site", "camera", "light")
 }
-"""The kind each value of `mjtObj` stands for; body and xbody are one kind."""
+"""The kinds that stand on a body, and the array that says on which."""
 
-JOINT_POSITIONS = (7, 4, 1, 1)
-"""How many entries of `qpos` a free, ball, slide and hinge joint takes, by `jnt_type`."""
+HOLDERS: dict[str, str] = {"body": "body_parentid", **ON_BODIES}
+"""The same, and bodies themselves, which stand on their parents."""
 
-JOINT_VELOCITIES = (6, 3, 1, 1)
-"""How many degrees of freedom the same joints have."""
 
-FREE_JOINT = 0
+def holder(model: Model, kind: str, index: int) -> int:
+    """The body that an element of one of the `HOLDERS` stands on; of the world it is the world."""
+    return int(getattr(model, HOLDERS[kind])[index])
+
+
+def names(model: Model, kind: str) -> list[str]:
+    """The names of a kind's elements by their ids, `""` for unnamed ones; bytes that are not UTF-8 are replaced."""
+    text: bytes = model.names
+    starts = [int(start) for start in getattr(model, KINDS[kind].addresses)]
+    return [text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts]
 
 
 class NameTable:
     """The names of one model's elements, by kind and in the order of their ids; unnamed ones are ``""``."""
 
     def __init__(self, model: Model) -> None:
-        text: bytes = model.names
         self.model = model
         self.names: dict[str, list[str]] = {}
         self.ids: dict[str, dict[str, int]] = {}
-        for word, kind in KINDS.items():
-            addresses = getattr(model, kind.addresses).tolist()
-            names = [text[at : text.index(b"\0", at)].decode("utf-8", "replace") for at in addresses]
-            self.names[word] = names
-            self.ids[word] = {name: i for i, name in enumerate(names) if name}
+        for kind in KINDS:
+            self.names[kind] = names(model, kind)
+            self.ids[kind] = {name: i for i, name in enumerate(self.names[kind]) if name}
 
     def count(self, kind: str) -> int:
         return len(self.names[kind])
@@ -113,11 +105,9 @@ class NameTable:
         name = self.names[kind][index]
         if name:
             return name
-        owner = {"joint": "jnt_bodyid", "geom": "geom_bodyid", "site": "site_bodyid", "camera": "cam_bodyid",
-                 "light": "light_bodyid"}.get(kind)  # fmt: skip
-        if owner is None:
+        if kind not in ON_BODIES:
             return f"#{index}"
-        bodies = getattr(self.model, owner)
+        bodies = getattr(self.model, ON_BODIES[kind])
         body = int(bodies[index])
         place = int((bodies[:index] == body).sum())
         return f"#{place} of body `{self.describe('body', body)}`"

@@ -118,7 +118,8 @@ def _flex_materials(model: Model, index: int) -> Iterator[Link]:
         yield Link(f"flex_matid[{place}]", "material", material)
 
 
-_WRAP_JOINT, _WRAP_PULLEY, _WRAP_SITE = 1, 2, 3
+WRAP_JOINT, _WRAP_SITE = 1, 3
+"""Values of `wrap_type`, by what `wrap_objid` then is."""
 WRAPS_A_GEOM = (4, 5)
 """The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
 
@@ -130,7 +131,7 @@ def _tendon(model: Model, index: int) -> Iterator[Link]:
     for place in range(int(model.tendon_num[index])):
         at = first + place
         wrapped, target = int(model.wrap_type[at]), int(model.wrap_objid[at])
-        if wrapped == _WRAP_JOINT:
+        if wrapped == WRAP_JOINT:
             yield Link(f"wrap_objid[{place}]", "joint", target)
         elif wrapped == _WRAP_SITE:
             yield Link(f"wrap_objid[{place}]", "site", target)
@@ -161,11 +162,13 @@ def _exclude(model: Model, index: int) -> Iterator[Link]:
         yield Link(f"body{place + 1}", "body", body)
 
 
+ON_JOINTS, ON_TENDON = (0, 1), 3
+"""Values of `actuator_trntype`: on a joint, in its own frame or in its parent's, and on a tendon."""
+
 _TARGETS = {
-    0: ("joint", None),
-    1: ("joint", None),
+    **dict.fromkeys(ON_JOINTS, ("joint", None)),
     2: ("site", "site"),
-    3: ("tendon", None),
+    ON_TENDON: ("tendon", None),
     4: ("site", "site"),
     5: ("body", None),
 }

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from composer.compiled.kinds import KINDS, Model, NameTable
+from composer.compiled.kinds import KINDS, ON_BODIES, NameTable
+from composer.compiled.links import links
 from composer.tree.classes import through_frames
 from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute
 from composer.tree.name_index import own_name
@@ -14,15 +15,14 @@ from composer.tree.names import WORLD
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-_ON_BODIES = ("joint", "geom", "site", "camera", "light")
-_STANDING = {**{kind: kind for kind in _ON_BODIES}, "freejoint": "joint"}
+_STANDING = {**{kind: kind for kind in ON_BODIES}, "freejoint": "joint"}
 _REFERRING = ("pair", "exclude", "equality", "tendon", "actuator", "sensor")
 # What MuJoCo makes any number of elements of, and of which kinds.
 _BLOCKS: Mapping[str, tuple[str, ...]] = {
     "attach": tuple(KINDS),
     "composite": ("body", "joint", "geom", "site", "exclude", "equality", "tendon", "skin", "plugin"),
     "flexcomp": ("body", "joint", "equality", "flex", "plugin"),
-    "replicate": ("body", *_ON_BODIES, *_REFERRING, "key"),
+    "replicate": ("body", *ON_BODIES, *_REFERRING, "key"),
 }
 _SECTIONS = (
     "asset",
@@ -70,7 +70,7 @@ def compiled_order(root: Node) -> Order:
     """
     found: dict[str, list[Node | None]] = {kind: [] for kind in KINDS}
     blocks = {str(block.tag) for block in root.iterdescendants(*_BLOCKS)}
-    generated = {kind for block in blocks for kind in _BLOCKS[block]} - {"body", *_ON_BODIES}
+    generated = {kind for block in blocks for kind in _BLOCKS[block]} - {"body", *ON_BODIES}
     for kind in generated:
         found[kind].append(None)
     waiting = list(root.iterchildren(WORLD_SECTION))
@@ -119,7 +119,7 @@ def rows(order: Order, roster: NameTable) -> dict[Node, int]:
             stretches = [[node for stretch in stretches for node in stretch]]
         for at, stretch in enumerate(stretches):
             start = None
-            if whole or kind not in _ON_BODIES:
+            if whole or kind not in ON_BODIES:
                 start = _start(stretch, at == 0, at == len(stretches) - 1, names, ids)
             for place, node in enumerate(stretch):
                 row = ids.get(compiled_name(node)) if start is None else start + place
@@ -132,8 +132,9 @@ def _sorted(kind: str, expected: Sequence[Node | None], roster: NameTable) -> It
     """Pairs and excludes, by name or by the two that they are of."""
     referred, *attributes = _SORTED[kind]
     places: dict[frozenset[int], list[int]] = {}
-    for row, two in enumerate(_of_two(kind, roster.model)):
-        places.setdefault(frozenset(two), []).append(row)
+    for row in range(roster.count(kind)):
+        two = frozenset(link.index for link in links(roster.model, kind, row))
+        places.setdefault(two, []).append(row)
     for node in expected:
         if node is None:
             continue
@@ -144,14 +145,6 @@ def _sorted(kind: str, expected: Sequence[Node | None], roster: NameTable) -> It
             yield node, found
         if found in alike:
             alike.remove(found)
-
-
-def _of_two(kind: str, model: Model) -> Iterator[tuple[int, int]]:
-    """The numbers of the two that each is of: geoms, or bodies packed into one number."""
-    if kind == "pair":
-        yield from zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
-    else:
-        yield from ((both >> 16, both & 0xFFFF) for both in model.exclude_signature.tolist())
 
 
 def _start(
@@ -183,7 +176,7 @@ def _stretches(expected: Sequence[Node | None]) -> list[list[Node]]:
 def _made(block: Node) -> tuple[set[str], set[str]]:
     """The kinds of what a block makes on its own body, and below that one."""
     if block.tag != "replicate":
-        kinds = {kind for kind in _BLOCKS[str(block.tag)] if kind == "body" or kind in _ON_BODIES}
+        kinds = {kind for kind in _BLOCKS[str(block.tag)] if kind == "body" or kind in ON_BODIES}
         return (set() if block.tag == "flexcomp" else kinds - {"body"}), kinds
     here: set[str] = set()
     below: set[str] = set()
@@ -193,7 +186,7 @@ def _made(block: Node) -> tuple[set[str], set[str]]:
             here |= inner[0]
             below |= inner[1]
         elif child.tag == "body":
-            below |= {"body", *_ON_BODIES}
+            below |= {"body", *ON_BODIES}
         elif child.tag in _STANDING:
             here.add(_STANDING[str(child.tag)])
     return here, below

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from composer.compiled.correspondence import ABSENT, ON_BODIES, Correspondence
+from composer.compiled.correspondence import ABSENT, Correspondence
 from composer.compiled.difference import Difference
 from composer.compiled.fields import ROUNDING
-from composer.compiled.kinds import Model
+from composer.compiled.kinds import HOLDERS, Model, holder
 from composer.compiled.mount import Mount
 from composer.numerics.pose import Pose, rotate
 
@@ -26,7 +26,7 @@ class Placing:
         self.roots: dict[str, list[int]] = {"body": [], "light": [], **{kind: [] for kind in _POSED}}
         alone = matching.alone.model
         for kind, roots in self.roots.items():
-            parents = alone.body_parentid if kind == "body" else getattr(alone, ON_BODIES[kind])
+            parents = getattr(alone, HOLDERS[kind])
             found = matching.ids[kind]
             roots += [
                 i for i, parent in enumerate(parents.tolist())
@@ -44,10 +44,7 @@ class Placing:
         """The pose of a root's counterpart in the frame of the mount, through bodies in between."""
         model, target = self.matching.composed.model, self.matching.ids[kind][index]
         pose = _pose(model, kind, target)
-        owner = int(
-            model.body_parentid[target] if kind == "body" else getattr(model, ON_BODIES[kind])[target]
-        )
-        return self._frame(owner) @ pose
+        return self._frame(holder(model, kind, target)) @ pose
 
     def _frame(self, body: int) -> Pose:
         model, pose = self.matching.composed.model, Pose()

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from composer.compiled.correspondence import ABSENT, ON_BODIES, Correspondence
+from composer.compiled.correspondence import ABSENT, Correspondence
 from composer.compiled.difference import EXTRA, MISSING, Difference
-from composer.compiled.kinds import KINDS, Model, NameTable
+from composer.compiled.kinds import KINDS, ON_BODIES, Model, NameTable
 
 
 def presence_differences(

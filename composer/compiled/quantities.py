@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from composer.compiled.fields import RULES, Treatment
-
-ANGULAR = ("hinge", "ball")
+from composer.compiled.joints import ANGULAR
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,11 +6,17 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from composer.compiled.kinds import FREE_JOINT, JOINT_POSITIONS, Model
+from composer.compiled.addresses import RUNS, counted, span
+from composer.compiled.addresses import Run as Rows
+from composer.compiled.joints import FREE
+from composer.compiled.kinds import Model
 from composer.compiled.links import WRAPS_A_GEOM
 from composer.compiled.rows import Array
 
 Run = tuple[str, Array]
+
+_OCTREE = Rows("mesh_octadr", counted("mesh_octnum"))
+_VERTEX_PAIRS = Rows("flex_evpairadr", counted("flex_evpairnum"))
 
 
 def runs(model: Model, kind: str, index: int) -> Iterator[Run]:
@@ -20,80 +26,73 @@ def runs(model: Model, kind: str, index: int) -> Iterator[Run]:
         yield from reader(model, index)
 
 
-def _slices(model: Model, first: int, number: int, *arrays: str) -> Iterator[Run]:
+def _slices(model: Model, rows: range, *arrays: str) -> Iterator[Run]:
     for name in arrays:
         array = getattr(model, name, None)
         if array is not None:
-            yield name, array[first : first + number] if first >= 0 else array[:0]
+            yield name, array[rows.start : rows.stop]
 
 
 def _joint(model: Model, index: int) -> Iterator[Run]:
-    kind = int(model.jnt_type[index])
-    if kind != FREE_JOINT:
-        yield from _slices(
-            model, int(model.jnt_qposadr[index]), JOINT_POSITIONS[kind], "qpos0", "qpos_spring"
-        )
+    if int(model.jnt_type[index]) != FREE:
+        yield from _slices(model, span(model, "qpos", index), "qpos0", "qpos_spring")
 
 
 def _mesh(model: Model, index: int) -> Iterator[Run]:
-    def counted(first: str, number: str, *arrays: str) -> Iterator[Run]:
-        yield from _slices(
-            model, int(getattr(model, first)[index]), int(getattr(model, number)[index]), *arrays
-        )
-
-    yield from counted("mesh_vertadr", "mesh_vertnum", "mesh_vert", "mesh_polymapnum")
-    yield from counted("mesh_normaladr", "mesh_normalnum", "mesh_normal")
-    yield from counted("mesh_texcoordadr", "mesh_texcoordnum", "mesh_texcoord")
-    yield from counted("mesh_faceadr", "mesh_facenum", "mesh_face", "mesh_facenormal", "mesh_facetexcoord")
+    own = {size: run.rows(model, index) for size, run in RUNS["mesh"].items() if hasattr(model, run.first)}
+    yield from _slices(model, own["nmeshvert"], "mesh_vert", "mesh_polymapnum")
+    yield from _slices(model, own["nmeshnormal"], "mesh_normal")
+    yield from _slices(model, own["nmeshtexcoord"], "mesh_texcoord")
+    yield from _slices(model, own["nmeshface"], "mesh_face", "mesh_facenormal", "mesh_facetexcoord")
     graph = int(model.mesh_graphadr[index])
     if graph >= 0:
         vertices, faces = model.mesh_graph[graph : graph + 2].tolist()
         yield "mesh_graph", model.mesh_graph[graph : graph + 2 + 3 * vertices + 6 * faces]
-    if hasattr(model, "mesh_polyadr"):
-        polygon, polygons = int(model.mesh_polyadr[index]), int(model.mesh_polynum[index])
-        yield from _slices(model, polygon, polygons, "mesh_polynormal", "mesh_polyvertnum")
-        if polygons:
-            corners = int(model.mesh_polyvertnum[polygon : polygon + polygons].sum())
-            yield from _slices(model, int(model.mesh_polyvertadr[polygon]), corners, "mesh_polyvert")
-        vertex, vertices = int(model.mesh_vertadr[index]), int(model.mesh_vertnum[index])
-        if vertices:
-            uses = int(model.mesh_polymapnum[vertex : vertex + vertices].sum())
-            yield from _slices(model, int(model.mesh_polymapadr[vertex]), uses, "mesh_polymap")
+    if (polygons := own.get("nmeshpoly")) is not None:
+        yield from _slices(model, polygons, "mesh_polynormal", "mesh_polyvertnum")
+        yield from _nested(model, polygons, "mesh_polyvertadr", "mesh_polyvertnum", "mesh_polyvert")
+        yield from _nested(model, own["nmeshvert"], "mesh_polymapadr", "mesh_polymapnum", "mesh_polymap")
     if hasattr(model, "mesh_octadr"):
-        yield from counted("mesh_octadr", "mesh_octnum", "oct_depth", "oct_aabb", "oct_coeff")
+        yield from _slices(model, _OCTREE.rows(model, index), "oct_depth", "oct_aabb", "oct_coeff")
+
+
+def _nested(model: Model, rows: range, first: str, number: str, *arrays: str) -> Iterator[Run]:
+    """The data that consecutive rows of an element point to in turn."""
+    if rows:
+        start = int(getattr(model, first)[rows.start])
+        count = int(getattr(model, number)[rows.start : rows.stop].sum())
+        yield from _slices(model, range(start, start + count), *arrays)
 
 
 def _hfield(model: Model, index: int) -> Iterator[Run]:
-    cells = int(model.hfield_nrow[index]) * int(model.hfield_ncol[index])
-    yield from _slices(model, int(model.hfield_adr[index]), cells, "hfield_data")
+    yield from _slices(model, RUNS["hfield"]["nhfielddata"].rows(model, index), "hfield_data")
 
 
 def _texture(model: Model, index: int) -> Iterator[Run]:
-    pixels = int(model.tex_width[index]) * int(model.tex_height[index]) * int(model.tex_nchannel[index])
-    yield from _slices(model, int(model.tex_adr[index]), pixels, "tex_data")
+    yield from _slices(model, RUNS["texture"]["ntexdata"].rows(model, index), "tex_data")
 
 
 def _skin(model: Model, index: int) -> Iterator[Run]:
-    vertices = int(model.skin_vertnum[index])
-    yield from _slices(model, int(model.skin_vertadr[index]), vertices, "skin_vert")
-    yield from _slices(model, int(model.skin_texcoordadr[index]), vertices, "skin_texcoord")
-    yield from _slices(model, int(model.skin_faceadr[index]), int(model.skin_facenum[index]), "skin_face")
-    bone, bones = int(model.skin_boneadr[index]), int(model.skin_bonenum[index])
-    yield from _slices(model, bone, bones, "skin_bonebindpos", "skin_bonebindquat", "skin_bonevertnum")
-    if bones:
-        first = int(model.skin_bonevertadr[bone])
-        weights = int(model.skin_bonevertnum[bone : bone + bones].sum())
-        yield from _slices(model, first, weights, "skin_bonevertid", "skin_bonevertweight")
+    own = {size: run.rows(model, index) for size, run in RUNS["skin"].items()}
+    yield from _slices(model, own["nskinvert"], "skin_vert")
+    yield from _slices(model, own["nskintexvert"], "skin_texcoord")
+    yield from _slices(model, own["nskinface"], "skin_face")
+    bones = own["nskinbone"]
+    yield from _slices(model, bones, "skin_bonebindpos", "skin_bonebindquat", "skin_bonevertnum")
+    yield from _nested(
+        model, bones, "skin_bonevertadr", "skin_bonevertnum", "skin_bonevertid", "skin_bonevertweight"
+    )
 
 
-_FLEX_RUNS = (
-    ("flex_vertadr", "flex_vertnum", ("flex_vert", "flex_vert0", "flex_vertcell", "flex_vertmetric")),
-    ("flex_nodeadr", "flex_nodenum", ("flex_node", "flex_node0")),
-    ("flex_edgeadr", "flex_edgenum", ("flex_edge", "flex_edgeflap", "flexedge_length0", "flexedge_rigid")),
-    ("flex_elemadr", "flex_elemnum", ("flex_elemlayer",)),
-    ("flex_evpairadr", "flex_evpairnum", ("flex_evpair",)),
+_FLEX_ARRAYS = (
+    ("nflexvert", ("flex_vert", "flex_vert0", "flex_vertcell", "flex_vertmetric")),
+    ("nflexnode", ("flex_node", "flex_node0")),
+    ("nflexedge", ("flex_edge", "flex_edgeflap", "flexedge_length0", "flexedge_rigid")),
+    ("nflexelem", ("flex_elemlayer",)),
+    ("nflexelemdata", ("flex_elem", "flex_elemtexcoord")),
+    ("nflexelemedge", ("flex_elemedge",)),
+    ("nflexshelldata", ("flex_shell",)),
 )
-_EDGES_OF_AN_ELEMENT = {1: 1, 2: 3, 3: 6}
 _FLEX_RUNS_TO_THE_NEXT = (
     ("flex_stiffnessadr", "flex_stiffness"),
     ("flex_bendingadr", "flex_bending"),
@@ -107,17 +106,11 @@ IN_THE_WORLD = frozenset({"flex_node0", "flex_vert0"})
 
 
 def _flex(model: Model, index: int) -> Iterator[Run]:
-    for first, number, arrays in _FLEX_RUNS:
-        if hasattr(model, first):
-            at, rows = int(getattr(model, first)[index]), int(getattr(model, number)[index])
-            yield from _slices(model, at, rows, *arrays)
-    dimension, elements = int(model.flex_dim[index]), int(model.flex_elemnum[index])
-    corners = elements * (dimension + 1)
-    yield from _slices(model, int(model.flex_elemdataadr[index]), corners, "flex_elem", "flex_elemtexcoord")
-    edges = elements * _EDGES_OF_AN_ELEMENT[dimension]
-    yield from _slices(model, int(model.flex_elemedgeadr[index]), edges, "flex_elemedge")
-    shells = int(model.flex_shellnum[index]) * dimension
-    yield from _slices(model, int(model.flex_shelldataadr[index]), shells, "flex_shell")
+    for size, arrays in _FLEX_ARRAYS:
+        if hasattr(model, RUNS["flex"][size].first):
+            yield from _slices(model, RUNS["flex"][size].rows(model, index), *arrays)
+    if hasattr(model, "flex_evpairadr"):  # until MuJoCo 4
+        yield from _slices(model, _VERTEX_PAIRS.rows(model, index), "flex_evpair")
     for address, name in _FLEX_RUNS_TO_THE_NEXT:
         addresses, array = getattr(model, address, None), getattr(model, name, None)
         if addresses is not None and array is not None and addresses[index] >= 0:
@@ -126,32 +119,25 @@ def _flex(model: Model, index: int) -> Iterator[Run]:
 
 
 def _tendon(model: Model, index: int) -> Iterator[Run]:
-    first, number = int(model.tendon_adr[index]), int(model.tendon_num[index])
-    kinds = model.wrap_type[first : first + number]
+    path = RUNS["tendon"]["nwrap"].rows(model, index)
+    kinds = model.wrap_type[path.start : path.stop]
     yield "wrap_type", kinds
-    yield "wrap_prm", np.where(np.isin(kinds, WRAPS_A_GEOM), 0.0, model.wrap_prm[first : first + number])
+    yield "wrap_prm", np.where(np.isin(kinds, WRAPS_A_GEOM), 0.0, model.wrap_prm[path.start : path.stop])
 
 
 def _actuator(model: Model, index: int) -> Iterator[Run]:
     if not hasattr(model, "actuator_ctrladr"):
-        return
-    controls, outputs = int(model.actuator_ctrlnum[index]), int(model.actuator_outnum[index])
+        return  # MuJoCo 3: these arrays have one row an actuator
+    own = RUNS["actuator"]
+    yield from _slices(model, own["nu"].rows(model, index), "actuator_ctrllimited", "actuator_ctrlrange")
+    outputs = own["nout"].rows(model, index)
     yield from _slices(
-        model, int(model.actuator_ctrladr[index]), controls, "actuator_ctrllimited", "actuator_ctrlrange"
-    )
-    yield from _slices(
-        model,
-        int(model.actuator_outadr[index]),
-        outputs,
-        "actuator_gear",
-        "actuator_length0",
-        "actuator_lengthrange",
-        "actuator_acc0",
+        model, outputs, "actuator_gear", "actuator_length0", "actuator_lengthrange", "actuator_acc0"
     )
 
 
 def _numeric(model: Model, index: int) -> Iterator[Run]:
-    yield from _slices(model, int(model.numeric_adr[index]), int(model.numeric_size[index]), "numeric_data")
+    yield from _slices(model, RUNS["numeric"]["nnumericdata"].rows(model, index), "numeric_data")
 
 
 def _text(model: Model, index: int) -> Iterator[Run]:
@@ -161,8 +147,7 @@ def _text(model: Model, index: int) -> Iterator[Run]:
 
 
 def _tuple(model: Model, index: int) -> Iterator[Run]:
-    first, number = int(model.tuple_adr[index]), int(model.tuple_size[index])
-    yield from _slices(model, first, number, "tuple_objtype", "tuple_objprm")
+    yield from _slices(model, RUNS["tuple"]["ntupledata"].rows(model, index), "tuple_objtype", "tuple_objprm")
 
 
 def _plugin(model: Model, index: int) -> Iterator[Run]:

@@ -8,9 +8,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.engine.actuator_rows import first_row
+from composer.compiled.addresses import rows_of
+from composer.compiled.joints import ANGLE, JOINT_TYPES, LENGTH
+from composer.compiled.kinds import Model
+from composer.compiled.links import ON_JOINTS, ON_TENDON
+from composer.compiled.servos import servo
 
-ANGLE, LENGTH = "rad", "m"
 FORCES = {ANGLE: "N m", LENGTH: "N"}
 """What acts along a coordinate of that unit."""
 
@@ -54,11 +57,6 @@ _OF_JOINTS = {"pos": "{}", "vel": "{}/s", "frc": None}
 """What sensors of joints and actuators measure, by the end of their tag."""
 
 
-def of_coordinate(joint: str) -> str | None:
-    """The unit of a joint's position; None for those that have several."""
-    return {"hinge": ANGLE, "slide": LENGTH}.get(joint)
-
-
 def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
     """The unit of a sensor; `about` is that of the coordinate of the joint or actuator that it is on."""
     if tag == "rangefinder":
@@ -71,23 +69,20 @@ def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
     return FORCES[about] if form is None else form.format(about)
 
 
-def of_transmission(model: Any, mujoco: Any, row: int) -> str | None:
+def of_transmission(model: Model, row: int) -> str | None:
     """The unit of an actuator's length: that of the coordinate it acts on, unless a gear scales it."""
-    kinds = mujoco.mjtTrn
     kind, target = int(model.actuator_trntype[row]), int(model.actuator_trnid[row, 0])
-    scale, *others = model.actuator_gear[first_row(model, "actuator_gear", row)]
+    scale, *others = model.actuator_gear[rows_of(model, "actuator", "actuator_gear", row).start]
     if abs(scale) != 1 or any(others):
         return None
-    if kind == int(kinds.mjTRN_TENDON):
+    if kind == ON_TENDON:
         return LENGTH
-    if kind in (int(kinds.mjTRN_JOINT), int(kinds.mjTRN_JOINTINPARENT)):
-        types = mujoco.mjtJoint
-        joint = int(model.jnt_type[target])
-        return {int(types.mjJNT_HINGE): ANGLE, int(types.mjJNT_SLIDE): LENGTH}.get(joint)
+    if kind in ON_JOINTS:
+        return JOINT_TYPES[int(model.jnt_type[target])].coordinate
     return None
 
 
-def of_control(model: Any, mujoco: Any, row: int) -> str | None:
+def of_control(model: Model, mujoco: Any, row: int) -> str | None:
     """The unit of an actuator's only control, told from what MuJoCo computes with it.
 
     A servo wants a position or a velocity, a motor a force or torque, a muscle an activation.
@@ -95,19 +90,15 @@ def of_control(model: Any, mujoco: Any, row: int) -> str | None:
     dynamics = int(model.actuator_dyntype[row])
     if dynamics == int(mujoco.mjtDyn.mjDYN_MUSCLE):
         return "1"
-    about = of_transmission(model, mujoco, row)
-    fixed = int(model.actuator_gaintype[row]) == int(mujoco.mjtGain.mjGAIN_FIXED)
-    if about is None or not fixed or dynamics >= int(mujoco.mjtDyn.mjDYN_USER):
+    about = of_transmission(model, row)
+    gains = servo(model, row)
+    if about is None or gains is None or dynamics >= int(mujoco.mjtDyn.mjDYN_USER):
         return None
-    gain = float(model.actuator_gainprm[row, 0])
-    bias = [float(each) for each in model.actuator_biasprm[row, :3]]
     rate = "/s" if dynamics == int(mujoco.mjtDyn.mjDYN_INTEGRATOR) else ""
-    kind = int(model.actuator_biastype[row])
-    if kind == int(mujoco.mjtBias.mjBIAS_AFFINE) and gain > 0 and bias[0] == 0:
-        if bias[1] == -gain:
-            return about + rate
-        if bias[1] == 0 and bias[2] == -gain and not rate:
-            return f"{about}/s"
-    if kind == int(mujoco.mjtBias.mjBIAS_NONE) and gain == 1 and not rate:
-        return FORCES[about]
-    return None
+    if gains.get("kp", 0) > 0:
+        return about + rate
+    if rate:
+        return None
+    if gains.get("kv", 0) > 0:
+        return f"{about}/s"
+    return FORCES[about] if gains.get("gain") == 1 else None

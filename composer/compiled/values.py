@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from composer.compiled.correspondence import ON_BODIES, Correspondence
+from composer.compiled.addresses import span
+from composer.compiled.correspondence import Correspondence
 from composer.compiled.coupling import Coupling
 from composer.compiled.difference import Difference, Value
 from composer.compiled.fields import (
@@ -17,7 +18,7 @@ from composer.compiled.fields import (
     Treatment,
 )
 from composer.compiled.gains import same_damping, same_dampratio, same_stiffness
-from composer.compiled.kinds import JOINT_VELOCITIES, KINDS
+from composer.compiled.kinds import HOLDERS, KINDS, holder
 from composer.compiled.links import links
 from composer.compiled.ragged import FROM_THE_WORLD, IN_THE_WORLD, runs
 from composer.compiled.rows import DOF, Array, arrays, same_width, unequal
@@ -50,12 +51,10 @@ class Values:
         mine: list[int] = []
         theirs: list[int] = []
         for index, target in self.matching.pairs("joint"):
-            kind = int(self.alone.jnt_type[index])
-            if kind == int(self.composed.jnt_type[target]):
-                first, other = int(self.alone.jnt_dofadr[index]), int(self.composed.jnt_dofadr[target])
-                mine += range(first, first + JOINT_VELOCITIES[kind])
-                theirs += range(other, other + JOINT_VELOCITIES[kind])
-                pairs += [(index, target)] * JOINT_VELOCITIES[kind]
+            if int(self.alone.jnt_type[index]) == int(self.composed.jnt_type[target]):
+                mine += (own := span(self.alone, "qvel", index))
+                theirs += span(self.composed, "qvel", target)
+                pairs += [(index, target)] * len(own)
         return list(dict.fromkeys(self._rows("joint", DOF, pairs, mine, theirs)))
 
     def _rows(
@@ -143,12 +142,10 @@ class Values:
         return kind == "mesh" and int(self.alone.mesh_graphadr[index]) < 0
 
     def _at_root(self, kind: str, index: int) -> bool:
-        if kind == "body":
-            return int(self.alone.body_parentid[index]) == 0
-        return kind in ON_BODIES and int(getattr(self.alone, ON_BODIES[kind])[index]) == 0
+        return kind in HOLDERS and holder(self.alone, kind, index) == 0
 
     def _body(self, kind: str, index: int) -> int:
-        return index if kind == "body" else int(getattr(self.alone, ON_BODIES[kind])[index])
+        return index if kind == "body" else holder(self.alone, kind, index)
 
     def _acted_on(self, kind: str, index: int) -> bool:
         if kind in ("body", "joint"):

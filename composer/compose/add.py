@@ -46,7 +46,7 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
     body: Node | None = node.getparent()
     while body is not None and body.tag in ("frame", "replicate"):
         body = body.getparent()
-    if body not in linking.weighed:
+    if body not in linking.notes.inertia_written:
         return
     geoms = [node] if node.tag == "geom" else own(node, "geom") if node.tag in ("frame", "replicate") else []
     if any(has_mass(geom, linking.base.classes) for geom in geoms):
@@ -60,7 +60,7 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
 
 def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     written = "to: {frame: NAME}" if step.to_kind == "frame" else "to: NAME"
-    if (coming := linking.coming.get((step.to_kind, step.to))) is not None:
+    if (coming := linking.request.later_places.get((step.to_kind, step.to))) is not None:
         making.sink.error(
             "unknown-name",
             f"there is no {step.to_kind} `{step.to}` to add to yet: a later entry adds it",

@@ -15,7 +15,8 @@ from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import locate
 from composer.link import numbers
 from composer.link.bodies import effective_pose
-from composer.link.linking import Joint, Linking, Part, Place
+from composer.link.linking import Linking
+from composer.link.part import Joint, Part, Place
 from composer.link.placing import pose_in_world, read_pose
 from composer.link.root_rules import floats_by_itself
 from composer.numerics.pose import IDENTITY_QUAT, Pose, quat_from_axisangle, quat_from_euler

@@ -33,11 +33,11 @@ from composer.link.key_layouts import remove_keys
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
+from composer.link.request import Request
 from composer.link.validate_values import STUMBLES, malformed, put_right
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.part_record import PartRecord
-from composer.plan.parts import BASE, called
-from composer.plan.plan import Plan
+from composer.plan.plan import BASE, Plan, called
 from composer.plan.steps.add_element import AddElement
 from composer.plan.steps.append_element import AppendElement
 from composer.plan.steps.draw_values import DrawValues
@@ -49,6 +49,7 @@ from composer.plan.steps.table import STEPS
 from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.fault import Path as KeyPath
 from composer.recipe.rows import check_rows
+from composer.sources.source import Source
 from composer.tree.classes import MAIN
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
@@ -104,29 +105,30 @@ class Composer:
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors, those of earlier stages included."""
-        self._expect(plan, True)
+        self._expect(plan)
         self.selects_parts = plan.selects_parts
         composed = self._compose(plan, True)
         if composed is None or self.context.sink.has_errors:
             return None
         return replace(composed, members=placed(self.hung[composed.model.root], composed.model.root))
 
-    def look(self, plan: Plan, stands: bool = True) -> None:
+    def look(self, plan: Plan) -> None:
         """Take the subtrees of a plan, and compose no more than they are taken of."""
-        self._expect(plan, stands)
+        self._expect(plan)
+        self._look(plan, True)
+
+    def _look(self, plan: Plan, stands: bool) -> None:
         for each in wanted(plan, stands):
             if each.body is not None or each.drop:
                 wanted_alone = replace(each, edit=())
                 self._guarded(plan, stands, partial(Composer._unit, plan=plan, wanted=wanted_alone))
             elif isinstance(each.model, Plan):
-                self.look(each.model, each.stands)
+                self._look(each.model, each.stands)
 
-    def _expect(self, plan: Plan, stands: bool) -> None:
-        for each in wanted(plan, stands):
-            if isinstance(each.model, Plan):
-                self._expect(each.model, each.stands)
-            elif each.model is not None:
-                self.loader.expect(each.model, each.stands)
+    def _expect(self, plan: Plan, stands: bool = True) -> None:
+        for place in plan.walk(stands):
+            if isinstance(place.model, Source):
+                self.loader.expect(place.model, place.stands)
 
     def _compose(self, plan: Plan, stands: bool) -> Composed | None:
         """The model of a plan; `stands` says that it is fixed in the world of what is made in the end."""
@@ -194,11 +196,8 @@ class Composer:
         base.origins.texts[plan.file] = plan.path
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
         linking = Linking(
-            base, parts, self.context.sink, plan.separator, plan.conflict, plan.settled,
-            isolate_base=frozenset(_top_tags(plan)),
-            base_keyframes=plan.base.keyframes, asked=plan.asked if plan.keyframes else None,
-            measure=self.measure, watch=self.watch, coming=plan.added_places, grows=_grows(plan),
-        )  # fmt: skip
+            base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
+        )
         self.watch(linking.units, linking)
         if self.selects_parts:
             self._note_parts(plan, units)
@@ -258,13 +257,12 @@ class Composer:
 
     def _anew(self, plan: Plan, stands: bool) -> Iterator[tuple[Key, Unit]]:
         """The sources of a plan as their files have them."""
-        for each in wanted(plan, stands):
-            if isinstance(each.model, Plan):
-                yield from self._anew(each.model, each.stands)
-            elif each.model is not None and each.model.format == "mjcf":
-                unit = parse_file(each.model.path, Sink(), file=self.context.shown(each.model.path))
+        for place in plan.walk(stands):
+            if isinstance(place.model, Source) and place.model.format == "mjcf":
+                path = place.model.path
+                unit = parse_file(path, Sink(), file=self.context.shown(path))
                 if unit is not None:
-                    yield key_of(each.model, each.stands), unit
+                    yield key_of(place.model, place.stands), unit
 
     def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """The base or a part of a plan, cut down to what is wanted of it."""
@@ -312,7 +310,17 @@ def _empty(plan: Plan) -> Unit:
     return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
 
 
-def _grows(plan: Plan) -> bool:
+def _request(plan: Plan) -> Request:
+    return Request(
+        plan.separator, plan.conflict, plan.settled, plan.base.keyframes,
+        requested_keys=plan.asked if plan.keyframes else None,
+        isolated_tags=frozenset(_top_tags(plan)),
+        adds_mass=_adds_mass(plan),
+        later_places=plan.added_places,
+    )  # fmt: skip
+
+
+def _adds_mass(plan: Plan) -> bool:
     """Whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
     if any(isinstance(step, SetSingleton) and step.section == "compiler" for step in plan.steps):
         return False

@@ -1,9 +1,9 @@
 """What the controls and activations of actuators are, where these move hinges: angles, angular velocities, or neither.
 
 The control of a position servo is a position, that of a velocity servo a velocity, of whatever the servo moves;
-`engine/units.py` answers the same of a compiled model. Only a joint says whether that is an angle: a fixed tendon adds
-up hinges by coefficients, and MJCF gives its `range` no unit either. A gear other than 1 and -1 scales the number, so
-that it is not an angle of the joint.
+`compiled/units.py` answers the same of a compiled model. Only a joint says whether that is an angle: a fixed tendon
+adds up hinges by coefficients, and MJCF gives its `range` no unit either. A gear other than 1 and -1 scales the number,
+so that it is not an angle of the joint.
 """
 
 from __future__ import annotations

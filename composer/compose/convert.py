@@ -152,7 +152,7 @@ def _converted(
     editing.note(node)
     if not keeps:
         lost += _lost_in_keys(editing, node)
-        editing.linking.emptied.add(node)
+        editing.linking.keys.void_keys.add(node)
     return lost
 
 

@@ -41,7 +41,7 @@ class Editing:
     own: bool = False
 
     def __post_init__(self) -> None:
-        self.linking.edited = True
+        self.linking.keys.edited = True
 
     @property
     def root(self) -> Node:
@@ -88,7 +88,7 @@ class Editing:
 
     def reshaped(self, node: Node) -> None:
         """That a node may have another number of values in a key than before; a class may reach any."""
-        changed = self.linking.reshaped
+        changed = self.linking.keys.reshaped
         changed.add(node)
         if section_of(node) == "default":
             for section in self.root.iterchildren("worldbody", "actuator"):

@@ -23,7 +23,6 @@ from composer.link.linking import Linking
 from composer.link.multiplied import Copy
 from composer.link.names import may_be_generated
 from composer.link.part_keys import part_keys
-from composer.plan.parts import parts_of
 from composer.plan.plan import Plan
 from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.element import Single
@@ -68,11 +67,11 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
         for node in layout.actuators
         if not isinstance(node, Copy) and node.tag != "attach" and not _name(node)
     ]
-    parts = frozenset(parts_of(plan))
+    parts = frozenset(plan.part_names)
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
     units = ControlUnits(linking, making.sink, types, making.sink.has_errors)
     for step in plan.keyframes:
-        linking.written_keys.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
+        linking.keys.written.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:

@@ -11,7 +11,8 @@ from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.link import numbers
 from composer.link.inertia import MEASURED, has_mass
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.plan.plan import AttachPart
 from composer.tree.classes import own
 from composer.tree.settings import Settings

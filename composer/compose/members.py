@@ -10,13 +10,12 @@ from lxml.etree import _Element as Node
 from composer.compiled.affected_arrays import arrays_of
 from composer.compose.part_provenance import reaches, with_edits
 from composer.compose.subtree import PartRequest
-from composer.link.linking import Part
+from composer.link.part import Part
 from composer.link.placing import read_pose
 from composer.numerics.pose import Pose
 from composer.plan.drawn_arrays import arrays_of_draw
 from composer.plan.part_record import IN_PLACE, PartRecord, of_part
-from composer.plan.parts import BASE, called
-from composer.plan.plan import Plan
+from composer.plan.plan import BASE, Plan, called
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.set_default import SetDefault
 from composer.plan.steps.set_singleton import SetSingleton

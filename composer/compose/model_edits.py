@@ -123,7 +123,7 @@ class Changes:
 
     def _taken_out(self) -> list[tuple[Node, Node]]:
         """The keys that the recipe writes, taken out of the model, each with what stands in its place."""
-        names = {key.name for key in self.linking.written_keys}
+        names = {key.name for key in self.linking.keys.written}
         places: list[tuple[Node, Node]] = []
         for key in keys_of(self.linking.base):
             if key.get("name") in names:

@@ -45,7 +45,7 @@ def move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], a
     origins = editing.making.origins
     owner = origins.owner(node, editing.making.base_file)
     for joint in node.iter(*JOINTS):
-        editing.linking.reshaped.add(joint)
+        editing.linking.keys.reshaped.add(joint)
     target.append(node)
     origins.owners.setdefault(node, owner)
 

@@ -19,6 +19,7 @@ from composer.link.key_layouts import layouts, remove_keys
 from composer.link.keyframes import keyframes
 from composer.link.linking import Linking, Measure
 from composer.link.multiplied import element_of
+from composer.link.request import Request
 from composer.link.subtree import Left
 from composer.plan.plan import DropElements, Plan
 from composer.plan.steps.edit_elements import EditElements
@@ -43,14 +44,14 @@ class OwnEdits:
         before = self.context.sink.error_count
         if self.wanted.keyframes == "none":
             remove_keys(self.unit)
-        linking = Linking(self.unit, [], self.context.sink, self.plan.separator, measure=self.measure)
+        linking = Linking(self.unit, [], self.context.sink, Request(self.plan.separator), self.measure)
         layouts(linking)
         editing = self._editing(linking)
         gone = self._dropped(editing) if self.wanted.drop else []
         steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
         self._edited([step for step in steps if not is_of_keys(step)], editing)
         if self.context.sink.error_count == before:
-            inner = _still_meant(self.unit.part_keys, linking.emptied)
+            inner = _still_meant(self.unit.part_keys, linking.keys.void_keys)
             keyframes(linking)
             self.watch([self.unit], keyframes)
             self.unit.part_keys = inner

@@ -73,7 +73,7 @@ class _Draws:
         drawn = self._drawn(node, step.sample)
         at = (*entry.at, "attr")
         written = self._with_unit(node, drawn)
-        self.editing.linking.drawn.setdefault(node, {})[entry.name] = written
+        self.editing.linking.notes.drawn.setdefault(node, {})[entry.name] = written
         Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
         return self._told(node, drawn)
 

@@ -77,7 +77,7 @@ def _selection(editing: Editing) -> Selection:
     return Selection(
         editing.root,
         editing.classes,
-        editing.linking.separator,
+        editing.linking.request.separator,
         editing.parts,
         editing.linking.base_class,
         holds,
@@ -114,7 +114,7 @@ def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
         if attribute.is_number:
             meant = _in_its_unit(values, attribute, index, meant)
         if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_glob(meant):
-            if not matcher(meant, editing.linking.separator)(str(have)):
+            if not matcher(meant, editing.linking.request.separator)(str(have)):
                 return False
         elif not equal(attribute, have, meant):
             return False
@@ -165,7 +165,7 @@ def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
         if near:
             help = f"did you mean `{selector.tag}: {near[0]}`?"
         elif is_glob(selector.pattern) and not selector.pattern.startswith("**"):
-            separator = editing.linking.separator
+            separator = editing.linking.request.separator
             deeper = f"**{separator}{selector.pattern}"
             if any(map(matcher(deeper, separator), names)):
                 help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
@@ -194,7 +194,7 @@ def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
                 notes.append(exists_note(outer.tag, names, outer.pattern))
         if selector.part is not None:
             here = (editing.parts.get(node, "base") for node in editing.root.iter("*"))
-            parts = sorted({"base", *(part.replace("/", editing.linking.separator) for part in here)})
+            parts = sorted({"base", *(part.replace("/", editing.linking.request.separator) for part in here)})
             notes.append(exists_note("part", parts, selector.part))
         if selector.dclass is not None:
             notes.append(exists_note("class", sorted(editing.classes.by_name), selector.dclass))

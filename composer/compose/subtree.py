@@ -10,10 +10,9 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
-from composer.link.linking import KeyPolicy, Measure
-from composer.plan.parts import BASE, called
-from composer.plan.plan import Plan
-from composer.recipe.attach import Attachment
+from composer.link.linking import Measure
+from composer.link.request import KeyPolicy
+from composer.plan.plan import BASE, Plan, called, stands_in_world
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit
 from composer.recipe.fault import Path
@@ -63,14 +62,8 @@ def wanted(plan: Plan, stands: bool) -> Iterator[PartRequest]:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
         keyframes = "merge" if called(step, plan.separator) in asked else part.keyframes
-        inside = stands and _stands(part)
+        inside = stands and stands_in_world(part)
         yield PartRequest(step.model, part.subtree, step.at, keyframes, span, inside, part.drop, part.edit)
-
-
-def _stands(part: Attachment) -> bool:
-    """Whether a part is fixed in the world of the recipe that it is part of."""
-    in_world = part.site is None and part.frame is None and part.body in (None, "world")
-    return in_world and part.joint in (None, "weld")
 
 
 def _tell_cut(unit: Unit, found: Subtree, sink: Sink, span: Span) -> None:

@@ -16,7 +16,7 @@ from composer.tree.kinds import query as paths_of
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from composer.link.linking import Part
+    from composer.link.part import Part
 
 _HOLDERS = ("body", "worldbody")
 _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from composer.compiled.addresses import VECTORS, span
 from composer.compiled.correspondence import Correspondence
 from composer.compiled.kinds import KINDS, Model
 from composer.diff.change import Count, Move
 from composer.diff.values import close
 
 _SIZES = ("nq", "nv", "nu", "na", "nmocap", "nsensordata")
-
-_ADDRESSES = {
-    "joint": (("qpos", "jnt_qposadr"), ("qvel", "jnt_dofadr")),
-    "actuator": (("ctrl", "actuator_ctrladr"), ("act", "actuator_actadr")),
-    "sensor": (("sensordata", "sensor_adr"),),
-    "body": (("mocap_pos", "body_mocapid"),),
-}
+_KINDS = ("joint", "actuator", "sensor", "body")
 
 
 def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
@@ -36,19 +31,11 @@ def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
 def moves(matching: Correspondence) -> Iterator[Move]:
     """Joints, actuators, sensors and mocap bodies that both have, and that stand elsewhere in a vector."""
     a, b = matching.alone.model, matching.composed.model
-    for kind, vectors in _ADDRESSES.items():
+    for kind in _KINDS:
         pairs = sorted(matching.pairs(kind), key=lambda pair: pair[1])
-        for vector, array in vectors:
-            before, after = (_addresses(model, array) for model in (a, b))
-            for index, target in pairs:
-                if before[index] != after[target] and min(before[index], after[target]) >= 0:
+        for vector, (of, _) in VECTORS.items():
+            for index, target in pairs if of == kind else ():
+                before, after = span(a, vector, index), span(b, vector, target)
+                if before and after and before.start != after.start:
                     name = matching.composed.describe(kind, target)
-                    yield Move(vector, kind, name, before[index], after[target])
-
-
-def _addresses(model: Model, array: str) -> list[int]:
-    found = getattr(model, array, None)
-    if found is None:  # before MuJoCo 4 an actuator had one control
-        return list(range(len(model.actuator_actadr)))
-    addresses: list[int] = found.tolist()
-    return addresses
+                    yield Move(vector, kind, name, before.start, after.start)

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from composer.compiled.correspondence import ABSENT, ON_BODIES, Correspondence
+from composer.compiled.correspondence import ABSENT, Correspondence
 from composer.compiled.difference import MISSING
 from composer.compiled.identity import unequal_arrays
+from composer.compiled.joints import JOINT_TYPES
 from composer.compiled.keyframes import Keys, Roots, key_differences
-from composer.compiled.kinds import KINDS, Model, NameTable
+from composer.compiled.kinds import KINDS, ON_BODIES, Model, NameTable, holder
 from composer.compiled.links import UNORDERED, links
 from composer.compiled.mount import Mount
 from composer.compiled.quantities import follows
@@ -19,7 +20,7 @@ from composer.diff.layout import counts, moves
 from composer.diff.named import named
 from composer.diff.renames import Names, renames
 from composer.diff.settings import setting_changes
-from composer.diff.values import JOINTS, Values
+from composer.diff.values import Values
 
 
 def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -104,7 +105,7 @@ def _goes_along(
 ) -> bool:
     if kind not in ON_BODIES or roster.names[kind][index]:
         return False
-    body = int(getattr(roster.model, ON_BODIES[kind])[index])
+    body = holder(roster.model, kind, index)
     return body != 0 and (
         (ids is not None and ids[body] == ABSENT) or (taken is not None and body not in taken)
     )
@@ -153,7 +154,7 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
     """Keyframes by joint, actuator and mocap body."""
     mine, theirs = matching.alone, matching.composed
     types = matching.composed.model.jnt_type.tolist()
-    joints = {theirs.describe("joint", j): JOINTS[types[j]] for _, j in matching.pairs("joint")}
+    joints = {theirs.describe("joint", j): JOINT_TYPES[types[j]].word for _, j in matching.pairs("joint")}
     for difference in key_differences(matching, None, Keys.MERGE, Roots.KEPT, tolerance):
         if difference.field == MISSING:
             index = mine.ids["key"].get(difference.name, ABSENT)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from composer.compiled.correspondence import ON_BODIES
-from composer.compiled.kinds import NameTable
+from composer.compiled.kinds import HOLDERS, NameTable
 from composer.compiled.links import links
 
 _TARGETS = 3
@@ -12,7 +11,7 @@ _TARGETS = 3
 def named(roster: NameTable, kind: str, index: int) -> str:
     """What an element is called; of what has no name and stands on no body also what it refers to."""
     name = roster.describe(kind, index)
-    if not name.startswith("#") or kind in ON_BODIES or kind == "body":
+    if not name.startswith("#") or kind in HOLDERS:
         return name
     targets = [each for each in links(roster.model, kind, index) if each.index >= 0][:_TARGETS]
     told = ", ".join(f"`{roster.describe(each.kind, each.index)}`" for each in targets)

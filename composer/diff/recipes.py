@@ -17,7 +17,7 @@ from composer.plan.plan import AttachPart, Plan
 
 if TYPE_CHECKING:
     from composer.context import ReadRecipe
-    from composer.link.linking import Part
+    from composer.link.part import Part
 
 _Place = tuple[str, int, int]
 
@@ -30,14 +30,14 @@ class Recipes:
         self.plans: list[Plan] = []
         self.attached: dict[Span, tuple[Plan, AttachPart]] = {}
         self._given: dict[str, list[Span]] = {}
-        if side.plan is not None:
-            self._collect(side.plan)
+        for plan in () if side.plan is None else side.plan.plans():
+            if all(plan is not each for each in self.plans):
+                self._collect(plan)
         for name, node in side.given.items():
             self._given.setdefault(name, []).append(node.span)
 
     def _collect(self, plan: Plan) -> None:
         self.plans.append(plan)
-        inner = [plan.base.model, *(step.model for step in plan.parts)]
         for step in plan.parts:
             self.attached[step.span] = plan, step
         for at in (("base", "with"), *((*step.at, "with") for step in plan.parts)):
@@ -45,9 +45,6 @@ class Recipes:
             if isinstance(given, Mapping):
                 for name, (_, node) in given.entries.items():
                     self._given.setdefault(name, []).append(node.span)
-        for model in inner:
-            if isinstance(model, Plan) and all(model is not each for each in self.plans):
-                self._collect(model)
 
     def attachment(self, part: Part) -> Mapping | None:
         """What the recipe says of a part."""

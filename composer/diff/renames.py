@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Hashable, Mapping
 
-from composer.compiled.correspondence import ON_BODIES
-from composer.compiled.kinds import KINDS, NameTable
+from composer.compiled.kinds import HOLDERS, KINDS, NameTable, holder
 from composer.compiled.signature import values
 
 Names = Mapping[str, Mapping[str, str]]
@@ -88,7 +87,6 @@ def _by_look(
     found: dict[Hashable, list[str]] = defaultdict(list)
     for name in names:
         index = roster.ids[kind][name]
-        holder = "body_parentid" if kind == "body" else ON_BODIES.get(kind)
-        owner = "" if holder is None else roster.names["body"][int(getattr(roster.model, holder)[index])]
+        owner = roster.names["body"][holder(roster.model, kind, index)] if kind in HOLDERS else ""
         found[(values(roster.model, kind, index), renamed.get(owner, owner))].append(name)
     return found

@@ -5,39 +5,28 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from composer.compiled.addresses import span
 from composer.compiled.correspondence import Correspondence
+from composer.compiled.enums import ENUMS, SWITCHES, words
 from composer.compiled.fields import BEFORE_CONTROLS, Treatment
-from composer.compiled.kinds import JOINT_VELOCITIES, KINDS, Model
+from composer.compiled.joints import JOINT_TYPES
+from composer.compiled.kinds import KINDS, Model
 from composer.compiled.quantities import follows
 from composer.compiled.ragged import runs
 from composer.compiled.rows import DOF, Array, arrays, same_width
+from composer.compiled.servos import NO_BIAS, servo
 from composer.diff.change import Change, Value
 from composer.diff.named import named
 
-JOINTS = ("free", "ball", "slide", "hinge")
 FLOOR = 1e-6
 """Values smaller than that are held to the tolerance as if they were this large."""
 
 _SHOWN = 12
-_SWITCHES = frozenset(
-    "limited actgravcomp actlimited ctrllimited forcelimited actfrclimited active0 actearly castshadow active"
-    " texuniform mocapid".split()
-)
-_ENUMS = {
-    "jnt_type": ("mjtJoint", "mjJNT_"), "geom_type": ("mjtGeom", "mjGEOM_"), "site_type": ("mjtGeom", "mjGEOM_"),
-    "cam_mode": ("mjtCamLight", "mjCAMLIGHT_"), "light_mode": ("mjtCamLight", "mjCAMLIGHT_"),
-    "light_type": ("mjtLightType", "mjLIGHT_"), "tex_type": ("mjtTexture", "mjTEXTURE_"),
-    "eq_type": ("mjtEq", "mjEQ_"), "sensor_type": ("mjtSensor", "mjSENS_"),
-    "actuator_dyntype": ("mjtDyn", "mjDYN_"), "actuator_gaintype": ("mjtGain", "mjGAIN_"),
-    "actuator_biastype": ("mjtBias", "mjBIAS_"), "actuator_trntype": ("mjtTrn", "mjTRN_"),
-}  # fmt: skip
 _COUNTED = ("mesh_vert", "mesh_face")
 """Of these the number is told by an array of its own."""
 
 _SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
 """Data of these is never told number by number."""
-
-_FIXED, _NONE, _AFFINE = 0, 0, 1
 
 
 def close(a: float, b: float, tolerance: float) -> bool:
@@ -114,9 +103,9 @@ class Values:
         if treatment is Treatment.PRESENT:
             if (before == -1) != (after == -1):
                 yield name, before != -1, after != -1
-        elif name in _ENUMS:
+        elif name in ENUMS:
             yield name, self._word(name, before), self._word(name, after)
-        elif name.partition("_")[2] in _SWITCHES:
+        elif name.partition("_")[2] in SWITCHES:
             yield name, bool(before), bool(after)
         else:
             yield from self._numbers(name, before, after)
@@ -136,19 +125,14 @@ class Values:
 
     def _dofs(self, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
         """The arrays with one row a degree of freedom; one number where all of a joint are alike."""
-        kind = int(self.a.jnt_type[index])
-        if kind != int(self.b.jnt_type[target]):
+        if int(self.a.jnt_type[index]) != int(self.b.jnt_type[target]):
             return
-        first, other, count = (
-            int(self.a.jnt_dofadr[index]),
-            int(self.b.jnt_dofadr[target]),
-            JOINT_VELOCITIES[kind],
-        )
+        mine, theirs = span(self.a, "qvel", index), span(self.b, "qvel", target)
         there = {name: array for name, array, _ in self._arrays(self.b, DOF)}
         for name, array, _ in self._arrays(self.a, DOF):
             if name in there:
-                before = array[first : first + count].tolist()
-                after = there[name][other : other + count].tolist()
+                before = array[mine].tolist()
+                after = there[name][theirs].tolist()
                 if before != after:
                     yield from self._numbers(name, _one(before), _one(after))
 
@@ -191,31 +175,18 @@ class Values:
 
     def _form(self, kind: str, target: int) -> str:
         if kind == "joint":
-            return JOINTS[int(self.b.jnt_type[target])]
+            return JOINT_TYPES[int(self.b.jnt_type[target])].word
         return ""
 
     def _word(self, name: str, value: int) -> str:
-        enum, prefix = _ENUMS[name]
-        members: dict[str, Any] = getattr(self.mujoco, enum).__members__
-        words = {int(number): word for word, number in members.items() if word.startswith(prefix)}
-        return words.get(int(value), str(value)).removeprefix(prefix).lower()
+        return words(self.mujoco, name).get(int(value), str(value))
 
 
 def _servo(model: Model, index: int) -> dict[str, float] | None:
-    """The gains of a motor, a position or a velocity servo; None for any other actuator."""
-    gain, bias = model.actuator_gainprm[index].tolist(), model.actuator_biasprm[index].tolist()
-    kinds = int(model.actuator_gaintype[index]), int(model.actuator_biastype[index])
-    if any(gain[1:]):
-        return None
-    if kinds == (_FIXED, _NONE) and not any(bias):
-        return {"gain": gain[0]}
-    if kinds != (_FIXED, _AFFINE) or any(bias[3:]) or bias[0]:
-        return None
-    if bias[1] == -gain[0] and gain[0]:
-        return {"kp": gain[0], "kv": -bias[2]}
-    if bias[1] == 0 and bias[2] == -gain[0]:
-        return {"kv": gain[0]}
-    return None
+    """The gains of a motor or servo that has no other parameters, so that these say all."""
+    gain, bias = model.actuator_gainprm[index], model.actuator_biasprm[index]
+    beside = bias if int(model.actuator_biastype[index]) == NO_BIAS else bias[3:]
+    return None if gain[1:].any() or beside.any() else servo(model, index)
 
 
 def _flat(value: Any) -> Iterator[float]:

@@ -94,12 +94,13 @@ def _spec(request: dict[str, Any], mujoco: Any) -> Any:
 
 
 def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, Any]:
+    from composer.compiled.index import index
     from composer.engine import facts
 
     wants = request["wants"]
     answer: dict[str, Any] = {"sizes": facts.sizes(model)}
     if "index" in wants:
-        answer["index"] = facts.index(model, mujoco)
+        answer["index"] = index(model, mujoco)
     if "names" in wants:
         answer["names"] = facts.all_names(model)
     if request["mjb"]:

@@ -13,7 +13,7 @@ from composer.explain.trace import Cause, Change, Life, Move, Trace
 from composer.link.angles import model_angle
 from composer.link.inertia import MEASURED
 from composer.link.limits import model_autolimits
-from composer.link.linking import Part
+from composer.link.part import Part
 from composer.plan.plan import DropElements, Plan
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.edit_elements import EditElements
@@ -385,7 +385,7 @@ def _drawn(cause: Cause, node: Node, field: str) -> object | None:
     if cause.linking is None:
         return None
     for each in (node, *node.iterancestors("body")):
-        if field in (found := cause.linking.drawn.get(each, {})):
+        if field in (found := cause.linking.notes.drawn.get(each, {})):
             return found[field]
     return None
 

@@ -201,8 +201,8 @@ def _after(known: list[_Known], now: list[str], changes: list[Change], vector: s
 def _layout(model: Unit, life: Life) -> Layout | None:
     """How the numbers of a key are laid out: as the linker did it, or as the tree tells."""
     linking = None if life.made_by is None else life.made_by.linking
-    if linking is not None and linking.final_layout is not None:
-        return linking.final_layout
+    if linking is not None and linking.keys.final_layout is not None:
+        return linking.keys.final_layout
     try:
         return lay_out(model, {})
     except Unknown:

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from composer.diagnostics.span import Span
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.tree.line import line_of
 from composer.tree.origin import Origins, Place
 from composer.tree.unit import Unit

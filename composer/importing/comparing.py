@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from composer.compiled.quantities import ANGULAR, unit
+from composer.compiled.joints import ANGULAR
+from composer.compiled.quantities import unit
 from composer.document.quote import quoted
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute

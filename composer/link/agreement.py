@@ -16,7 +16,8 @@ from composer.diagnostics.diagnostic import Cause, Note
 from composer.diagnostics.span import Span
 from composer.grammar import GRAMMAR
 from composer.link import numbers
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.link.room import asked, bytes_of
 from composer.tree.unit import Unit
 
@@ -90,13 +91,13 @@ def agreement(linking: Linking) -> None:
 def _wishes(linking: Linking, part: Part, model: dict[str, _Written]) -> Iterator[_Wish]:
     """What a part asks for and the model does not do; what a merge settles is what later parts meet."""
     for path, wanted in dict(written(part.unit)).items():  # of several sections the last counts
-        if path in linking.settled:
+        if path in linking.request.overridden_options:
             continue
         have = model.get(path)
         current = have.value if have is not None else default_of(path)
         if current is not None and _equal(current, wanted.value):
             continue
-        settled = merged(path, have, wanted) if linking.conflict == "merge" else None
+        settled = merged(path, have, wanted) if linking.request.conflict == "merge" else None
         yield _Wish(path, wanted, have, settled)
         if settled is not None:
             set_value(linking.base, path, settled)
@@ -166,7 +167,7 @@ def _tell(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[_W
     if not wishes:
         return
     message, notes, span, cause = _described(linking, part, wishes)
-    if linking.conflict == "warning":
+    if linking.request.conflict == "warning":
         stands = ", which stands" if len(wishes) == 1 else "; the model's values stand"
         linking.sink.warning("option-conflict", f"{message}{stands}", span, notes=notes, cause=cause)
         return
@@ -175,9 +176,9 @@ def _tell(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[_W
         asked.setdefault(wish.path, wish.wanted.value)
     sections = dict.fromkeys(wish.section for wish in wishes)
     others = [f"leave those of the part out: `drop: [{', '.join(sections)}]`"]
-    if linking.conflict == "error" and _would_merge(all_wishes):
+    if linking.request.conflict == "error" and _would_merge(all_wishes):
         others.append("write `conflict: merge`")
-    sentence, *lines = settling(asked, linking.settled).split("\n")
+    sentence, *lines = settling(asked, linking.request.overridden_options).split("\n")
     help = "\n".join([f"{sentence}; or {', or '.join(others)}", *lines])
     subjects = (part.called, *(wish.path for wish in wishes))
     linking.sink.error(
@@ -280,7 +281,7 @@ def _flow(tree: Mapping[str, Any]) -> str:
 
 
 def _sizes(linking: Linking) -> None:
-    linking.room = asked(linking)
+    linking.notes.memory = asked(linking)
     for part in linking.parts:
         for section in part.unit.root.iterchildren("size"):
             for name, value in section.items():

@@ -30,10 +30,10 @@ def alignment(linking: Linking) -> None:
         for joint, plain in _free_joints(unit)
         if not plain
     ]
-    linking.aligned = bool(stubborn)
+    linking.notes.aligned = bool(stubborn)
     for unit in linking.units:
         wanted = unit.settings.alignfree == "true"
-        if wanted == linking.aligned:
+        if wanted == linking.notes.aligned:
             continue
         for joint in unit.root.iter("freejoint"):
             if joint.get("align") in (None, "", "auto"):
@@ -43,7 +43,7 @@ def alignment(linking: Linking) -> None:
                 _make_freejoint(joint, wanted)
             else:
                 _cannot_differ(linking, unit, joint, *stubborn[0])
-    for part in linking.parts if linking.aligned else ():
+    for part in linking.parts if linking.notes.aligned else ():
         part.joints = tuple(
             replace(joint, attributes={"align": "false", **joint.attributes})
             if joint.tag == "freejoint"

@@ -16,7 +16,8 @@ from composer.link.alignment import is_leaf
 from composer.link.angles import model_angle
 from composer.link.flex_joints import taken_back
 from composer.link.layout import JOINTS, joint_type
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.tree.attached import attached_notes
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, through_frames
@@ -44,7 +45,7 @@ def bodies(linking: Linking) -> None:
                 _ring(linking, waiting)
             prefixes = [part.prefix for part in waiting if part.prefix]
             linking.sink.suppress_about(
-                [*prefixes, *(each.removesuffix(linking.separator) for each in prefixes)]
+                [*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)]
             )
             return
         waiting = [part for part in waiting if part not in ready]
@@ -95,7 +96,7 @@ def _nowhere(linking: Linking, part: Part) -> None:
         if bodies and kind != "body":
             notes.append(exists_note("body", bodies, name))
             help = "hang it on a body, with a `pos` if need be: `body: NAME`"
-    if (coming := linking.coming.get((kind, name))) is not None:
+    if (coming := linking.request.later_places.get((kind, name))) is not None:
         notes.insert(0, Note(f"the {kind} `{name}` is added here, after the parts are attached", coming))
         help = f"make a recipe of what has `{name}`, and start from it (`base`) or attach it as a part"
     elif usable := [each for each in other if each in _PLACES]:
@@ -158,10 +159,10 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         )
         if part.mocap:
             body.set("mocap", "true")
-        if any(flex.part is part for flex in linking.flexes):
+        if any(flex.part is part for flex in linking.notes.flexes):
             body.set("childclass", part.top_class)
         for joint in part.joints:
-            undone = taken_back(linking.main_joint) if joint.tag == "joint" else {}
+            undone = taken_back(linking.notes.main_joint) if joint.tag == "joint" else {}
             added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes}, joint.written)
             _declare_joint(linking, part, added)
         if part.prefix:
@@ -186,7 +187,7 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         part.content = parent
     if len(outer) > count:
         tops[part] = outer[-1]
-    placed = any(keyed is part for keyed, _ in linking.placed_keys)
+    placed = any(keyed is part for keyed, _ in linking.keys.attached)
     if placed or (part.layout is not None and part.layout.in_world_coordinates):
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
     linking.base.origins.adopt(part.unit.origins)
@@ -212,7 +213,7 @@ def _aligned_by(linking: Linking, mount: Node) -> Node | None:
     body = mount if mount.tag == "body" else next(mount.iterancestors("body"), None)
     if body is None or not is_leaf(body):
         return None
-    by_default = str(linking.aligned).lower()
+    by_default = str(linking.notes.aligned).lower()
     for child in through_frames(body):
         align = child.get("align") or "auto"
         if child.tag not in JOINTS or joint_type(child, linking.base.classes) != "free":

@@ -37,7 +37,7 @@ def compiler(linking: Linking) -> None:
     if linking.composed:
         for name in (*_MADE_EXPLICIT, *_NO_EFFECT, *_WHOLE_MODEL, "alignfree", "fitaabb"):
             written.pop(name, None)
-        if linking.aligned:
+        if linking.notes.aligned:
             written["alignfree"] = "true"
     if linking.parts:
         written["angle"] = model_angle(linking)

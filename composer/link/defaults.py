@@ -35,7 +35,7 @@ def defaults(linking: Linking) -> None:
         unit.forget_classes()
     if linking.base_class is not None:
         own = _wrap(linking, base, linking.base_class)
-        _claim_sections(base, linking.base_class, own | linking.isolate_base)
+        _claim_sections(base, linking.base_class, own | linking.request.isolated_tags)
         _claim_world(base, linking.base_class)
     _join(linking)
 
@@ -63,7 +63,7 @@ def _join(linking: Linking) -> None:
 
 def choose_classes(linking: Linking) -> None:
     """Decide the name of every top class before anything is renamed."""
-    separator = linking.separator
+    separator = linking.request.separator
     prefixes = {part.prefix for part in linking.parts}
     # A unit that is itself a composition has wrapped classes already.
     taken = _class_names(linking.base, *(part.unit for part in linking.parts if not part.prefix))
@@ -72,7 +72,7 @@ def choose_classes(linking: Linking) -> None:
         part.top_class = _free(own, taken if part.prefix else taken | prefixes)
         taken.add(part.top_class)
     needed = any(flex.joint for flex in in_world(linking))
-    if linking.parts and (linking.isolate_base or needed or _top_kinds(linking.base.root)):
+    if linking.parts and (linking.request.isolated_tags or needed or _top_kinds(linking.base.root)):
         linking.base_class = _free(f"base{separator}", taken | prefixes)
 
 

@@ -14,7 +14,9 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.grammar.format import to_text
-from composer.link.linking import Flex, Linking, Part
+from composer.link.linking import Linking
+from composer.link.notes import Flex
+from composer.link.part import Part
 from composer.tree.classes import MAIN, DefaultClass, childclass_of, through_frames, written
 from composer.tree.unit import Unit
 
@@ -29,12 +31,12 @@ def note_flexes(linking: Linking) -> None:
     for unit, part in [(linking.base, None), *((part.unit, part) for part in linking.parts)]:
         for worldbody in unit.root.iterchildren("worldbody"):
             found = (child for child in through_frames(worldbody) if child.tag == "flexcomp")
-            linking.flexes.extend(Flex(flex, unit, part, top_joint(unit)) for flex in found)
+            linking.notes.flexes.extend(Flex(flex, unit, part, top_joint(unit)) for flex in found)
 
 
 def in_world(linking: Linking) -> Iterator[Flex]:
     """The flexes that stand in the world of the model, too."""
-    for flex in linking.flexes:
+    for flex in linking.notes.flexes:
         part = flex.part
         if part is None or (part.place.kind == "world" and not part.joints and not part.mocap):
             yield flex
@@ -45,7 +47,7 @@ def keep_in_main(linking: Linking, top: Node) -> None:
     kept = next((flex.joint for flex in in_world(linking) if flex.joint), None)
     if kept is None:
         return
-    linking.main_joint = dict(kept)
+    linking.notes.main_joint = dict(kept)
     for wrapped in top.iterchildren("default"):
         joint = next(wrapped.iterchildren("joint"), None)
         if joint is None:
@@ -54,7 +56,7 @@ def keep_in_main(linking: Linking, top: Node) -> None:
         for name, value in taken_back(kept).items():
             if written(joint, name) is None:
                 joint.set(name, value)
-    top.insert(0, top.makeelement("joint", linking.main_joint))
+    top.insert(0, top.makeelement("joint", linking.notes.main_joint))
 
 
 def taken_back(given: Mapping[str, str]) -> dict[str, str]:
@@ -66,9 +68,9 @@ def taken_back(given: Mapping[str, str]) -> dict[str, str]:
 
 def check_flexes(linking: Linking) -> None:
     """Refuse a flex whose vertices would get other joint defaults in the model than alone."""
-    for flex in linking.flexes:
+    for flex in linking.notes.flexes:
         body = next(flex.element.iterancestors("body"), None)
-        given = linking.main_joint if body is None else _given_by(linking, body)
+        given = linking.notes.main_joint if body is None else _given_by(linking, body)
         lost = [name for name in given if name in flex.joint and not _neutral(name)]
         if not _same(given, flex.joint) or lost:
             _refuse(linking, flex, given)
@@ -94,7 +96,7 @@ def _given_by(linking: Linking, body: Node) -> dict[str, str]:
 
 def _will_be_set(linking: Linking, body: Node) -> bool:
     """Whether the recipe sets joint defaults of the base's top class, which the body has."""
-    if "joint" not in linking.isolate_base:
+    if "joint" not in linking.request.isolated_tags:
         return False
     found: DefaultClass | None = _class_of(linking, body)
     while found is not None and found.name != linking.base_class:

@@ -18,7 +18,7 @@ _TOLERABLE = 1e-3
 
 def flex_turns(linking: Linking) -> None:
     """Tell what frames change of the flexes in the world of the parts."""
-    for flex in linking.flexes:
+    for flex in linking.notes.flexes:
         parent = flex.element.getparent()
         if flex.part is None or parent is None or parent.tag != "worldbody":
             continue

@@ -9,8 +9,9 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Cause, Note
 from composer.grammar import GRAMMAR
 from composer.link.inertia import has_mass
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
 from composer.link.measured_unit import Survey, cannot_be_kept
+from composer.link.part import Part
 from composer.tree.classes import childclass_of, own, through_frames, walk_bodies
 from composer.tree.unit import Unit
 

@@ -82,7 +82,7 @@ def _never_from_geoms(linking: Linking, unit: Unit) -> None:
                 if has_mass(geom, classes):
                     geom.set("mass", "0")
             body.insert(0, body.makeelement("inertial", {**_pose(body), "mass": "0", "diaginertia": "0 0 0"}))
-            linking.weighed.add(body)
+            linking.notes.inertia_written.add(body)
 
 
 def _pose(body: Node) -> dict[str, str]:
@@ -134,7 +134,7 @@ def write_measured(
             assert holder is not None
             holder.remove(inertial)
         if not written:
-            linking.weighed.add(body)
+            linking.notes.inertia_written.add(body)
         if any(mass) or any(moments) or written or own(body, "geom"):
             values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
             body.insert(

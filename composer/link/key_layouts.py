@@ -28,15 +28,15 @@ def layouts(linking: Linking) -> None:
         _write_padding(unit)
     for part in linking.parts:
         if part.keyframes != "none":
-            linking.placed_keys += [
+            linking.keys.attached += [
                 (part, each)
                 for each, slot in attached(linking, part.unit).items()
                 if slot.keys and (slot.free or slot.mocaps)
             ]
     keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
-    if linking.asked is None and not keeping and not keys_of(linking.base):
+    if linking.request.requested_keys is None and not keeping and not keys_of(linking.base):
         return
-    linking.base_layout = layout_of(linking, linking.base)
+    linking.keys.base_layout = layout_of(linking, linking.base)
     for part in linking.parts:
         part.layout = layout_of(linking, part.unit)
 
@@ -128,7 +128,7 @@ def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
         known = widths(linking, unit)
         if known is None:
             return None
-        linking.measured.update(known)
+        linking.keys.measured.update(known)
         return lay_out(unit, known)
     except Unknown as unknown:
         not_laid_out(linking, unit, unknown)
@@ -137,10 +137,10 @@ def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
 
 def final_layout(linking: Linking) -> Layout | None:
     """How the finished model lays out its keys; None where that is told."""
-    known = {**linking.measured, **_slots(linking)}
-    for node in linking.reshaped:
+    known = {**linking.keys.measured, **_slots(linking)}
+    for node in linking.keys.reshaped:
         known.pop(node, None)
-        linking.measured.pop(node, None)
+        linking.keys.measured.pop(node, None)
     try:
         return lay_out(linking.base, known)
     except Unknown as unknown:
@@ -150,12 +150,12 @@ def final_layout(linking: Linking) -> Layout | None:
 def refer_anew(linking: Linking, layout: Layout) -> None:
     """Ask MuJoCo for the references that only it can tell, where the recipe has added or may have changed some."""
     joints = (
-        linking.edited or joint not in linking.references
+        linking.keys.edited or joint not in linking.keys.references
         for joint, slot in layout.joints.items()
         if is_measured(linking.base, joint, slot)
     )
     mocaps = (
-        linking.edited or element not in linking.mocap_references
+        linking.keys.edited or element not in linking.keys.mocap_references
         for element in layout.mocaps
         if element.tag != "body"
     )
@@ -182,7 +182,7 @@ def _measured_anew(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
 
 def _slots(linking: Linking) -> dict[Node, Slot]:
     """What the units already knew of their joints and actuators."""
-    found = [linking.base_layout, *(part.layout for part in linking.parts)]
+    found = [linking.keys.base_layout, *(part.layout for part in linking.parts)]
     known: dict[Node, Slot] = {}
     for layout in found:
         if layout is not None:
@@ -195,7 +195,7 @@ def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
     """Tell it."""
     tag = unknown.element.tag
     leave_out = "leave the keys out: `keyframes: none`"
-    if linking.asked is not None:
+    if linking.request.requested_keys is not None:
         leave_out += ", and no `keyframe` in the recipe"
     linking.sink.error(
         "not-supported",

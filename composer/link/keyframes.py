@@ -14,7 +14,8 @@ from composer.diagnostics.diagnostic import Cause, Note
 from composer.link import numbers
 from composer.link.key_layouts import VECTORS, final_layout, keys_of, refer_anew
 from composer.link.layout import Layout
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.link.part_keys import called, part_keys
 from composer.link.reference_rows import Reference
 from composer.tree.key import Key
@@ -25,18 +26,18 @@ from composer.tree.line import line_of, set_line
 def keyframes(linking: Linking) -> None:
     """Write every key once, complete for the finished model; one that the recipe writes is as the recipe says."""
     _check_attached(linking)
-    if linking.base_layout is None:
+    if linking.keys.base_layout is None:
         return
     linking.base.part_keys = part_keys(linking)
     keys = _merged(linking)
-    final = linking.final_layout = final_layout(linking)
+    final = linking.keys.final_layout = final_layout(linking)
     if final is None:
         return
     if (
-        linking.asked is None
+        linking.request.requested_keys is None
         and not linking.parts
-        and not linking.emptied
-        and _same(final, linking.base_layout)
+        and not linking.keys.void_keys
+        and _same(final, linking.keys.base_layout)
     ):
         return
     _check_kept(linking)
@@ -78,7 +79,7 @@ def _merged(linking: Linking) -> dict[str, Key]:
 
     One of the recipe stands in the place of those of its name.
     """
-    written = {key.name: key for key in linking.written_keys}
+    written = {key.name: key for key in linking.keys.written}
     came: dict[str, Key] = {}
     owners: dict[str, Part | None] = {}
     for part, key in _coming(linking):
@@ -93,29 +94,29 @@ def _merged(linking: Linking) -> dict[str, Key]:
         if name not in written and "prefix" in (_policy(linking, owners[slot]), _policy(linking, part)):
             _not_apart(linking, earlier, owners[slot], key, part)
         _join(linking, earlier, key, settled=name in written)
-    linking.replaced_keys = {name: came[name] for name in written if name in came}
+    linking.keys.replaced = {name: came[name] for name in written if name in came}
     return came | written
 
 
 def lay_out_replaced(linking: Linking) -> list[Node]:
     """The keys that came along and that the recipe writes anew, as they are without it; they are not in the model."""
-    final = final_layout(linking) if linking.replaced_keys else None
+    final = final_layout(linking) if linking.keys.replaced else None
     if final is None:
         return []
     reference = Reference(linking)
-    return [_element(linking, key, final, reference) for key in linking.replaced_keys.values()]
+    return [_element(linking, key, final, reference) for key in linking.keys.replaced.values()]
 
 
 def _coming(linking: Linking) -> Iterator[tuple[Part | None, Key]]:
     """The keys that come along by themselves, each with its part; those of the base have None."""
     part_keys(linking)
-    for part, keys in linking.own_keys.items():
+    for part, keys in linking.keys.own.items():
         if _policy(linking, part) != "none":
             yield from ((part, key) for key in keys)
 
 
 def _policy(linking: Linking, part: Part | None) -> str:
-    return linking.base_keyframes if part is None else part.keyframes
+    return linking.request.base_keyframes if part is None else part.keyframes
 
 
 def _name(part: Part | None, key: Key) -> str:
@@ -142,7 +143,7 @@ def _join(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
 
 def _times_differ(linking: Linking, key: Key, other: Key) -> None:
     assert key.time is not None and other.time is not None
-    report = linking.sink.error if linking.conflict == "error" else linking.sink.warning
+    report = linking.sink.error if linking.request.conflict == "error" else linking.sink.warning
     report(
         "keyframe-conflict",
         f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}",
@@ -193,7 +194,7 @@ def _same(final: Layout, before: Layout) -> bool:
 
 def _check_attached(linking: Linking) -> None:
     """MuJoCo itself brings the keys of a model that it attaches: what these say of the world stays as it is."""
-    for part, attach in linking.placed_keys:
+    for part, attach in linking.keys.attached:
         moved = part.pose_in_world
         if moved is None or moved.is_identity:
             continue
@@ -208,7 +209,7 @@ def _check_attached(linking: Linking) -> None:
 
 def _check_kept(linking: Linking) -> None:
     """Tell what a key says that cannot be laid out anew."""
-    keeping = [linking.base] if linking.base_keyframes != "none" else []
+    keeping = [linking.base] if linking.request.base_keyframes != "none" else []
     keeping += [part.unit for part in linking.parts if part.keyframes != "none"]
     for unit in keeping:
         for key in keys_of(unit):

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
+from composer.compiled.joints import JOINT_TYPES
 from composer.link.multiplied import Copy, actuators_in_order, element_of
 from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
 from composer.tree.unit import Unit
@@ -63,10 +64,8 @@ class Slot(NamedTuple):
 
 BLOCK = "block"
 _JOINTS = {
-    "free": Slot("free", (7, 6), ((0, 0),)),
-    "ball": Slot("ball", (4, 3)),
-    "slide": Slot("slide", (1, 1)),
-    "hinge": Slot("hinge", (1, 1)),
+    each.word: Slot(each.word, (each.positions, each.velocities), ((0, 0),) if each.word == "free" else ())
+    for each in JOINT_TYPES
 }
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from lxml.etree import _Element as Node
 
+from composer.compiled.joints import FREE
 from composer.link import numbers
 from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, lay_out
 from composer.link.linking import Linking
@@ -31,7 +32,6 @@ _ARRAYS = (
     "actuator_ctrlnum",
 )
 _SIZES = ("nq", "nv")
-_FREE = 0  # of `mjtJoint`
 
 
 def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
@@ -74,12 +74,12 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
 
 
 def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
-    """What each `<attach>` brings, measured by itself in an empty world; `linking.measured` keeps it."""
+    """What each `<attach>` brings, measured by itself in an empty world; `linking.keys.measured` keeps it."""
     found: dict[Node, Slot] = {}
     for attach in unit.root.iter("attach"):
-        slot = linking.measured.get(attach) or _measured(linking, unit, attach)
+        slot = linking.keys.measured.get(attach) or _measured(linking, unit, attach)
         if slot is not None:
-            found[attach] = linking.measured[attach] = slot
+            found[attach] = linking.keys.measured[attach] = slot
     return found
 
 
@@ -149,7 +149,7 @@ def _counts(arrays: Mapping[str, list[float]], name: str) -> list[int]:
 def _free_joints(arrays: Mapping[str, list[float]]) -> Iterator[tuple[int, int]]:
     """Where the numbers of every free joint begin."""
     joints = zip(arrays["jnt_type"], arrays["jnt_qposadr"], arrays["jnt_dofadr"], strict=True)
-    return ((int(q), int(v)) for kind, q, v in joints if kind == _FREE)
+    return ((int(q), int(v)) for kind, q, v in joints if kind == FREE)
 
 
 def _free_inside(
@@ -176,7 +176,7 @@ def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[f
     for joint, slot in layout.joints.items():
         width = slot.widths[0]
         if is_measured(unit, joint, slot):
-            linking.references[joint] = numbers.text(qpos0[at : at + width]).split()
+            linking.keys.references[joint] = numbers.text(qpos0[at : at + width]).split()
         at += width
 
 
@@ -188,7 +188,7 @@ def _note_mocaps(linking: Linking, layout: Layout, arrays: Mapping[str, list[flo
     for element, count in layout.mocaps.items():
         own, bodies = bodies[:count], bodies[count:]
         if element.tag != "body":
-            linking.mocap_references[element] = [_pose(arrays, body) for body in own]
+            linking.keys.mocap_references[element] = [_pose(arrays, body) for body in own]
 
 
 def _pose(arrays: Mapping[str, list[float]], body: int) -> Pose:

@@ -8,7 +8,8 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.unknown import unknown_name
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.tree.line import line_of
 from composer.tree.names import word
 from composer.tree.unit import Unit

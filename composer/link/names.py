@@ -9,8 +9,9 @@ from functools import cache
 from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
 from composer.link.name_faults import Clash, clash_with_others, loose_end, repeated
+from composer.link.part import Part
 from composer.tree.classes import MAIN
 from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import (
@@ -61,7 +62,7 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part 
 
 def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None) -> None:
     """Let tuples refer to the keys by the names that these will have."""
-    policy = linking.base_keyframes if part is None else part.keyframes
+    policy = linking.request.base_keyframes if part is None else part.keyframes
     members = [each for custom in unit.root.iterchildren("custom") for each in custom.iter("element")]
     for element in members:
         if element.get("objtype") != "key":
@@ -74,7 +75,9 @@ def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None)
             loose_end(linking, unit, "", "key", name, element, own)
         elif policy == "prefix":
             element.set("objname", prefix + name)
-        elif policy == "none" and linking.asked is None:  # else it may be one that the recipe writes
+        elif (
+            policy == "none" and linking.request.requested_keys is None
+        ):  # else it may be one that the recipe writes
             linking.sink.error(
                 "unknown-name",
                 f"a tuple refers to the key `{name}`, which `keyframes: none` leaves out",

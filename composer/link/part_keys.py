@@ -11,7 +11,8 @@ from composer.diagnostics.diagnostic import Note
 from composer.link import numbers
 from composer.link.key_layouts import VECTORS, holders, keys_of
 from composer.link.layout import BLOCK, Holder, Layout, Slot
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.numerics.pose import Pose, normalise, rotate
 from composer.tree.classes import ORIENTATIONS
 from composer.tree.key import Key, PartKeys
@@ -27,27 +28,27 @@ def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
 
     Of those that are left out only the ones that the recipe asks for. The poses of the parts must be known.
     """
-    if linking.part_keys is not None:
-        return linking.part_keys
+    if linking.keys.by_part is not None:
+        return linking.keys.by_part
     found: dict[str, PartKeys] = {}
-    asked = linking.asked or frozenset()
+    asked = linking.request.requested_keys or frozenset()
     for part in (None, *linking.parts):
-        path = BASE if part is None else part.path(linking.separator)
-        policy = linking.base_keyframes if part is None else part.keyframes
-        unit, layout = (linking.base, linking.base_layout) if part is None else (part.unit, part.layout)
+        path = BASE if part is None else part.path(linking.request.separator)
+        policy = linking.request.base_keyframes if part is None else part.keyframes
+        unit, layout = (linking.base, linking.keys.base_layout) if part is None else (part.unit, part.layout)
         if layout is None:
             continue
         if policy != "none" or path in asked:
-            own = linking.own_keys[part] = tuple(_own_keys(linking, unit, layout, part))
+            own = linking.keys.own[part] = tuple(_own_keys(linking, unit, layout, part))
             found[path] = PartKeys(1, own)
         for inner, (depth, keys) in unit.part_keys.items():
-            below = f"{path}{linking.separator}{inner}"
+            below = f"{path}{linking.request.separator}{inner}"
             if policy != "none" or below in asked:
                 moved = tuple(_moved(linking, part, layout, key) for key in keys)
                 found[below] = PartKeys(depth + 1, moved)
         if part is not None:
             _carry_references(linking, part, layout)
-    linking.part_keys = found
+    linking.keys.by_part = found
     return found
 
 
@@ -189,8 +190,10 @@ def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
     if pose is None:
         return
     for joint, slot in layout.joints.items():
-        if slot.free and joint in linking.references:
-            linking.references[joint] = _carried(pose, slot, "qpos", linking.references[joint])
+        if slot.free and joint in linking.keys.references:
+            linking.keys.references[joint] = _carried(pose, slot, "qpos", linking.keys.references[joint])
     for body in layout.mocaps:
-        if body in linking.mocap_references:
-            linking.mocap_references[body] = [pose @ each for each in linking.mocap_references[body]]
+        if body in linking.keys.mocap_references:
+            linking.keys.mocap_references[body] = [
+                pose @ each for each in linking.keys.mocap_references[body]
+            ]

@@ -9,8 +9,9 @@ from __future__ import annotations
 from composer.link.discarding import discard
 from composer.link.fusing import fuse, static_bodies
 from composer.link.inertia import settle
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
 from composer.link.measured_unit import BODIES, NAMED, survey
+from composer.link.part import Part
 from composer.tree.unit import Unit
 
 _REDUCING = ("fusestatic", "discardvisual")

@@ -40,13 +40,13 @@ class Reference:
         row: list[Number] = []
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
-                poses = self.linking.mocap_references.get(body) or [self._pose(body)]
+                poses = self.linking.keys.mocap_references.get(body) or [self._pose(body)]
                 text = [number for pose in poses for number in (pose.pos if vector == "mpos" else pose.quat)]
                 said = values.get(body, [])
                 row += [*said, *_by_nobody(vector, numbers.text(text).split())[len(said) :]]
             return row
         # Numbers still mean something if neither their holder's meaning nor its width has been edited.
-        emptied, second = self.linking.emptied, vector in ("qvel", "act")
+        emptied, second = self.linking.keys.void_keys, vector in ("qvel", "act")
         if vector in ("qpos", "qvel"):
             for joint, slot in layout.joints.items():
                 given = values.get(joint)
@@ -64,7 +64,7 @@ class Reference:
         return row
 
     def _qpos(self, joint: Node, slot: Slot) -> list[str]:
-        measured = self.linking.references.get(joint)
+        measured = self.linking.keys.references.get(joint)
         if measured is not None:
             return measured
         if slot.kind == "free":

@@ -27,12 +27,12 @@ _COPIED = frozenset(
 
 def spurious(linking: Linking) -> None:
     """Refuse a replicate that would change another unit."""
-    if not linking.replicates:
+    if not linking.notes.replicates:
         return
     places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}
     made = names_made(linking.base.root)
     told: set[tuple[Unit, Unit]] = set()
-    for unit, replicate in linking.replicates:
+    for unit, replicate in linking.notes.replicates:
         for other in linking.units:
             if other is unit or (unit, other) in told:
                 continue

@@ -16,4 +16,4 @@ def replicates(linking: Linking) -> None:
 
     unroll(linking, holding)
     for unit in holding:
-        linking.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
+        linking.notes.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))

@@ -8,13 +8,12 @@ with `memory="1M"` of a lamp beside 300 boxes MuJoCo 4.0 drops contacts, and box
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.span import Span
 from composer.link.linking import Linking
+from composer.link.notes import MemoryRequest
 from composer.tree.unit import Unit
 
 ROOM = ("memory", "njmax", "nconmax", "nstack")
@@ -22,38 +21,29 @@ _MOVING = ("joint", "freejoint", "flexcomp", "attach", "composite")
 _SCALE = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60}
 
 
-class Asked(NamedTuple):
-    """What a source writes of its memory, and where; what messages call the source."""
-
-    name: str
-    value: str
-    called: str
-    span: Span
-
-
-def asked(linking: Linking) -> tuple[Asked, ...]:
+def asked(linking: Linking) -> tuple[MemoryRequest, ...]:
     """What the units ask for, where MuJoCo has to be asked whether that is enough: where several of them move."""
     calls = ["the base", *(part.called for part in linking.parts)]
     moving = [next(unit.root.iter(*_MOVING), None) is not None for unit in linking.units]
     for number, part in enumerate(linking.parts, 1):
         moving[number] |= bool(part.joints)
-    if sum(moving) < 2 or any(f"size/{name}" in linking.settled for name in ROOM):
+    if sum(moving) < 2 or any(f"size/{name}" in linking.request.overridden_options for name in ROOM):
         return ()
     return tuple(each for unit, called in zip(linking.units, calls, strict=True)
                  for each in _written(linking, unit, called))  # fmt: skip
 
 
-def _written(linking: Linking, unit: Unit, called: str) -> Iterator[Asked]:
+def _written(linking: Linking, unit: Unit, called: str) -> Iterator[MemoryRequest]:
     for size in unit.root.iterchildren("size"):
         for name in ROOM:
             value = str(size.get(name) or "").strip()
             if value and value != "-1":
-                yield Asked(name, value, called, linking.span(unit, size, name))
+                yield MemoryRequest(name, value, called, linking.span(unit, size, name))
 
 
 def room(linking: Linking) -> None:
     """Leave the memory to MuJoCo where it gives the whole model more than any source asks for."""
-    if not linking.room or linking.measure is None:
+    if not linking.notes.memory or linking.measure is None:
         return
     unit = linking.flat()
     sizes = [size for size in unit.root.iterchildren("size") if any(size.get(name) for name in ROOM)]
@@ -70,7 +60,7 @@ def room(linking: Linking) -> None:
         return
     for size in sizes:
         _leave_out_empty(size)
-    first, *others = linking.room
+    first, *others = linking.notes.memory
     linking.sink.warning(
         "option-conflict",
         f"`size.{first.name}` of {_quoted(first.called)} is {first.value}, which is too little for the whole model:"

@@ -8,7 +8,9 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.link.layout import joint_type
-from composer.link.linking import Floating, Linking, Part
+from composer.link.linking import Linking
+from composer.link.notes import Floating
+from composer.link.part import Part
 from composer.tree.classes import childclass_of, through_frames
 from composer.tree.unit import Unit
 
@@ -28,23 +30,23 @@ def roots(linking: Linking) -> None:
                     holder.remove(joint)
                 else:
                     alone = floats_by_itself(part.unit)
-                    linking.floating.append(Floating(part, body, joint, _called(body), alone))
+                    linking.notes.floating.append(Floating(part, body, joint, _called(body), alone))
             if body.get("mocap") == "true":
                 alone = floats_by_itself(part.unit, mocap=True)
-                linking.floating.append(Floating(part, body, None, _called(body), alone))
+                linking.notes.floating.append(Floating(part, body, None, _called(body), alone))
         if part.place.kind != "world" or part.joints or part.mocap:
             _planes(linking, part)
 
 
 def check_roots(linking: Linking) -> None:
     """Refuse free joints, mocap bodies and planes where they hang on a body; frames of the world are no bodies."""
-    for part, body, joint, called, alone in linking.floating:
+    for part, body, joint, called, alone in linking.notes.floating:
         if next(body.iterancestors("body"), None) is not None:
             if joint is not None:
                 _free_joint(linking, part, joint, called, alone)
             else:
                 _mocap(linking, part, body, called, alone)
-    for part, geom in linking.planes:
+    for part, geom in linking.notes.planes:
         if _moves(geom):
             linking.sink.error(
                 "plane-on-body",
@@ -143,7 +145,7 @@ def _planes(linking: Linking, part: Part) -> None:
         for geom in worldbody.iter("geom"):
             kind = classes.effective(geom, childclass_of(geom), "type") if by_class else geom.get("type")
             if kind == "plane" and not _moves(geom):
-                linking.planes.append((part, geom))
+                linking.notes.planes.append((part, geom))
 
 
 def _moves(geom: Node) -> bool:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from lxml.etree import _Element as Node
 
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.tree.comments import above
 
 _APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom")

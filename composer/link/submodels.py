@@ -25,7 +25,7 @@ from composer.tree.write import write
 
 def submodels(linking: Linking) -> None:
     """Bundle the sub-models of every unit below `assets/LABEL/models/`."""
-    policies = [linking.base_keyframes, *(part.keyframes for part in linking.parts)]
+    policies = [linking.request.base_keyframes, *(part.keyframes for part in linking.parts)]
     for unit, policy in zip(linking.units, policies, strict=True):
         for element in unit.root.iter("model"):
             file = element.get("file")

@@ -18,10 +18,11 @@ from composer.link.dependencies import drop_unneeded
 from composer.link.inertia import MEASURED, write_inertias
 from composer.link.key_layouts import VECTORS, keys_of, layout_of, remove_keys
 from composer.link.layout import Holder
-from composer.link.linking import KeyPolicy, Linking, Measure
+from composer.link.linking import Linking, Measure
 from composer.link.multiplied import element_of
 from composer.link.part_keys import cut_row
 from composer.link.partition import Concern, Side
+from composer.link.request import KeyPolicy
 from composer.tree.attached import attached_notes
 from composer.tree.classes import childclass_of
 from composer.tree.key_number import KeyRecord, Number, texts

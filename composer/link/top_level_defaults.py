@@ -130,7 +130,7 @@ def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None
         return None
     copy = unit.copied()
     if wrap:
-        defaults(Linking(copy, [], Sink(), linking.separator, base_class=f"top{linking.separator}"))
+        defaults(Linking(copy, [], Sink(), linking.request, base_class=f"top{linking.request.separator}"))
     arrays = tuple(f"actuator_{name}" for name in _GAINS)
     measured = linking.measure(copy, arrays, attempt=wrap)
     own = unit.root.findall("actuator/*")

@@ -7,10 +7,9 @@ from functools import cached_property
 
 from composer.bundle.manifest import Actuator, Joint
 from composer.bundle.manifest import Index as Listed
+from composer.compiled.joints import BY_WORD
 from composer.loading.numbers import Lookup, Numbers
 from composer.loading.vector import UNLIMITED, Entry, Range, Vector
-
-_FREE = {"qpos": ("m", "m", "m", *["quaternion"] * 4), "qvel": (*["m/s"] * 3, *["rad/s"] * 3)}
 
 
 class Index:
@@ -133,14 +132,14 @@ def _limits(pair: tuple[float | None, float | None] | None) -> Range:
 
 
 def _position(joint: Joint) -> Entry:
-    units = _FREE["qpos"] if joint.type == "free" else (joint.unit,) * joint.qpos_size
+    units = BY_WORD[joint.type].position_units
     scalar = joint.qpos_size == 1  # the range of a ball joint is an angle, which is none of its numbers
     limits = (_limits(joint.range) if scalar else UNLIMITED,) * joint.qpos_size
     return Entry(joint.name, joint.qpos, units, limits, joint.body, joint.origin)
 
 
 def _velocity(joint: Joint) -> Entry:
-    units = _FREE["qvel"] if joint.type == "free" else (joint.velocity_unit,) * joint.dof_size
+    units = BY_WORD[joint.type].velocity_units
     return Entry(joint.name, joint.dof, units, (UNLIMITED,) * joint.dof_size, joint.body, joint.origin)
 
 

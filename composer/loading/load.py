@@ -19,6 +19,8 @@ from composer.bundle.manifest_index import index_of
 from composer.bundle.mjb import manifest_beside
 from composer.bundle.read import ReadError, named_model, read
 from composer.bundle.staging import write_files
+from composer.compiled import index as compiled_index
+from composer.compiled.kinds import names
 from composer.diagnostics.sink import Sink
 from composer.loading.errors import BundleWarning, LoadError
 from composer.loading.index import Index
@@ -69,9 +71,7 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
         check_index(manifest.index, listed, shown, sink := Sink())
         _raise_or_warn(sink, allow_changes)
         listed = _with_places(listed, manifest)
-    from composer.engine import facts
-
-    return Loaded(model, manifest, Index(listed, partial(facts.names, model), manifest.separator))
+    return Loaded(model, manifest, Index(listed, partial(names, model), manifest.separator))
 
 
 def _read(path: Path) -> Bundle:
@@ -136,10 +136,7 @@ def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool
 
 
 def _listed(mujoco: Any, model: Model) -> Any:
-    from composer.compiled.index import Index as Compiled
-    from composer.engine import facts
-
-    return index_of(Compiled.from_data(facts.index(model, mujoco)))
+    return index_of(compiled_index.Index.from_data(compiled_index.index(model, mujoco)))
 
 
 def _with_places(listed: Any, manifest: Manifest) -> Any:

@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 from composer.diagnostics.sink import Sink
-from composer.link.linking import Policy
+from composer.link.request import Policy
 from composer.mjcf.arguments import as_path
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element

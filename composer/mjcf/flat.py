@@ -16,7 +16,8 @@ from composer.diagnostics.text import render
 from composer.link.defaults import choose_classes
 from composer.link.key_layouts import layouts
 from composer.link.link import finish, link, link_alone
-from composer.link.linking import FileUse, Linking, Measure, Policy
+from composer.link.linking import FileUse, Linking, Measure
+from composer.link.request import Policy, Request
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
 from composer.mjcf.loose_ends import check_references
@@ -88,7 +89,7 @@ def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, che
         prune(unit)
     with ExitStack() as ending:
         measure = _measure(sink, prefixes, ending) if mounting.parts else None
-        linking = Linking(mounting.base, mounting.parts, sink, conflict=conflict, measure=measure)
+        linking = Linking(mounting.base, mounting.parts, sink, Request(conflict=conflict), measure)
         if not mounting.parts:
             if check_keys:
                 layouts(linking)

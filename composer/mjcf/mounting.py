@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 from lxml.etree import _Element as Node
 
 from composer.link.angles import model_angle
-from composer.link.linking import Joint, Linking, Part, Place
+from composer.link.linking import Linking
 from composer.link.numbers import joint_radians, read
 from composer.link.numbers import text as number_text
+from composer.link.part import Joint, Part, Place
 from composer.link.placing import read_pose
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model

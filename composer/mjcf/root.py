@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from composer.link.linking import Policy
+from composer.link.request import Policy
 from composer.mjcf.asset import Files
 from composer.mjcf.attachment import attach, detach, set_model_name
 from composer.mjcf.call_site import call_site

@@ -13,7 +13,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.plan.choosing import is_one_choice
-from composer.plan.plan import Plan
+from composer.plan.plan import Place, Plan
 from composer.plan.read import EXTENDS, read_recipe
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.digest import differences
@@ -241,33 +241,28 @@ class _Gathering:
         self.uses: dict[str, _Use] = {}
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _Use]:
-        for plan in plans:
-            self._plan(plan, "", None)
+        for place in (place for plan in plans for place in plan.walk()):
+            if isinstance(place.model, Plan):
+                self._recipe(place.model, place)
+            elif place.model is not None:
+                self._put(place.model.path, self._files_of(place.model), place.model, place.part, place.span)
         return self.uses
 
-    def _plan(self, plan: Plan, prefix: str, asked: Span | None) -> None:
-        """`asked` is the place where the recipe that is built asks for this one, None for itself.
+    def _recipe(self, plan: Plan, place: Place) -> None:
+        """The files of a recipe itself.
 
         Of the recipe that is built, and of recipes beside it that it extends, anything may change that changes no
         source: they are not locked themselves. What is nested is, and what was fetched.
         """
-        if prefix:
-            self._put(plan.path, [plan.path], plan.source, prefix, asked)
-        label = f"{prefix}{plan.separator}{EXTENDS}" if prefix else EXTENDS
-        for source, place in plan.extended:
-            if prefix or source.origin is not None:
-                self._put(source.path, [source.path, *source.licences], source, label, asked or place)
+        if place.part:
+            self._put(plan.path, [plan.path], plan.source, place.part, place.span)
+        label = f"{place.part}{plan.separator}{EXTENDS}" if place.part else EXTENDS
+        for source, span in plan.extended:
+            if place.part or source.origin is not None:
+                self._put(source.path, [source.path, *source.licences], source, label, place.span or span)
         for file in files_of_recipe(plan, self.shown_from):
             main = plan.path if self.fetching.around(file) is None else file
-            self._put(main, [file], None, prefix or plan.path.name, asked)
-        models = [("base", plan.base.model, plan.base.span)]
-        models += [(part.prefix.removesuffix(plan.separator), part.model, part.span) for part in plan.parts]
-        for name, model, span in models:
-            label = f"{prefix}{plan.separator}{name}" if prefix else name
-            if isinstance(model, Plan):
-                self._plan(model, label, asked or span)
-            elif model is not None:
-                self._put(model.path, self._files_of(model), model, label, asked or span)
+            self._put(main, [file], None, place.part or plan.path.name, place.span)
 
     def _put(
         self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping as Map
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -44,24 +44,33 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
     return matrix
 
 
-def of_first_cell(
-    recipe: Path, context: Context, given: Map[str, Node]
-) -> tuple[str, dict[str, Node]] | None:
-    """The name of the first cell, and its values of the parameters that have no default and are not in `given`.
+@dataclass(frozen=True, slots=True)
+class LikeCell:
+    """The values that a recipe is planned with where no cell is chosen.
 
-    None where a build without a cell needs nothing of it.
+    Parameters without a default take the values of the first cell: its name is `cell`, None where it is not needed, and
+    the parameters are `taken`.
     """
+
+    given: Map[str, Node]
+    cell: str | None = None
+    taken: tuple[str, ...] = ()
+
+
+def like_first_cell(recipe: Path, context: Context, given: Map[str, Node]) -> LikeCell:
+    """The values that are given, and those of the first cell for the parameters that would have none."""
     aside = replace(context, sink=Sink())
     document = read_recipe(context.folder / recipe, aside)
     if not isinstance(document, Mapping) or find(document, ("matrix",)) is None:
-        return None
+        return LikeCell(given)
     concrete = expand(document, given, Sink())
     needed = {name for name in concrete.parameters if name not in concrete.scope and name not in given}
     matrix = read_matrix(recipe, aside, given) if needed else None
     first = matrix.cells[0] if matrix is not None and matrix.cells else None
     if first is None or not needed <= first.given.keys():
-        return None
-    return first.name, {name: node for name, node in first.given.items() if name in needed}
+        return LikeCell(given)
+    taken = {name: node for name, node in first.given.items() if name in needed}
+    return LikeCell({**given, **taken}, first.name, tuple(taken))
 
 
 def _draws_parameters(document: Mapping) -> bool:

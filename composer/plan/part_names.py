@@ -6,7 +6,6 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest
 from composer.diagnostics.unknown import unknown_name
 from composer.document.node import locate
-from composer.plan.parts import parts_of
 from composer.plan.plan import Plan
 from composer.recipe.checks.unchanged import Unchanged
 from composer.recipe.keyframe import FROM
@@ -14,7 +13,7 @@ from composer.recipe.keyframe import FROM
 
 def check_part_names(plan: Plan, sink: Sink) -> None:
     """Tell those that are no parts of the recipe, or may be two."""
-    parts = list(parts_of(plan))
+    parts = list(plan.part_names)
     _of_checks(plan, parts, sink)
     _of_keys(plan, parts, sink)
 

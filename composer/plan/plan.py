@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -26,6 +26,9 @@ from composer.recipe.randomize import Randomize
 from composer.sources.source import Source
 
 KeyPolicy = Literal["merge", "prefix", "none"]
+
+BASE = "base"
+"""What a recipe calls the model that it starts from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +101,10 @@ class Plan:
     """The recipe as it was resolved, where it is nested in another."""
     extended: tuple[tuple[Source, Span], ...] = ()
     """The recipes that it extends, each with the place that names it."""
+    cells: int = 0
+    """How many cells its matrix has, where it is the model of none of them."""
+    cells_at: Span | None = None
+    """Where the first of these is written."""
 
     @property
     def keyframes(self) -> tuple[WriteKeyframe, ...]:
@@ -138,30 +145,114 @@ class Plan:
         )
         return replace(self, steps=steps, sample=sample)
 
+    def walk(self, stands: bool = True) -> Iterator[Place]:
+        """The plan itself, then its base and its parts in their order, each followed by what is in it.
+
+        `stands` says that the plan itself is fixed in the world.
+        """
+        yield from _walk(Place(self, stands=stands))
+
+    def plans(self) -> Iterator[Plan]:
+        """The plan, and those of the recipes nested in it."""
+        yield from (place.model for place in self.walk() if isinstance(place.model, Plan))
+
+    def sources(self) -> Iterator[Source]:
+        """The model files of the plan and of the recipes nested in it."""
+        yield from (place.model for place in self.walk() if isinstance(place.model, Source))
+
+    @property
+    def part_names(self) -> tuple[str, ...]:
+        """Everything that is a part of the recipe, with the path to it: `base`, `left`, `left/gripper`."""
+        return tuple(place.part for place in self.walk() if place.part and place.model is not None)
+
     @property
     def takes_subtrees(self) -> bool:
         """Whether of some model, here or in a nested recipe, not all is wanted."""
-        wanted: list[LoadBase | Attachment] = [self.base, *(part.attachment for part in self.parts)]
-        if any(each.subtree is not None or each.drop for each in wanted):
-            return True
-        models = (self.base.model, *(part.model for part in self.parts))
-        return any(isinstance(model, Plan) and model.takes_subtrees for model in models)
+        wanted = [place.request for place in self.walk() if place.request is not None]
+        return any(each.subtree is not None or each.drop for each in wanted)
 
     @property
     def selects_parts(self) -> bool:
         """Whether some edit, here or in a nested recipe, asks from which part an element came."""
-        selectors = [step.edit.select for step in self.edits]
-        selectors += [step.field.select for step in self.draws if step.field.select is not None]
-        if any(each.part is not None for selector in selectors for each in selector.all()):
-            return True
-        models = (self.base.model, *(part.model for part in self.parts))
-        return any(isinstance(model, Plan) and model.selects_parts for model in models)
+        selectors = [step.edit.select for plan in self.plans() for step in plan.edits]
+        selectors += [step.field.select for plan in self.plans() for step in plan.draws if step.field.select]
+        return any(each.part is not None for selector in selectors for each in selector.all())
 
     @property
     def prefixes(self) -> frozenset[str]:
         """The prefixes of all parts, those of nested recipes with what stands before them; `""` is the base."""
-        found = {"", *(part.prefix for part in self.parts)}
-        for prefix, model in [("", self.base.model), *((part.prefix, part.model) for part in self.parts)]:
-            if isinstance(model, Plan):
-                found |= {prefix + inner for inner in model.prefixes}
-        return frozenset(found)
+        return frozenset(place.prefix for place in self.walk())
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A model where it stands in the outermost plan: that plan itself, or a base or part, there or in a nested plan.
+
+    `outer` is the plan that it is the base or a part of, by `step`; both are None for the outermost plan. `part` is
+    what the outermost recipe calls it, empty for itself; `prefix` stands before its names, `keys` before the names of
+    its keyframes, None where they are left out. `others` are prefixes that begin like its own and are not of it.
+    `stands` says that it is fixed in the world, `span` is where the outermost recipe asks for it.
+    """
+
+    model: Source | Plan | None
+    outer: Plan | None = None
+    step: LoadBase | AttachPart | None = None
+    part: str = ""
+    prefix: str = ""
+    others: tuple[str, ...] = ()
+    keys: str | None = ""
+    stands: bool = True
+    span: Span | None = None
+
+    @property
+    def request(self) -> LoadBase | Attachment | None:
+        """What the recipe around it wants of it."""
+        return self.step.attachment if isinstance(self.step, AttachPart) else self.step
+
+
+def _walk(place: Place) -> Iterator[Place]:
+    yield place
+    plan = place.model
+    if not isinstance(plan, Plan):
+        return
+    above = f"{place.part}{plan.separator}" if place.part else ""
+    yield from _walk(
+        Place(
+            plan.base.model,
+            plan,
+            plan.base,
+            part=above + BASE,
+            prefix=place.prefix,
+            others=(*place.others, *(place.prefix + part.prefix for part in plan.parts if part.prefix)),
+            keys=None if plan.base.keyframes == "none" else place.keys,
+            stands=place.stands,
+            span=place.span or plan.base.span,
+        )
+    )
+    for part in plan.parts:
+        policy = part.attachment.keyframes
+        keys = None if policy == "none" or place.keys is None else place.keys
+        yield from _walk(
+            Place(
+                part.model,
+                plan,
+                part,
+                part=above + called(part, plan.separator),
+                prefix=place.prefix + part.prefix,
+                others=place.others,
+                keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
+                stands=place.stands and stands_in_world(part.attachment),
+                span=place.span or part.span,
+            )
+        )
+
+
+def called(part: AttachPart, separator: str) -> str:
+    """What a recipe calls its part: the prefix, or the key where it has none."""
+    return part.prefix.removesuffix(separator) or str(part.at[-1])
+
+
+def stands_in_world(part: Attachment) -> bool:
+    """Whether a part is fixed in the world of the recipe that it is part of."""
+    in_world = part.site is None and part.frame is None and part.body in (None, "world")
+    return in_world and part.joint in (None, "weld")

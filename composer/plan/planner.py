@@ -69,6 +69,8 @@ def plan_what_remains(
         matrix = read_matrix(path, context, given)
         if matrix is not None:
             check_pieces(matrix.document, given or {}, context.sink)
+            if matrix.cells:
+                plan = replace(plan, cells=len(matrix.cells), cells_at=matrix.cells[0].span)
     return plan
 
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from composer.diagnostics.sink import Sink
-from composer.plan.parts import called
-from composer.plan.plan import AttachPart
+from composer.plan.plan import AttachPart, called
 
 
 def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:

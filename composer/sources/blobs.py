@@ -12,8 +12,8 @@ import contextlib
 import hashlib
 import json
 import os
+from typing import TYPE_CHECKING
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from os import PathLike
 

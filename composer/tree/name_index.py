@@ -73,17 +73,19 @@ class NameIndex:
     def follow(self, namespace: str, names: Mapping[str, str]) -> None:
         """Let everything that refers to one of the names refer to the new one; all at once, so that two can swap."""
         uses = self.uses.get(namespace, {})
-        moved = {old: uses.pop(old, {}) for old in names}
-        for use in {use: None for users in moved.values() for use in users}:
-            node, attribute = use
-            text = str(node.get(attribute))
-            if use in moved.get(text, ()):
-                node.set(attribute, names[text])
-            else:
-                node.set(attribute, " ".join(names.get(each, each) for each in text.split()))
+        moved = {old: users for old in names if (users := uses.pop(old, None))}
+        lists: dict[Use, None] = {}
         for old, users in moved.items():
-            if users:
-                uses.setdefault(names[old], {}).update(users)
+            new = names[old]
+            for node, attribute in users:
+                if node.get(attribute) == old:
+                    node.set(attribute, new)
+                else:
+                    lists[node, attribute] = None
+        for node, attribute in lists:
+            node.set(attribute, " ".join(names.get(each, each) for each in str(node.get(attribute)).split()))
+        for old, users in moved.items():
+            uses.setdefault(names[old], {}).update(users)
 
 
 def own_name(node: Node, attribute: str) -> str | None:

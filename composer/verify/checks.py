@@ -24,7 +24,7 @@ from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
 from composer.verify.kinds.ask import ask
 from composer.verify.kinds.finding import Finding
-from composer.verify.nested import Nested
+from composer.verify.nested import Nested, checks_in
 from composer.verify.outcome import Hear, Outcome
 from composer.verify.parts import WHOLE, Compared, Judge
 from composer.verify.report import causes, changed, notes
@@ -45,7 +45,7 @@ def run_checks(
     """
     judge, kept = Judge(session, merged, renamed), True
     drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
-    for recipe, check in Nested(plan).checks():
+    for recipe, check in checks_in(plan):
         own = replace(context, sink=Sink())
         if isinstance(check, Unchanged):
             values = _unchanged(check, recipe, members, plan.separator, judge, own, drawn)
@@ -62,7 +62,7 @@ def run_checks(
 
 def places(plan: Plan) -> dict[str, Span]:
     """Where each check is written, by the name that its outcome has."""
-    return {recipe.part + check.name: _place(check, recipe) for recipe, check in Nested(plan).checks()}
+    return {recipe.part + check.name: _place(check, recipe) for recipe, check in checks_in(plan)}
 
 
 def _place(check: Check, recipe: Nested) -> Span:

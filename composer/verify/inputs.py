@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from composer.bundle.assemble import sources
 from composer.bundle.manifest import Input, Manifest
 from composer.context import Context
 from composer.diagnostics.sink import Sink
@@ -35,7 +34,7 @@ class Inputs:
         if found is not None:
             aside = Context(context.sink if self.given else Sink(), context.environment, context.folder)
             plan = make_plan(found, aside)
-            self.planned = [] if plan is None else [source for _, source in sources(plan)]
+            self.planned = [] if plan is None else list(plan.sources())
 
     def find(self, number: int) -> Source | str:
         """The source of an input, or a sentence that says why there is none."""

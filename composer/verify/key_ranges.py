@@ -8,6 +8,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
 from composer.compiled.index import Actuator, Index, Joint, Range
+from composer.compiled.joints import BY_WORD
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.document.node import locate
@@ -61,9 +62,9 @@ def _bounds(index: Index, vector: str, name: str, row: Sequence[float]) -> Itera
         values = row[joint.qpos_address : joint.qpos_address + joint.qpos_size]
         if joint.type == "ball" and values:  # its range limits how far it is turned, whatever the axis
             angle = 2 * math.atan2(math.hypot(*values[1:]), abs(values[0]))
-            yield _Bound(angle, (0.0, joint.range[1]), "rad")
+            yield _Bound(angle, (0.0, joint.range[1]), BY_WORD[joint.type].range_unit)
         elif values:
-            yield _Bound(values[0], joint.range, "rad" if joint.type == "hinge" else "m")
+            yield _Bound(values[0], joint.range, BY_WORD[joint.type].range_unit)
         return
     actuator = next((each for each in index.actuators if each.name == name), None)
     if actuator is None:

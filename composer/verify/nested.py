@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
 from composer.plan.part_record import PartRecord
-from composer.plan.parts import BASE, called
-from composer.plan.plan import Plan
+from composer.plan.plan import BASE, Plan
 from composer.recipe.checks.kind import Check
 
 
@@ -25,36 +24,6 @@ class Nested:
     prefix: str = ""
     others: tuple[str, ...] = ()
     keys: str | None = ""
-
-    def checks(self) -> Iterator[tuple[Nested, Check]]:
-        """Its checks, then those of the recipes in it."""
-        for check in self.plan.checks:
-            yield self, check
-        for inner in self.inner():
-            yield from inner.checks()
-
-    def inner(self) -> Iterator[Nested]:
-        """The recipes that are its base and its parts."""
-        plan, end = self.plan, self.plan.separator
-        base = plan.base.model
-        if isinstance(base, Plan):
-            others = tuple(self.prefix + part.prefix for part in plan.parts if part.prefix)
-            keys = None if plan.base.keyframes == "none" else self.keys
-            yield Nested(base, f"{self.part}{BASE}{end}", self.prefix, self.others + others, keys)
-        for part in plan.parts:
-            if isinstance(part.model, Plan):
-                policy, keys = part.attachment.keyframes, self.keys
-                if policy == "none" or keys is None:
-                    keys = None
-                elif policy == "prefix":
-                    keys += part.prefix
-                yield Nested(
-                    part.model,
-                    f"{self.part}{called(part, end)}{end}",
-                    self.prefix + part.prefix,
-                    self.others,
-                    keys,
-                )
 
     @property
     def whole(self) -> bool:
@@ -85,3 +54,12 @@ class Nested:
             if member.part == name and member.pose is not None:
                 return {"body": member.body, "pos": member.pose.pos, "quat": member.pose.quat}
         return None
+
+
+def checks_in(plan: Plan) -> Iterator[tuple[Nested, Check]]:
+    """The checks of a plan, then those of the recipes in it."""
+    for place in plan.walk():
+        if isinstance(inner := place.model, Plan):
+            part = f"{place.part}{inner.separator}" if place.part else ""
+            recipe = Nested(inner, part, place.prefix, place.others, place.keys)
+            yield from ((recipe, check) for check in inner.checks)

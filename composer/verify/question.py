@@ -7,8 +7,9 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from composer.compiled.difference import MISSING, Difference, Value
+from composer.compiled.joints import FREE
 from composer.compiled.keyframes import Keys, Roots
-from composer.compiled.kinds import FREE_JOINT, Model, NameTable
+from composer.compiled.kinds import Model, NameTable
 from composer.compiled.mount import Mount
 from composer.compiled.unchanged import compare
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Quat, Vec3
@@ -87,7 +88,7 @@ def _renamed(alone: Model, given: Question) -> Mapping[str, Mapping[str, str]]:
 def _free(alone: Model, prefix: str) -> frozenset[str]:
     """What free joints and their bodies are called in a composition; `#` stands for those without a name."""
     roster = NameTable(alone)
-    free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE_JOINT]
+    free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE]
     names = [roster.names["joint"][index] for index in free]
     names += [roster.names["body"][int(alone.jnt_bodyid[index])] for index in free]
     return frozenset(prefix + name if name else "#" for name in names)

@@ -6,17 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from composer.compiled.addresses import rows_of
 from composer.compiled.attributes import TAGS, array_of, attributes
-from composer.compiled.kinds import Model
-from composer.engine.actuator_rows import first_row
+from composer.compiled.kinds import ON_BODIES, Model
+from composer.compiled.servos import GAINS
 from composer.recipe.verbs.values import MASS
 
-_GAINS: dict[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
-    ("position", "kp"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 1, -1)),
-    ("position", "kv"): (("actuator_biasprm", 2, -1),),
-    ("velocity", "kv"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 2, -1)),
-}
-_IDS = {"joint": "jnt", "camera": "cam"}
 _CLOSE = 1e-9
 """How far numbers may be apart that were computed in two ways, in parts of the larger of 1 and the number."""
 
@@ -33,7 +28,7 @@ def resolve(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict
 
 def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any]:
     tag, family, attribute = asked["tag"], asked["family"], asked["attribute"]
-    gains = _GAINS.get((tag, attribute))
+    gains = GAINS.get((tag, attribute))
     known = family in TAGS and (gains or attribute in attributes(family))
     if not known:
         return {"error": f"`{attribute}` of `{tag}` is not an array of mjModel"}
@@ -49,7 +44,9 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
         targets = [{"array": array, "index": [number, n], "sign": sign} for array, n, sign in gains]
         return {"id": number, "targets": [targets]}
     array = array_of(family, attribute)
-    rows = list(_rows(model, family, array, number))
+    rows = rows_of(model, family, array, number)
+    if family == "actuator":  # the draw of one with several controls is that of the first
+        rows = range(rows.start, rows.start + 1)
     found = getattr(model, array, None)
     width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
     last = asked["start"] + asked["count"]
@@ -73,25 +70,12 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
         return f"`{asked['tag']}` without a name cannot be found in the compiled model"
     body, position, count = place
     number = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body))
-    owners = getattr(model, f"{_IDS.get(family, family)}_bodyid", None)
-    if number < 0 or owners is None:
+    if number < 0 or family not in ON_BODIES:
         return f"`{asked['tag']}` without a name cannot be found in the compiled model"
-    there = np.flatnonzero(owners == number)
+    there = np.flatnonzero(getattr(model, ON_BODIES[family]) == number)
     if len(there) != count:
         return f"of the {family}s in body `{body}` that have no name it is not known which is which"
     return int(there[position])
-
-
-def _rows(model: Model, family: str, array: str, number: int) -> range:
-    """The rows of an array that an element has."""
-    if family == "joint" and array.startswith(("dof_", "qpos")):
-        first = model.jnt_dofadr if array.startswith("dof_") else model.jnt_qposadr
-        after = model.nv if array.startswith("dof_") else model.nq
-        last = int(first[number + 1]) if number + 1 < model.njnt else after
-        return range(int(first[number]), last)
-    if family == "actuator":
-        number = first_row(model, array, number)
-    return range(number, number + 1)
 
 
 def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> dict[str, Any]:

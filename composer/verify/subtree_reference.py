@@ -8,8 +8,8 @@ from typing import NamedTuple
 from composer import engine
 from composer.context import Context
 from composer.diagnostics.sink import Sink
-from composer.link.linking import KeyPolicy
 from composer.link.measure import folder_of, measure_with
+from composer.link.request import KeyPolicy
 from composer.link.subtree import take_subtree
 from composer.plan.part_record import PartRecord
 from composer.tree.parse import parse_file

@@ -328,6 +328,15 @@ def test_what_a_nested_recipe_extends_is_locked(work: Path) -> None:
     assert "`common.yaml` changed" in result.stderr
 
 
+def test_a_part_without_a_prefix_is_locked_by_its_key(work: Path) -> None:
+    (work / "inner.yaml").write_text("recipe: 1\nbase: ./arm.xml\n")
+    (work / "arm.xml").write_text("<mujoco/>")
+    (work / "cell.yaml").write_text("recipe: 1\nattach:\n  bare: {model: ./inner.yaml, prefix: ''}\n")
+    assert run("lock", "cell.yaml").exit_code == 0
+    used_by = {id: locked["used_by"] for id, locked in told(work).items()}
+    assert used_by == {"./inner.yaml": ["bare"], "./arm.xml": ["bare/base"]}
+
+
 def test_an_extended_recipe_of_the_matrix_is_pinned_too(work: Path) -> None:
     robots = work.parent / "robots"
     commit(

@@ -59,7 +59,7 @@ def test_a_bug_is_told_without_a_trace(folder: Path, monkeypatch: pytest.MonkeyP
         raise KeyError("a thing\nnobody thought of")
 
     monkeypatch.setattr(
-        "composer.cli.build.progress", broken
+        "composer.cli.writing.progress", broken
     )  # first: it imports the module, which takes the other
     monkeypatch.setattr(reporting, "progress", broken)
     result = CliRunner().invoke(main, ["build", "cell.yaml"])

@@ -1,6 +1,15 @@
 from __future__ import annotations
 
-from composer.compiled.index import Actuator, Camera, Index, Joint, Keyframe, Sensor
+from types import SimpleNamespace
+from typing import Any
+
+import mujoco
+
+from composer.compiled.index import Actuator, Camera, Index, Joint, Keyframe, Sensor, _actuators, index
+
+
+def model(text: str) -> Any:
+    return mujoco.MjModel.from_xml_string(text)
 
 
 def test_it_is_made_from_what_the_child_sends() -> None:
@@ -40,3 +49,34 @@ def test_it_is_made_from_what_the_child_sends() -> None:
         cameras=(Camera("c", "b", 45, "deg", (4, 3)),),
         bodies=("world", "b"),
     )
+
+
+def test_a_version_in_which_an_actuator_has_one_control() -> None:
+    old = SimpleNamespace(nq=0, nu=2, names=b"a\0b\0", name_actuatoradr=[0, 2], actuator_actadr=[-1, 0])
+    old.actuator_actnum = [0, 1]
+    old.actuator_dyntype = [int(mujoco.mjtDyn.mjDYN_MUSCLE)] * 2
+    old.actuator_ctrllimited, old.actuator_ctrlrange = [1, 0], [[0, 2], [0, 0]]
+    old.actuator_actlimited = old.actuator_forcelimited = [0, 0]
+    free = {"unit": "1", "act_range": None, "force_range": None}
+    assert _actuators(old, mujoco) == [
+        {"name": "a", "ctrl": [0, 1], "act": [-1, 0], "ctrl_ranges": [[0, 2]], **free},
+        {"name": "b", "ctrl": [1, 1], "act": [0, 1], "ctrl_ranges": [None], **free},
+    ]
+
+
+def test_types_of_sensors_are_the_tags_of_mjcf() -> None:
+    text = """<mujoco><worldbody><body name="b"><joint name="j" range="0 1"/><geom name="g" size="1"/>
+      <site name="s"/></body><geom name="h" size="1"/><camera name="c" resolution="9 9"/></worldbody>
+      <tendon><fixed name="t" range="0 1" limited="true"><joint joint="j" coef="1"/></fixed></tendon>
+      <sensor>{}</sensor></mujoco>"""
+    lines = {
+        "camprojection": 'site="s" camera="c"', "jointactuatorfrc": 'joint="j"',
+        "tendonactuatorfrc": 'tendon="t"', "jointlimitpos": 'joint="j"',
+        "tendonlimitfrc": 'tendon="t"', "distance": 'geom1="g" geom2="h"',
+        "normal": 'geom1="g" geom2="h"', "fromto": 'geom1="g" geom2="h"', "e_potential": "", "clock": "",
+        "insidesite": 'site="s" objtype="body" objname="b"', "user": 'dim="2"', "subtreecom": 'body="b"',
+        "framexaxis": 'objtype="geom" objname="g"', "velocimeter": 'site="s"', "contact": 'geom1="g"',
+    }  # fmt: skip
+    sensors = "".join(f"<{tag} {attributes}/>" for tag, attributes in lines.items())
+    found = index(model(text.format(sensors)), mujoco)
+    assert [sensor["type"] for sensor in found["sensors"]] == list(lines)

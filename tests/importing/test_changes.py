@@ -279,7 +279,7 @@ REAL: dict[str, tuple[tuple[str, str], ...]] = {
     "nothing": (),
     "mesh class": ((r'(<mesh (?:class="[^"]*" )?)(?=[^>]*name="[^"]*base)', r'\1refpos="0 0 0.001" '),),
     "equality": ((r"<worldbody>", '<equality><joint joint1="{0}" joint2="{1}"/></equality><worldbody>'),),
-    "geom": ((r'(<body name="[^"]*2[^"]*"[^>]*>)', r'\1<geom size="0.02" pos="0 0 0.1"/>'),),
+    "geom": ((r'(<body name="[^"]*2[^"]*"[^>]*>)', r'\1<geom type="sphere" size="0.02" pos="0 0 0.1"/>'),),
 }
 
 

@@ -69,7 +69,7 @@ def test_what_the_recipe_settles_is_no_conflict(
     workshop: Workshop, written: str, path: str, settling: str
 ) -> None:
     settled = frozenset({path.replace(".", "/")})
-    assert not workshop.link(BASE, options(written), settled=settled).sink.diagnostics
+    assert not workshop.link(BASE, options(written), overridden_options=settled).sink.diagnostics
 
 
 @pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from link.workshop import BASE, Piece, Workshop, placed
 
-from composer.link.linking import Joint
+from composer.link.part import Joint
 
 FREE = """
 <mujoco><compiler {settings}/><worldbody>

@@ -10,7 +10,8 @@ from link.workshop import BASE, Piece, Workshop, placed
 
 from composer.diagnostics.sink import Sink
 from composer.link.angles import angles
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 
 SEQUENCES = ("xyz", "zyx", "XYZ", "zXy", "yzY")
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from link.workshop import BASE, Linked, Piece, Workshop, hinge, placed
 
 from composer.link.bodies import effective_pose
-from composer.link.linking import Joint, Place
+from composer.link.part import Joint, Place
 
 ARM = """
 <mujoco model="arm">

@@ -228,7 +228,7 @@ def test_a_recipe_that_sets_the_top_class_isolates_the_base(workshop: Workshop) 
     base = """<mujoco><asset><material name="m"/></asset>
       <worldbody><geom size="1"/><body><geom size="1"/><joint name="j"/></body></worldbody>
       <tendon><fixed><joint joint="j" coef="1"/></fixed></tendon><actuator><motor joint="j"/></actuator></mujoco>"""
-    linked = workshop.link(base, BASE, isolate_base=frozenset({"geom", "motor", "tendon"}))
+    linked = workshop.link(base, BASE, isolated_tags=frozenset({"geom", "motor", "tendon"}))
     assert linked.linking.base_class == "base/"
     root = linked.linking.base.root
     for path in ("worldbody/geom", "tendon/fixed", "actuator/motor"):

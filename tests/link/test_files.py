@@ -11,7 +11,8 @@ from composer.bundle.collect import collect
 from composer.diagnostics.sink import Sink
 from composer.link.files import add_file, files, inside
 from composer.link.link import link
-from composer.link.linking import FileUse, Linking, Part
+from composer.link.linking import FileUse, Linking
+from composer.link.part import Part
 from composer.tree.settings import Settings
 from composer.tree.unit import Unit
 

@@ -48,9 +48,9 @@ def test_a_flex_at_the_root_takes_the_defaults_of_its_mount(workshop: Workshop) 
 def test_a_flex_at_the_root_does_not_take_what_the_recipe_sets(workshop: Workshop) -> None:
     base = '<mujoco><worldbody><body name="plain"/></worldbody></mujoco>'
     on_body = Piece(model("", FLEX), "p/", placed("body", "plain"))
-    fault = workshop.link(base, on_body, isolate_base=frozenset({"joint"})).fault
+    fault = workshop.link(base, on_body, isolated_tags=frozenset({"joint"})).fault
     assert "the recipe sets for `main`" in fault.message
-    workshop.link(base, on_body, isolate_base=frozenset({"geom"})).check()
-    workshop.link(base, Piece(model("", FLEX), "p/"), isolate_base=frozenset({"joint"})).check()
+    workshop.link(base, on_body, isolated_tags=frozenset({"geom"})).check()
+    workshop.link(base, Piece(model("", FLEX), "p/"), isolated_tags=frozenset({"joint"})).check()
     inside = Piece(model("", f'<body name="own">{FLEX}</body>'), "p/", placed("body", "plain"))
-    workshop.link(base, inside, isolate_base=frozenset({"joint"})).check()
+    workshop.link(base, inside, isolated_tags=frozenset({"joint"})).check()

@@ -6,7 +6,8 @@ import pytest
 from link.workshop import BASE, OLDER, Linked, Piece, Workshop, hinge, placed
 
 from composer.compiled.keyframes import Keys
-from composer.link.linking import Joint, KeyPolicy
+from composer.link.part import Joint
+from composer.link.request import KeyPolicy
 
 ARM = """
 <mujoco model="arm"><worldbody>
@@ -484,7 +485,7 @@ def test_the_state_that_classes_give_to_actuators_is_as_wide_as_in_mujoco(
       <keyframe><key name="k" ctrl="1" act=""/></keyframe></mujoco>"""
     linked = workshop.link(text, PLAIN)
     linked.check()
-    layout = linked.linking.base_layout
+    layout = linked.linking.keys.base_layout
     assert layout is not None
     (own, _) = layout.actuators.values()
     model = mujoco.MjModel.from_xml_string(text)

@@ -5,7 +5,8 @@ from link.workshop import BASE, Piece, Workshop, placed
 
 from composer.diagnostics.sink import Sink
 from composer.link.link import PASSES, finish, link
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.tree.write import write
 
 # Two units whose every rule differs.

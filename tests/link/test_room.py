@@ -65,7 +65,9 @@ def test_what_moves_alone_keeps_its_own(workshop: Workshop) -> None:
 
 def test_what_the_recipe_sets_holds(workshop: Workshop) -> None:
     """It is written after the sources have been joined."""
-    linked = workshop.link(moving("", 30), moving('<size memory="1M"/>'), settled=frozenset({"size/memory"}))
+    linked = workshop.link(
+        moving("", 30), moving('<size memory="1M"/>'), overridden_options=frozenset({"size/memory"})
+    )
     assert not linked.sink.diagnostics
 
 

@@ -8,7 +8,8 @@ from link.workshop import BASE, Linked, Piece, Workshop, obj, placed
 from composer.bundle.collect import collect
 from composer.diagnostics.sink import Sink
 from composer.link.link import finish, link
-from composer.link.linking import Linking, Part
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.tree.unit import Unit
 
 SUB = """

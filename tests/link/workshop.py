@@ -20,8 +20,10 @@ from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.link.link import finish, link
-from composer.link.linking import Joint, Linking, Part, Place
+from composer.link.linking import Linking
 from composer.link.measure import measure_with
+from composer.link.part import Joint, Part, Place
+from composer.link.request import Request
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
@@ -130,7 +132,8 @@ class Workshop:
             parts.append(Part(unit, piece.prefix, piece.place, **given))
         assert base_unit is not None, told(sink)
         given = {"measure": measure_with(Context(sink=sink, environment={}, folder=self.folder)), **options}
-        linking = Linking(base_unit, parts, sink, **given)
+        asked = {name: given.pop(name) for name in [*given] if name in Request.__dataclass_fields__}
+        linking = Linking(base_unit, parts, sink, Request(**asked), **given)
         link(linking)
         if not sink.has_errors:
             finish(linking)

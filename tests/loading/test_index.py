@@ -6,7 +6,8 @@ import pytest
 
 from composer import engine
 from composer.bundle.manifest_index import index_of
-from composer.engine import facts
+from composer.compiled.index import index as index_data
+from composer.compiled.kinds import names
 from composer.loading.index import Index
 
 MODEL = """<mujoco>
@@ -33,8 +34,8 @@ MODEL = """<mujoco>
 
 def index(text: str = MODEL) -> Index:
     model = mujoco.MjModel.from_xml_string(text)
-    listed = index_of(engine.Index.from_data(facts.index(model, mujoco)))
-    return Index(listed, lambda kind: facts.names(model, kind))
+    listed = index_of(engine.Index.from_data(index_data(model, mujoco)))
+    return Index(listed, lambda kind: names(model, kind))
 
 
 def test_units_are_those_of_what_mujoco_computes() -> None:

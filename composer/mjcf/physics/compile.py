@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 from composer.compiled.kinds import Model as MjModel
 from composer.compiled.kinds import NameTable
 from composer.compiled.order import compiled_kind, compiled_order, rows
-from composer.link.linking import Policy
+from composer.link.request import Policy
 from composer.mjcf.attachment import attachments_below
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.flat import Flat, contents, copied, flatten, name_files, tell

@@ -16,7 +16,7 @@ from composer.compiled.order import compiled_kind
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import exists_note
 from composer.diagnostics.unknown import unknown_name
-from composer.link.linking import Policy
+from composer.link.request import Policy
 from composer.mjcf.arguments import as_files, as_index, as_path
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element

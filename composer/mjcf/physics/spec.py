@@ -9,7 +9,7 @@ from typing import Any
 
 from composer.compiled.kinds import KINDS
 from composer.compiled.rows import arrays
-from composer.link.linking import Policy
+from composer.link.request import Policy
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfWarning, failure
 from composer.mjcf.flat import contents, flatten, name_files, tell

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from composer.compiled.attributes import ENUMERATED
 from composer.compiled.attributes import TAGS as ATTRIBUTES_OF
+from composer.compiled.kinds import HOLDERS
 from composer.diagnostics.suggest import closest, exists_note
 from composer.recipe.checks.equal import Number, attribute_of, numbers_of
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import Kind
-from composer.recipe.checks.words import ENUMERATED, keywords, naming
+from composer.recipe.checks.words import keywords, naming
 from composer.recipe.fault import Path, Remark
 from composer.recipe.pattern import GLOB
 from composer.recipe.select import NARROWING
@@ -21,7 +23,6 @@ TAGS = (
     "pair", "exclude", "equality", "tendon", "actuator", "sensor", "numeric", "text", "tuple", "plugin", "key",
 )  # fmt: skip
 """What a compiled model has names for; families stand for all of their tags."""
-ON_BODIES = ("body", "joint", "geom", "site", "camera", "light")
 EXPECT = "expect"
 AROUND = ("parent", "in")
 WHERE = "where"
@@ -164,7 +165,7 @@ def _word(tag: str, attr: str, value: object, keys: Keys, index: int) -> str | N
 def _around(index: int, key: str, value: object, tag: str, keys: Keys) -> str | None:
     """The glob for a body around what is selected."""
     body = value.get("body") if isinstance(value, dict) and len(value) == 1 else None
-    if tag not in ON_BODIES:
+    if tag not in HOLDERS:
         keys.add("unknown-key", f"`{tag}` in {keys.owner} stands on no body", index, key, key=True,
                  help=f"leave `{key}` out")  # fmt: skip
     elif isinstance(body, str) and body:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
+from composer.compiled.attributes import ENUMERATED
 from composer.grammar import GRAMMAR
 from composer.tree.selector import paths_of
 
@@ -12,30 +13,13 @@ _NAMING = ("geom", "site", "camera", "light", "skin", "material", "pair", "exclu
            "sensor")  # fmt: skip
 _NOT_COMPILED = ("default", "instance")
 
-ENUMERATED: Mapping[str, Mapping[str, tuple[str, str]]] = {
-    "geom": {"type": ("geom_type", "mjtGeom")},
-    "joint": {"type": ("jnt_type", "mjtJoint")},
-    "site": {"type": ("site_type", "mjtGeom")},
-    "camera": {"mode": ("cam_mode", "mjtCamLight")},
-    "light": {"mode": ("light_mode", "mjtCamLight"), "type": ("light_type", "mjtLightType")},
-    "texture": {"type": ("tex_type", "mjtTexture")},
-    "equality": {"type": ("eq_type", "mjtEq")},
-    "sensor": {"type": ("sensor_type", "mjtSensor")},
-    "actuator": {
-        "dyntype": ("actuator_dyntype", "mjtDyn"),
-        "gaintype": ("actuator_gaintype", "mjtGain"),
-        "biastype": ("actuator_biastype", "mjtBias"),
-    },
-}
-"""By tag and attribute: the array of mjModel, and the enumeration of MuJoCo that its numbers are from."""
-
 
 @cache
 def keywords(tag: str) -> Mapping[str, tuple[str, ...]]:
     """The attributes of a tag that have one of several words, with these. `type` of a family is its tags."""
     paths = paths_of(tag)
     found: dict[str, tuple[str, ...]] = {}
-    for name in ENUMERATED.get(tag, ()):
+    for name in sorted(ENUMERATED.get(tag, ())):
         words = {word for path in paths for word in _words(path, name)}
         found[name] = tuple(sorted(words or {GRAMMAR.element(path).tag for path in paths}))
     return found

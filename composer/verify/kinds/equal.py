@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from composer.compiled.addresses import rows_of
 from composer.compiled.attributes import ANGLES, array_of
-from composer.engine.actuator_rows import first_row
+from composer.compiled.joints import JOINT_TYPES
 from composer.grammar.degrees import is_in_degrees
 from composer.verify.kinds.finding import Finding, failed, unknown
 from composer.verify.kinds.scope import Scope
 
-_TYPES = ("free", "ball", "slide", "hinge")
 _ROUNDING = {4: 1e-6, 8: 1e-9}
 """By the bytes of a number: how far off counts as rounding, in parts of the larger of 1 and the value."""
 _SHOWN = 8
@@ -98,20 +98,14 @@ def value_of(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:
     array = getattr(model, name, None)
     if array is None:
         return Finding(f"this MuJoCo has no `{attr}` of a {tag}", ("attr",), code="unknown-attribute")
-    row = index
-    if tag == "joint" and name.startswith("dof_"):
-        row = int(model.jnt_dofadr[index])
-    elif tag == "joint" and name.startswith("qpos"):
-        row = int(model.jnt_qposadr[index])
-    elif tag == "actuator":
-        row = first_row(model, name, index)
+    row = rows_of(model, tag, name, index).start  # a joint has one value, an actuator is asked for its first
     return np.atleast_1d(array[row]).ravel()
 
 
 def expected_of(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> list[Quantity] | Finding:
     """The numbers in the unit that the compiled model has them in."""
     attr = asked["attr"]
-    joint = _TYPES[int(scope.model.jnt_type[index])] if tag == "joint" else ""
+    joint = JOINT_TYPES[int(scope.model.jnt_type[index])].word if tag == "joint" else ""
     angular = attr in ANGLES.get(joint, ())
     found: list[Quantity] = []
     for number, unit in asked["value"]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from composer.compiled.correspondence import ON_BODIES
+from composer.compiled.kinds import holder
 from composer.verify.kinds.equal import equal, expected_of, value_of
 from composer.verify.kinds.finding import Finding, failed, unknown
 from composer.verify.kinds.scope import Scope
@@ -75,12 +75,10 @@ def _fits(
 
 def _bodies_around(scope: Scope, kind: str, index: int) -> Iterator[int]:
     """From the nearest to the world."""
-    body = int(
-        getattr(scope.model, ON_BODIES[kind])[index] if kind != "body" else scope.model.body_parentid[index]
-    )
+    body = holder(scope.model, kind, index)
     while body:
         yield body
-        body = int(scope.model.body_parentid[body])
+        body = holder(scope.model, "body", body)
     yield 0
 
 

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from composer.compiled.kinds import JOINT_VELOCITIES, Model
+from composer.compiled.addresses import span
+from composer.compiled.joints import BALL, FREE, HINGE, SLIDE
+from composer.compiled.kinds import Model
 
 STARTS = 32
 _STEPS = 150
-_FREE, _BALL, _SLIDE, _HINGE = range(4)
 _FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-9, 1e6
 _LONGEST_STEP = 0.5
 """The greatest change of a joint in one step, in radians or metres: beyond it, the linear picture is wrong."""
@@ -160,9 +161,9 @@ class Solver:
                 continue
             at = int(model.jnt_qposadr[joint])
             low, high = model.jnt_range[joint]
-            if model.jnt_type[joint] in (_SLIDE, _HINGE):
+            if model.jnt_type[joint] in (SLIDE, HINGE):
                 qpos[at] = min(max(qpos[at], low), high)
-            elif model.jnt_type[joint] == _BALL:
+            elif model.jnt_type[joint] == BALL:
                 turn = np.zeros(3)
                 self.mujoco.mju_quat2Vel(turn, qpos[at : at + 4], 1.0)
                 angle = float(np.linalg.norm(turn))
@@ -176,11 +177,11 @@ class Solver:
         model, qpos = self.model, self.data.qpos
         for joint in self.chain:
             at, kind = int(model.jnt_qposadr[joint]), int(model.jnt_type[joint])
-            if kind == _BALL:
+            if kind == BALL:
                 turn = random.uniform(-np.pi / 2, np.pi / 2, 3)
                 self.mujoco.mju_quatIntegrate(qpos[at : at + 4], turn, 1.0)
                 continue
-            reach = np.pi if kind == _HINGE else 1.0
+            reach = np.pi if kind == HINGE else 1.0
             low, high = qpos[at] - reach, qpos[at] + reach
             if model.jnt_limited[joint]:  # an end may be infinite all the same
                 ends = model.jnt_range[joint]
@@ -196,17 +197,12 @@ class Solver:
         while body:
             first = int(model.body_jntadr[body])
             joints = range(first, first + int(model.body_jntnum[body]))
-            found += [joint for joint in joints if model.jnt_type[joint] != _FREE]
+            found += [joint for joint in joints if model.jnt_type[joint] != FREE]
             body = int(model.body_parentid[body])
         return found
 
     def _dofs(self, joints: list[int]) -> set[int]:
-        model = self.model
-        return {
-            int(model.jnt_dofadr[joint]) + each
-            for joint in joints
-            for each in range(JOINT_VELOCITIES[int(model.jnt_type[joint])])
-        }
+        return {dof for joint in joints for dof in span(self.model, "qvel", joint)}
 
     def _tied(self) -> set[int]:
         """Degrees of freedom in equality constraints, but for free joints that carry the site."""
@@ -220,8 +216,7 @@ class Solver:
             dof
             for dof in np.flatnonzero(np.abs(rows).max(axis=0, initial=0.0)).tolist()
             if not (
-                self.model.jnt_type[self.model.dof_jntid[dof]] == _FREE
-                and self.model.dof_bodyid[dof] == fixed
+                self.model.jnt_type[self.model.dof_jntid[dof]] == FREE and self.model.dof_bodyid[dof] == fixed
             )
         }
 
@@ -230,7 +225,7 @@ class Solver:
         lower, upper = np.full(len(self.moving), -np.inf), np.full(len(self.moving), np.inf)
         for place, dof in enumerate(self.moving.tolist()):
             joint = int(self.model.dof_jntid[dof])
-            if self.model.jnt_limited[joint] and self.model.jnt_type[joint] in (_SLIDE, _HINGE):
+            if self.model.jnt_limited[joint] and self.model.jnt_type[joint] in (SLIDE, HINGE):
                 lower[place], upper[place] = self.model.jnt_range[joint]
         return lower, upper
 
@@ -238,11 +233,11 @@ class Solver:
         """The position of each moving degree of freedom that has one number; 0 for the others."""
         joints = self.model.dof_jntid[self.moving]
         here = self.data.qpos[self.model.jnt_qposadr[joints]].copy()
-        here[~np.isin(self.model.jnt_type[joints], (_SLIDE, _HINGE))] = 0.0
+        here[~np.isin(self.model.jnt_type[joints], (SLIDE, HINGE))] = 0.0
         return here
 
     def _is_at_limit(self, joint: int) -> bool:
-        if not self.model.jnt_limited[joint] or self.model.jnt_type[joint] not in (_SLIDE, _HINGE):
+        if not self.model.jnt_limited[joint] or self.model.jnt_type[joint] not in (SLIDE, HINGE):
             return False
         here, (low, high) = self.data.qpos[self.model.jnt_qposadr[joint]], self.model.jnt_range[joint]
         return bool(here <= low + _NEAR or here >= high - _NEAR)

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from composer.compiled.correspondence import ON_BODIES
-from composer.compiled.kinds import Model, NameTable
+from composer.compiled.kinds import ON_BODIES, Model, NameTable, holder
 from composer.compiled.links import links
 from composer.tree.glob import matcher
 from composer.tree.pattern import fitting, is_regular
@@ -59,9 +58,9 @@ class Scope:
         if name and not (kind == "body" and index == 0):
             return self._is_own(name)
         if kind == "body":
-            return index > 0 and self.owns("body", int(self.model.body_parentid[index]))
+            return index > 0 and self.owns("body", holder(self.model, kind, index))
         if kind in ON_BODIES:
-            return self.owns("body", int(getattr(self.model, ON_BODIES[kind])[index]))
+            return self.owns("body", holder(self.model, kind, index))
         return any(
             self.owns(each.kind, each.index) for each in links(self.model, kind, index) if each.index >= 0
         )

@@ -4,38 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.compiled.kinds import JOINT_POSITIONS, JOINT_VELOCITIES
+from composer.compiled.addresses import VECTORS, span
+from composer.compiled.kinds import KINDS
 from composer.verify.kinds.finding import Finding, failed
 from composer.verify.kinds.scope import Scope
 
-_COUNTED = {
-    "njnt": "joint",
-    "ngeom": "geom",
-    "nsite": "site",
-    "ncam": "camera",
-    "nlight": "light",
-    "nflex": "flex",
-    "nskin": "skin",
-    "nmesh": "mesh",
-    "nhfield": "hfield",
-    "ntex": "texture",
-    "nmat": "material",
-    "npair": "pair",
-    "nexclude": "exclude",
-    "neq": "equality",
-    "ntendon": "tendon",
-    "nactuator": "actuator",
-    "nsensor": "sensor",
-    "nnumeric": "numeric",
-    "ntext": "text",
-    "ntuple": "tuple",
-    "nplugin": "plugin",
-}
-_SUMMED = {
-    "nu": ("actuator", "actuator_ctrlnum"),
-    "na": ("actuator", "actuator_actnum"),
-    "nsensordata": ("sensor", "sensor_dim"),
-}
+_COUNTED = {kind.size: word for word, kind in KINDS.items() if word not in ("body", "key")}
+_SUMMED = {size: (kind, vector) for vector, (kind, size) in VECTORS.items()}
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
@@ -64,13 +39,7 @@ def count(scope: Scope, size: str) -> int | None:
         return len(list(scope.own(_COUNTED[size])))
     if size == "nbody":
         return 1 + len(list(scope.own("body")))  # the world is in every model
-    if size == "nmocap":
-        return sum(int(model.body_mocapid[index]) >= 0 for index in scope.own("body"))
-    if size in ("nq", "nv"):
-        widths = JOINT_POSITIONS if size == "nq" else JOINT_VELOCITIES
-        return sum(widths[int(model.jnt_type[index])] for index in scope.joints)
     if size in _SUMMED:
-        kind, array = _SUMMED[size]
-        each = getattr(model, array, None)
-        return sum(1 if each is None else int(each[index]) for index in scope.own(kind))
+        kind, vector = _SUMMED[size]
+        return sum(len(span(model, vector, index)) for index in scope.own(kind))
     return None

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from composer.compiled.addresses import span
+from composer.compiled.joints import JOINT_TYPES
 from composer.verify.kinds.finding import Finding, failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
@@ -45,11 +47,12 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     if fastest <= limit:
         return []
     joint = int(model.dof_jntid[dof])
-    unit = "m/s" if _is_linear(model, dof, joint) else "rad/s"
+    unit = _unit(model, dof, joint)
     message = f"{scope.called('joint', joint)} still moves at {fastest:.4g} {unit} after {at:.4g} s"
     return [failed(message, f"at most {limit:g} {unit}", f"{fastest:.4g} {unit}", "max_speed")]
 
 
-def _is_linear(model: Any, dof: int, joint: int) -> bool:
-    kind = int(model.jnt_type[joint])  # free, ball, slide, hinge
-    return kind == 2 or (kind == 0 and dof - int(model.jnt_dofadr[joint]) < 3)
+def _unit(model: Any, dof: int, joint: int) -> str:
+    """The unit of the velocity of one degree of freedom."""
+    units = JOINT_TYPES[int(model.jnt_type[joint])].velocity_units
+    return units[dof - span(model, "qvel", joint).start]

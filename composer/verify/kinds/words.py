@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
+from composer.compiled.attributes import ENUMERATED, array_of
+from composer.compiled.enums import words
 from composer.compiled.links import links
-from composer.recipe.checks.words import ENUMERATED, naming
+from composer.recipe.checks.words import naming
 from composer.verify.kinds.scope import Scope
 
-_OTHERWISE: Mapping[str, str] = {
-    "geomdist": "distance",
-    "geomnormal": "normal",
-    "geomfromto": "fromto",
-    "jointactfrc": "jointactuatorfrc",
-    "tendonactfrc": "tendonactuatorfrc",
-}
 _SECOND = ("refsite", "slidersite", "refname")
 
 
 def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
     """The value of an attribute; several where MuJoCo does not keep which of two it is, none where it has none."""
     if attr in ENUMERATED.get(tag, ()):
-        array, enumeration = ENUMERATED[tag][attr]
+        array = array_of(tag, attr)
         values = getattr(scope.model, array, None)
         if values is not None:
-            word = getattr(scope.mujoco, enumeration)(int(values[index])).name.partition("_")[2].lower()
-            yield _OTHERWISE.get(word, word)
+            yield words(scope.mujoco, array)[int(values[index])]
         return
     kind = naming(tag)[attr]
     for link in links(scope.model, tag, index):

@@ -1,0 +1,145 @@
+"""What `mjcompose build` does with a model: it is written where the user wants it, and what there is to say is said."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.cli.built_words import remarks, said
+from composer.cli.reporting import clear_progress, exit_code, progress, report, say
+from composer.cli.wanted import Wanted
+
+if TYPE_CHECKING:
+    from composer.bundle.bundle import Bundle
+    from composer.cache.builder import Maker
+    from composer.cache.result import Made
+    from composer.context import Context
+    from composer.document import Node
+    from composer.engine import Session
+
+
+def build_one(
+    maker: Maker,
+    wanted: Wanted,
+    given: dict[str, Node],
+    context: Context,
+    session: Session,
+    why: tuple[str, ...],
+) -> int:
+    """Build the one model that the recipe is; gives the exit code."""
+    progress(f"building {maker.recipe}")
+    made = maker.make(context, session, given, question=maker.question(), why=why)
+    return finish(made, maker, wanted, context, session)
+
+
+def finish(
+    made: Made | None,
+    maker: Maker,
+    wanted: Wanted,
+    context: Context,
+    session: Session | None,
+) -> int:
+    """Write the model, and tell what there is to tell; gives the exit code."""
+    made = None if made is None else put(made, maker, wanted, context, session)
+    report(context, wanted.form, err=wanted.out == "-")
+    if made is None or context.sink.has_errors:
+        return exit_code(context.folder, [maker.recipe])
+    if wanted.out == "-":
+        for line in remarks(made, wanted):
+            say(line, err=True)
+        return 0
+    say(said(made, wanted), form=wanted.form)
+    return 0
+
+
+def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> Made | None:
+    """Write a model where it is wanted; gives it as it was written, or None where that cannot be, which is told."""
+    from composer.bundle.licence_table import tell_unlicensed
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.replaced import made_of
+
+    clear_progress()
+    target = wanted.target(made.name, made.mujoco)
+    try:
+        if wanted.kind == "text" and made.built is not None:
+            from composer.bundle.text_alone import text_alone
+
+            composed = made.built.composed
+            text = text_alone(composed.model, composed.files, target, context.folder)
+            made = maker.with_text(made, text, context)
+        if not made.is_written:
+            before = None if wanted.kind in ("text", "usd") else made_of(context.folder / target)
+            maker.note_written(made, _write(made, target, maker, wanted, context, session))
+            now = None if before is None else made_of(context.folder / target)
+            if before is not None and now is not None:
+                made = replace(made, replaced=before.other_than(now))
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return None
+    tell_unlicensed(made.licences, context)
+    return made
+
+
+def _write(
+    made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
+) -> tuple[Path, ...]:
+    """Gives what was written elsewhere than to `out`."""
+    from composer.bundle.overwriting import check_is_no_source, files_read
+
+    built = made.built
+    if wanted.kind in ("text", "mjb", "usd") and made.bundle is not None:
+        _check_holds_all(made.bundle, out)
+    if out != "-":
+        read: Iterator[Path] = map(Path, made.inputs)
+        if built is not None:
+            read = files_read(built.plan, built.composed.model, built.composed.files)
+        check_is_no_source(context.folder / out, read)
+    if wanted.kind == "text":
+        text = made.text
+        assert text is not None
+        if out != "-":
+            from composer.bundle.staging import staged_file
+
+            with staged_file(context.folder / out) as stage:
+                stage.write_bytes(text)
+        elif sys.stdout is not None:
+            sys.stdout.buffer.write(text)
+            sys.stdout.buffer.flush()
+    elif wanted.kind == "folder with shared assets":
+        from composer.bundle.shared import write_shared
+
+        assert made.bundle is not None
+        return write_shared(made.bundle, Path(os.path.abspath(context.folder / out)))
+    elif made.packed and made.record is not None:
+        from composer.bundle.archive import write_packed
+
+        write_packed(made.packed, made.record.model, Path(out), context.environment, made.packed.__getitem__)
+    else:
+        from composer.bundle.write import write
+
+        def lost(warning: str) -> None:
+            context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
+
+        assert made.bundle is not None
+        write(
+            made.bundle, out, environment=context.environment, session=session, packing=maker.packing, tell=lost
+        )  # fmt: skip
+        if wanted.kind == "mjb":
+            from composer.bundle.mjb import manifest_beside
+
+            return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
+    return ()
+
+
+def _check_holds_all(bundle: Bundle, out: str) -> None:
+    """Refuse an output that has no room for a table of draws."""
+    from composer.bundle.bundle import DRAWS
+    from composer.bundle.output_error import OutputError
+
+    if DRAWS in bundle.files:
+        help = "write a folder or an archive, such as `-o build/{name}.zip`"
+        raise OutputError("output-kind", f"`{out}` has no room for the table of draws", help)

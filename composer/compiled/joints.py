@@ -1,0 +1,70 @@
+"""The types of joint: how many numbers each has, and their units.
+
+MuJoCo holds angles in radians and lengths in metres. A quaternion has no unit; its numbers have the word for one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+ANGLE, LENGTH, QUATERNION = "rad", "m", "quaternion"
+
+FREE, BALL, SLIDE, HINGE = range(4)
+"""The values of `jnt_type`."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointType:
+    """`position_units` has the unit of each of its numbers in `qpos`, `velocity_units` of those in `qvel`.
+
+    `range_unit` is that of `jnt_range`, which MuJoCo does not read for a free joint. The linear numbers of a free
+    joint come before the angular ones; its linear velocity is in the world's frame, its angular velocity in the
+    body's own.
+    """
+
+    word: str
+    position_units: tuple[str, ...]
+    velocity_units: tuple[str, ...]
+    range_unit: str | None
+
+    @property
+    def positions(self) -> int:
+        """How many numbers of `qpos` it has."""
+        return len(self.position_units)
+
+    @property
+    def velocities(self) -> int:
+        """How many degrees of freedom it has: numbers of `qvel`, rows of the `dof_` arrays."""
+        return len(self.velocity_units)
+
+    @property
+    def unit(self) -> str | None:
+        """The unit that all its positions have in common."""
+        return _common(self.position_units)
+
+    @property
+    def velocity_unit(self) -> str | None:
+        """The unit that all its velocities have in common."""
+        return _common(self.velocity_units)
+
+    @property
+    def coordinate(self) -> str | None:
+        """The unit of its position where that is a single number."""
+        return self.unit if self.positions == 1 else None
+
+
+def _common(units: tuple[str, ...]) -> str | None:
+    return units[0] if len(set(units)) == 1 else None
+
+
+JOINT_TYPES = (
+    JointType("free", (LENGTH,) * 3 + (QUATERNION,) * 4, ("m/s",) * 3 + ("rad/s",) * 3, None),
+    JointType("ball", (QUATERNION,) * 4, ("rad/s",) * 3, ANGLE),
+    JointType("slide", (LENGTH,), ("m/s",), LENGTH),
+    JointType("hinge", (ANGLE,), ("rad/s",), ANGLE),
+)
+"""By `jnt_type`."""
+
+BY_WORD = {each.word: each for each in JOINT_TYPES}
+ANGULAR = tuple(each.word for each in JOINT_TYPES if each.range_unit == ANGLE)
+"""The joints that turn about an axis, and whose ranges are angles."""

@@ -1,0 +1,81 @@
+"""A part: a unit that is attached to the model, and how."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.span import Span
+from composer.link.layout import Layout
+from composer.link.request import KeyPolicy
+from composer.numerics.pose import Pose
+from composer.tree.unit import Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a part is attached: an element of the model by its final name, and an offset in that element's frame.
+
+    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`. `written` says where the recipe has each of
+    them. If `computed` is set, that is not where its value is written: it was computed for the key `mate` or
+    `replicate`, which is written there.
+    """
+
+    kind: Literal["world", "body", "site", "frame"] = "world"
+    name: str | None = None
+    offset: Mapping[str, str] = field(default_factory=dict)
+    span: Span | None = None
+    written: Mapping[str, Span] = field(default_factory=dict)
+    computed: Literal["", "mate", "replicate"] = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint between a place and a part: the tag, its attributes, and where the recipe has those that it writes."""
+
+    tag: Literal["joint", "freejoint"]
+    attributes: Mapping[str, str]
+    written: Mapping[str, Span] = field(default_factory=dict)
+
+
+@dataclass(eq=False)
+class Part:
+    """A unit, the prefix that its names get (separator included), and how it is attached to the model.
+
+    `content` is the element of the model that holds the part's world once the part is attached.
+    `by_itself`: the part brings its own free joint, or is a mocap body, and so stands in the world wherever its
+    place is. `key` is its key in the recipe.
+    """
+
+    unit: Unit
+    prefix: str
+    place: Place = Place()
+    keyframes: KeyPolicy = "merge"
+    joints: tuple[Joint, ...] = ()
+    weld: bool = False
+    mocap: bool = False
+    by_itself: bool = False
+    span: Span | None = None
+    key: str = ""
+    mount: Node | None = None
+    top_class: str = ""
+    layout: Layout | None = None
+    pose_in_world: Pose | None = None
+    content: Node | None = None
+
+    @property
+    def called(self) -> str:
+        """What messages call it: its prefix, or its file if it has no prefix."""
+        return self.prefix or self.unit.label
+
+    def path(self, separator: str) -> str:
+        """What a recipe calls it among the parts: its prefix, or its key if it has no prefix."""
+        return self.prefix.removesuffix(separator) or self.key
+
+    @property
+    def floats(self) -> bool:
+        """Whether it moves freely, so that it can only stand in the world."""
+        return self.by_itself or self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
