@@ -13,10 +13,11 @@ from composer import engine
 from composer.bundle.collect import collect
 from composer.compose.urdf_fault import explain, named_in
 from composer.context import Context
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Note, Severity
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.unknown import unknown_attribute
 from composer.engine import PACKAGE
 from composer.grammar import GRAMMAR
 from composer.link.linking import FileUse
@@ -133,13 +134,9 @@ class _Reading:
             known = list(GRAMMAR.section(tag).attributes)
             for name in map(str, section.keys()):
                 if name not in known:
-                    self.context.sink.warning(
-                        "unknown-attribute",
-                        f"`{name}` is not an attribute of `<{tag}>`",
-                        self._span(section, name, key=True),
-                        notes=(exists_note("attribute", known, name),),
-                        help=did_you_mean(name, known) or f"take `{name}` out",
-                    )
+                    span, otherwise = self._span(section, name, key=True), f"take `{name}` out"
+                    found = unknown_attribute(name, f"`<{tag}>`", known, span, otherwise=otherwise)
+                    self.context.sink.add(replace(found, severity=Severity.WARNING))
 
     def _refused(self, converted: Converted) -> None:
         """One fault for each mesh that is not to be had; if all are, what MuJoCo says."""

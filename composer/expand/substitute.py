@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.document.piece import Path, is_of_elements
 from composer.expand.plain import node_of
@@ -74,9 +74,8 @@ def tell(error: ExpressionError, node: Scalar, known: list[str], broken: frozens
     if not isinstance(error, UnknownName):
         sink.error("expression", error.message, span, help=error.help)
         return
-    help = did_you_mean(error.name, known) or f"declare it: `params: {{{error.name}: …}}`"
-    notes = (exists_note("parameter", known, error.name),)
-    sink.error("unknown-name", f"there is no parameter `{error.name}`", span, notes=notes, help=help)
+    declared = f"declare it: `params: {{{error.name}: …}}`"
+    sink.add(unknown_name("parameter", error.name, known, span, otherwise=declared))
 
 
 def within(node: Scalar, start: int, end: int) -> Span:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from collections.abc import Mapping as Map
 
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.document.piece import Path, is_edits
 from composer.expand.plain import plain, same
@@ -100,13 +100,8 @@ class Condition:
         if key.name in self.broken:
             return True
         if key.name not in self.scope:
-            self.sink.error(
-                "unknown-name",
-                f"there is no variant or parameter `{key.name}`",
-                key.span,
-                notes=(exists_note("name", list(self.scope), key.name),),
-                help=did_you_mean(key.name, self.scope),
-            )
+            message = f"there is no variant or parameter `{key.name}`"
+            self.sink.add(unknown_name("name", key.name, self.scope, key.span, message=message))
             return True
         axis = self.axes.get(key.name)
         have = self.scope[key.name]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_attribute
 from composer.explain.derived import derived_names
 from composer.explain.query import Asked, find, labels, name_of, ordered
 from composer.tree.kinds import kind_of
@@ -55,9 +56,4 @@ def _no_such_name(
 def no_attribute(node: Node, name: str, sink: Sink) -> None:
     """Tell that such elements do not have that attribute."""
     known = sorted({*kind_of(node).attributes, *derived_names(kind_of(node))})
-    sink.error(
-        "unknown-attribute",
-        f"`<{node.tag}>` has no attribute `{name}`",
-        notes=(exists_note("attribute", known, name),),
-        help=did_you_mean(name, known),
-    )
+    sink.add(unknown_attribute(name, f"`<{node.tag}>`", known))

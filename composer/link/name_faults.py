@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.link.linking import Linking
 from composer.link.part import Part
 from composer.tree.line import line_of
@@ -33,14 +33,15 @@ def loose_end(
     attribute = next(
         (str(key) for key, value in element.items() if name in (value, *str(value).split())), None
     )
-    near = closest(wanted, own)
-    linking.sink.error(
-        "unknown-name",
-        f"there is no {word(namespace)} `{wanted}`, which `<{element.tag}>` refers to",
-        linking.span(unit, element, attribute),
-        notes=(exists_note(word(namespace), own, wanted),),
-        help=f'did you mean `{attribute}="{near[0]}"`?' if near and attribute else None,
-        subjects=(wanted,),
+    linking.sink.add(
+        unknown_name(
+            word(namespace),
+            wanted,
+            own,
+            linking.span(unit, element, attribute),
+            purpose=f", which `<{element.tag}>` refers to",
+            written=f'{attribute}="{{}}"' if attribute else "{}",
+        )
     )
 
 

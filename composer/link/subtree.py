@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.link.dependencies import drop_unneeded
 from composer.link.inertia import MEASURED, write_inertias
 from composer.link.key_layouts import VECTORS, keys_of, layout_of, remove_keys
@@ -106,14 +106,8 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
     body = next((each for each in bodies if each.get("name") == name), None)
     if body is None:
         names = [str(each.get("name")) for each in bodies if each.get("name")]
-        sink.error(
-            "unknown-name",
-            f"`{unit.label}` has no body `{name}` to take",
-            span,
-            notes=(exists_note("body", names, name), *attached_notes(unit, name)),
-            help=did_you_mean(name, names, "subtree: {}"),
-            subjects=(name,),
-        )
+        message, notes = f"`{unit.label}` has no body `{name}` to take", attached_notes(unit, name)
+        sink.add(unknown_name("body", name, names, span, message=message, written="subtree: {}", notes=notes))
         return None
     copies = next(body.iterancestors("replicate"), None)
     if copies is not None:

@@ -19,7 +19,7 @@ from composer.mjcf.element_list import ElementList
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from composer.mjcf.live_array import LiveArray
 from composer.mjcf.members import always_there
-from composer.mjcf.misspelled import unknown_attribute
+from composer.mjcf.misspelled import no_attribute
 from composer.mjcf.model import Model, Target
 from composer.mjcf.reference import describe, refers, resolved
 from composer.mjcf.value import BadValue, decode
@@ -99,7 +99,7 @@ class Attributed:
         """
         known = attribute_of(self._kind, as_name("attribute", attribute))
         if known is None:
-            raise unknown_attribute(self._kind, attribute)
+            raise no_attribute(self._kind, attribute)
         if self._alive()._node.get(known.name) is None:
             raise failure(
                 "unknown-attribute", f"`{attribute}` of {self._described()} is not set", call_site()
@@ -141,7 +141,7 @@ class Attributed:
             return self._read(attribute)
         tag = name.rstrip("_")
         if tag not in self._kind.children:
-            raise unknown_attribute(self._kind, name, [each for each in dir(type(self)) if each[0] != "_"])
+            raise no_attribute(self._kind, name, [each for each in dir(type(self)) if each[0] != "_"])
         return self._children(tag)
 
     def _children(self, tag: str) -> Any:

@@ -20,7 +20,7 @@ from composer.mjcf.asset import Asset, Files, place
 from composer.mjcf.bones import Skins, for_body, take
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, failure
-from composer.mjcf.misspelled import unknown_attribute
+from composer.mjcf.misspelled import no_attribute
 from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode, plain_text
@@ -73,7 +73,7 @@ def check(
     for name in values:
         attribute = attribute_of(kind, name)
         if attribute is None:
-            raise unknown_attribute(kind, name)
+            raise no_attribute(kind, name)
         attributes[name] = attribute
     written = {} if node is None else {str(name): str(value) for name, value in node.items()}
     for name, attribute in sorted(attributes.items(), key=lambda each: refers(each[1])):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, SupportsIndex, overload
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import MjcfKeyError, failure
+from composer.mjcf.errors import MjcfKeyError, failed, failure
 
 if TYPE_CHECKING:
     from composer.mjcf.element import Element
@@ -55,14 +56,8 @@ class ElementList(Sequence["Element"]):
                 return element
         names = self._ipython_key_completions_()
         unnamed = Note(f"none of the {len(self)} elements here has a name: take them by number")
-        raise failure(
-            "unknown-name",
-            f"there is no {self.tag} `{index}` here",
-            call_site(),
-            notes=(exists_note(self.tag, names, index) if names or not self else unnamed,),
-            help=did_you_mean(index, names),
-            kind=MjcfKeyError,
-        )
+        found = unknown_name(self.tag, index, names, call_site(), purpose=" here")
+        raise failed(found if names or not self else replace(found, notes=(unnamed,)), MjcfKeyError)
 
     def __contains__(self, item: object) -> bool:
         """Whether an element, or one of that name, is among them."""

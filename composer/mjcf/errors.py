@@ -55,10 +55,13 @@ def failure(
     help: str | None = None,
     kind: type[MjcfError] | None = None,
 ) -> MjcfError:
-    """The exception of one fault, to be raised."""
-    return (kind or _OF_CODES.get(code, MjcfError))(
-        [Diagnostic(code, message, span, notes=tuple(notes), help=help)]
-    )
+    """The exception of one error, to be raised."""
+    return failed(Diagnostic(code, message, span, notes=tuple(notes), help=help), kind)
+
+
+def failed(diagnostic: Diagnostic, kind: type[MjcfError] | None = None) -> MjcfError:
+    """The exception that carries a diagnostic, to be raised."""
+    return (kind or _OF_CODES.get(diagnostic.code, MjcfError))([diagnostic])
 
 
 def raise_errors(sink: Sink, otherwise: Callable[[], Span] | None = None) -> None:

@@ -9,6 +9,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR, ElementType
 from composer.link.agreement import INSTEAD_OF_MEMORY
 from composer.tree.files import stem
@@ -168,10 +169,5 @@ def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> 
                 help=f"remove `{name}`",
             )
             continue
-        sink.error(
-            "unknown-attribute",
-            f"`<{kind.tag}>` has no attribute `{name}`",
-            unit.origins.span(node, unit.file, name),
-            notes=(exists_note("attribute", sorted(kind.attributes), name),),
-            help=did_you_mean(name, kind.attributes),
-        )
+        span = unit.origins.span(node, unit.file, name)
+        sink.add(unknown_attribute(name, f"`<{kind.tag}>`", sorted(kind.attributes), span))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
-from composer.diagnostics.suggest import closest, did_you_mean, exists_note
+from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import ElementType
 from composer.mjcf import dm_control_hints as elsewhere
 from composer.mjcf.call_site import call_site
-from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
+from composer.mjcf.errors import MjcfAttributeError, MjcfError, failed, failure
 from composer.tree.kinds import spoken
 
 
@@ -26,7 +28,7 @@ def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
     )
 
 
-def unknown_attribute(kind: ElementType, name: str, members: Iterable[str] = ()) -> MjcfError:
+def no_attribute(kind: ElementType, name: str, members: Iterable[str] = ()) -> MjcfError:
     """That elements of a kind have no such attribute, with what they do have.
 
     `members` are the names that something may be read by, where it is read: then children count too.
@@ -35,14 +37,6 @@ def unknown_attribute(kind: ElementType, name: str, members: Iterable[str] = ())
     known = sorted(map(spoken, kind.attributes))
     tags = sorted(map(spoken, kind.children)) if meant else []
     other = elsewhere.ATTRIBUTES.get(name) if meant else None
-    return failure(
-        "unknown-attribute",
-        f"`<{kind.tag}>` has no attribute `{name}`",
-        call_site(),
-        notes=(
-            exists_note("attribute", known, name),
-            *([exists_note("element", tags, name)] if tags else ()),
-        ),
-        help=other or did_you_mean(name, [*known, *tags, *meant]),
-        kind=MjcfAttributeError,
-    )
+    found = unknown_attribute(name, f"`<{kind.tag}>`", known, call_site(), help=other, near=[*tags, *meant])
+    notes = (*found.notes, exists_note("element", tags, name)) if tags else found.notes
+    return failed(replace(found, notes=notes), MjcfAttributeError)

@@ -41,6 +41,7 @@ class Topic(Enum):
     DOFS = r"^more than 6 dofs"
     FORMAT = r"^bad format in attribute"
     INERTIA = r"A \+ B >= C"
+    FRAMEBUFFER = r"framebuffer"
     URDF_GEOMETRY = r"geometry specification"
     URDF_REPEATED = r"^repeated URDF name"
     URDF_RING = r"^URDF body not found$"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_attribute as no_attribute
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.mujoco_errors.sentence import Sentence, Topic, read_sentence
@@ -84,14 +85,8 @@ def unknown_attribute(element: Node, name: str) -> Translation:
         return Translation(
             "unknown-attribute", message, name, _versions(attribute.since, attribute.until), key=True
         )
-    return Translation(
-        "unknown-attribute",
-        f"`{name}` is not an attribute of `<{element.tag}>`",
-        name,
-        (exists_note("attribute", known, name),) if known else (),
-        did_you_mean(name, known) or f"take `{name}` out",
-        key=True,
-    )
+    found = no_attribute(name, f"`<{element.tag}>`", known, otherwise=f"take `{name}` out")
+    return Translation(found.code, found.message, name, found.notes, found.help, key=True)
 
 
 def _unknown_element(element: Node) -> Translation:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Mapping, Node, locate
 from composer.expand.expand import Concrete
 from composer.expand.parameter import Parameter, Refusal
@@ -68,9 +68,10 @@ class _Source:
             return False  # that it has no value is told already
         if self.nominal is None:
             known = list(self.concrete.scope)
-            self.sink.error("unknown-name", f"the recipe has no parameter `{self.name}` to draw", span,
-                            notes=(exists_note("parameter", known, self.name),),
-                            help=did_you_mean(self.name, known, "param: {}"), subjects=(self.name,))  # fmt: skip
+            message = f"the recipe has no parameter `{self.name}` to draw"
+            self.sink.add(
+                unknown_name("parameter", self.name, known, span, message=message, written="param: {}")
+            )
             return False
         numbers = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,)
         is_number = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)

@@ -7,7 +7,8 @@ from itertools import product
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest, did_you_mean, exists_note
+from composer.diagnostics.suggest import closest
+from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Mapping as Located
 from composer.document.node import locate
 from composer.plan.plan import AttachPart, Plan, called
@@ -73,16 +74,13 @@ def _asked(
             yield word, other
         elif other is not None:
             known = [each for each in parts if each != key]
-            help = did_you_mean(other, known, f"{word}: {{}}")
-            if other == RESERVED:
-                help = f"the {RESERVED} always comes first: leave `{word}` out"
-            sink.error(
-                "unknown-name",
-                f"there is no part `{other}` for `{key}` to stand {word}",
-                locate(document, ("attach", key, word)),
-                notes=(exists_note("part", known, other),),
-                help=help,
-                subjects=(other, key),
+            span = locate(document, ("attach", key, word))
+            first = f"the {RESERVED} always comes first: leave `{word}` out" if other == RESERVED else None
+            purpose, written = f" for `{key}` to stand {word}", f"{word}: {{}}"
+            sink.add(
+                unknown_name(
+                    "part", other, known, span, purpose=purpose, written=written, help=first, about=(key,)
+                )
             )
 
 
@@ -166,13 +164,16 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
         if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
             continue
         near = closest(check.part, parts)
-        sink.error(
-            "unknown-name",
-            f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
-            locate(plan.document, (*check.at, "unchanged", "part")),
-            notes=[exists_note("part", parts, check.part)],
-            help=f"write `part: {near[0]}`" if near else None,
-            subjects=(check.name, check.part),
+        sink.add(
+            unknown_name(
+                "part",
+                check.part,
+                parts,
+                locate(plan.document, (*check.at, "unchanged", "part")),
+                message=f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
+                help=f"write `part: {near[0]}`" if near else None,
+                about=(check.name,),
+            )
         )
 
 
@@ -189,11 +190,5 @@ def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
                     subjects=(part,),
                 )
             elif part not in parts:
-                sink.error(
-                    "unknown-name",
-                    f"there is no part `{part}` to take a key from",
-                    locate(plan.document, (*step.key.at, FROM, part), key=True),
-                    notes=(exists_note("part", parts, part),),
-                    help=did_you_mean(part, parts),
-                    subjects=(part,),
-                )
+                span = locate(plan.document, (*step.key.at, FROM, part), key=True)
+                sink.add(unknown_name("part", part, parts, span, purpose=" to take a key from"))

@@ -9,6 +9,8 @@ from typing import Any
 from pydantic import ValidationError, ValidatorFunctionWrapHandler
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from composer.diagnostics.diagnostic import Diagnostic
+
 Path = tuple[str | int, ...]
 
 # Two keys of which only one may stand.
@@ -43,6 +45,13 @@ class Fault:
     lacks: str | None = None
     beside: bool = False
     names: tuple[str, ...] = ()
+
+
+def unplaced(diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None) -> Fault:
+    """A diagnostic of which only the path in the recipe is known; with `help` in place of its own."""
+    remarks = tuple(Remark(note.message) for note in diagnostic.notes)
+    names = tuple(sorted(diagnostic.subjects))
+    return Fault(diagnostic.code, diagnostic.message, at, key, remarks, help or diagnostic.help, names=names)
 
 
 def refusal(faults: Sequence[Fault], value: object) -> ValidationError:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from xml.parsers import expat
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar.check import check_value
 from composer.grammar.element import ElementType
 from composer.grammar.number import items, parse_real
@@ -106,7 +107,8 @@ class _Check:
             attribute = kind.attributes.get(name)
             if attribute is None:
                 known = ("attribute", name, kind.attributes)
-                self.fault("unknown-attribute", f"`{name}` is not an attribute of {owner}", names=known)
+                found = unknown_attribute(name, owner, kind.attributes)
+                self.fault(found.code, found.message, names=known)
                 continue
             answer = check_value(attribute, value)
             if answer is not None:
@@ -119,11 +121,11 @@ class _Check:
                     self.fault(
                         "bare-angle", bare.message, help="write `angle: degree` at the top of the recipe"
                     )
-        found: list[Fault] = []
+        faults: list[Fault] = []
         present = {**attributes, "name": ""} if named else attributes
-        absent(kind, present, owner, (), found)
-        clashing(kind.constraints, list(present), owner, (), found)
-        for fault in found:
+        absent(kind, present, owner, (), faults)
+        clashing(kind.constraints, list(present), owner, (), faults)
+        for fault in faults:
             self.fault(fault.code, fault.message, help=fault.help)
 
     def text(self, text: str) -> None:

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.grammar.format import number_text
 from composer.recipe.advice import element_instead
 from composer.recipe.angles import bare_angle
 from composer.recipe.element import Element, Value
-from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.fault import Fault, Path, Remark, unplaced
 from composer.recipe.fragment import check_fragment
 from composer.recipe.presence import absent, clashing
 from composer.recipe.raw import path_of
@@ -217,7 +218,6 @@ class Reader:
         """The fault of a key that is neither an attribute nor a child; `taken` are those that are there."""
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
         near = closest(name, [*attributes, *(each for each in kind.children if each not in taken)])
-        remarks = (Remark(exists_note("attribute", attributes, name).message),) if attributes else ()
         help = f"write `{near[0]}`" if near else f"take `{name}` out"
         groups = [tag for tag, child in kind.children.items() if name in child.attributes]
         siblings = GRAMMAR.element("body").children
@@ -243,14 +243,7 @@ class Reader:
                 remarks=remarks,
                 help=help,
             )
-        return Fault(
-            "unknown-attribute",
-            f"`{name}` is not an attribute of {owner}",
-            at,
-            key=True,
-            remarks=remarks,
-            help=help,
-        )
+        return unplaced(unknown_attribute(name, owner, attributes), at, key=True, help=help)
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
         """The entries of a mapping from names to elements."""

@@ -9,13 +9,14 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest
+from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR
 from composer.recipe.angles import bare_angle
 from composer.recipe.attribute_schema import attribute_schema
 from composer.recipe.element import Single, Value
 from composer.recipe.element_schema import mapping
-from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.fault import Fault, Path, refusal, unplaced
 from composer.recipe.presence import lacks
 from composer.recipe.reader import Reader
 from composer.recipe.settings import settings
@@ -83,12 +84,9 @@ def _axis(reader: Reader, value: Any, at: Path) -> Axis | None:
         path = (*at, name)
         if name not in ATTRIBUTES:
             near = closest(name, ATTRIBUTES)
-            remark = Remark(exists_note("attribute", ATTRIBUTES).message)
             help = f"write `{near[0]}`" if near else None
-            message = f"`{name}` is not an attribute of {owner}"
-            reader.faults.append(
-                Fault("unknown-attribute", message, path, key=True, remarks=(remark,), help=help)
-            )
+            unknown = unknown_attribute(name, owner, ATTRIBUTES)
+            reader.faults.append(unplaced(unknown, path, key=True, help=help))
             continue
         found = read_value(kind.attributes[name], item, path, owner, reader.faults)
         if found is not None:

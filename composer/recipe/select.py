@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.unknown import unknown_attribute as no_attribute
 from composer.expr.error import ExpressionError
 from composer.expr.opening import is_template
 from composer.expr.template import Template
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
-from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, unplaced
 from composer.recipe.pattern import pattern_fault
 from composer.recipe.raw import path_of
 from composer.recipe.shown import kind_of, shown
@@ -159,15 +160,7 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
     help = f"write `{near[0]}`" if near else None
     if tag == "general" and name in ("kp", "kv"):
         help = "it has `gainprm` and `biasprm`; `convert: {to: position}` makes one with `kp` and `kv` of it"
-    remarks = (Remark(exists_note("attribute", known, name).message),)
-    return Fault(
-        "unknown-attribute",
-        f"`{name}` is not an attribute of `{tag}`",
-        at,
-        key=True,
-        remarks=remarks,
-        help=help,
-    )
+    return unplaced(no_attribute(name, f"`{tag}`", known), at, key=True, help=help)
 
 
 def check_template(text: str, at: Path, faults: list[Fault]) -> Template | None:

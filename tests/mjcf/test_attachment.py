@@ -191,7 +191,7 @@ def test_a_frame_is_no_body_of_any_kind(frame: mjcf.Element) -> None:
         frame.remove()
     with pytest.raises(mjcf.MjcfError, match="not models"):
         frame.attach(mjcf.RootElement("x"))
-    with pytest.raises(mjcf.MjcfError, match="has no attribute `pso`"):
+    with pytest.raises(mjcf.MjcfError, match="`pso` is not an attribute of"):
         frame.pso = 1
 
 

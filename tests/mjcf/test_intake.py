@@ -15,10 +15,10 @@ def test_all_faults_of_a_text_are_told_at_once() -> None:
     told = [fault.message for fault in caught.value.diagnostics]
     assert sorted(told) == [
         "`<fixed>` cannot have a `<geom>`",
-        "`<geom>` has no attribute `siez`",
-        "`<mujoco>` has no attribute `modle`",
         "`<site>` cannot have a `<geom>`",
         "`<worldbody>` cannot have a `<goem>`",
+        "`modle` is not an attribute of `<mujoco>`",
+        "`siez` is not an attribute of `<geom>`",
     ]
 
 

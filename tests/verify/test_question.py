@@ -48,3 +48,11 @@ def test_the_answer_comes_back_as_differences(
 def test_an_unknown_pose_is_asked_for_as_such() -> None:
     assert Question(body="base", posed=False).mount(None) == Mount("base", None)
     assert Question(body="base", pos=(0, 0, 1)).mount(None) == Mount("base", Pose((0, 0, 1)))
+
+
+def test_a_body_that_the_composition_does_not_have_has_no_answer(tmp_path: Path) -> None:
+    with Session() as session:
+        for name, text in (("part", PART.format(1)), ("whole", WHOLE)):
+            session.ask(Request(tmp_path, text=text, keep=name))
+        gone = session.call(ask, ["part", "whole"], Question(prefix="p/", body="gone").to_json())
+    assert gone["ok"] and gone["value"] is None

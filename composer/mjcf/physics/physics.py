@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from composer.compiled.kinds import KINDS, NameTable
 from composer.compiled.order import compiled_kind
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.link.request import Policy
 from composer.mjcf.arguments import as_files, as_index, as_path
 from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element, model_of
-from composer.mjcf.errors import MjcfError, failure
+from composer.mjcf.errors import MjcfError, failed, failure
 from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, binding_of
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
 from composer.mjcf.physics.rendering import Rendering
@@ -340,14 +341,11 @@ class Physics:
         number = int(given) if isinstance(given, int | np.integer) and not isinstance(given, bool) else -1
         if 0 <= number < len(names):
             return number
-        near = closest(given, names) if isinstance(given, str) else []
-        raise failure(
-            "unknown-name" if isinstance(given, str) else "out-of-range",
-            f"the compiled model has no {kind} `{given}`",
-            call_site(),
-            notes=(exists_note(kind, [name or str(at) for at, name in enumerate(names)], str(given)),),
-            help=f"did you mean `{near[0]}`?" if near else None,
-        )
+        known = [name or str(at) for at, name in enumerate(names)]
+        message = f"the compiled model has no {kind} `{given}`"
+        if isinstance(given, str):
+            raise failed(unknown_name(kind, given, known, call_site(), message=message))
+        raise failure("out-of-range", message, call_site(), notes=(exists_note(kind, known, str(given)),))
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name}={getattr(self._model, name)}" for name in ("nq", "nv", "nu", "nbody"))

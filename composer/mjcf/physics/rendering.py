@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.physics.compile import engine
+from composer.mujoco_errors.sentence import Topic, read_sentence
 
 
 class Rendering:
@@ -47,7 +48,7 @@ def _renderer(model: Any, height: int, width: int) -> Any:
     try:
         return engine().Renderer(model, height, width)
     except Exception as error:
-        if "framebuffer" in str(error):
+        if read_sentence(str(error)).topic is Topic.FRAMEBUFFER:
             size = f"{width} times {height} pixels"
             message = f"OpenGL has no room for a picture of {size}: {error}"
             raise failure("out-of-range", message, call_site()) from error

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +34,5 @@ def failed(message: str, expected: str, actual: str, *at: str | int, more: Itera
 
 def unknown(kind: str, name: str, known: Iterable[str], *at: str | int) -> Finding:
     """A name that nothing has. `known` are the names as the recipe would write them."""
-    known = [each for each in known if each]
-    return Finding(
-        f"there is no {kind} `{name}`",
-        at,
-        (exists_note(kind, known, name).message,),
-        "unknown-name",
-        did_you_mean(name, known),
-    )
+    found = unknown_name(kind, name, [each for each in known if each])
+    return Finding(found.message, at, tuple(note.message for note in found.notes), found.code, found.help)
