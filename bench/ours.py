@@ -10,6 +10,7 @@ from composer.diagnostics import Sink
 from composer.link.link import finish, link
 from composer.link.linking import Linking
 from composer.link.part import Part, Place
+from composer.link.request import Request
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.write import write
@@ -23,7 +24,9 @@ def attached(arm: Path, hand: Path, site: str) -> bytes:
     sink = Sink()
     base, unit = parse_file(arm, sink), parse_file(hand, sink)
     assert base is not None and unit is not None
-    return _linked(Linking(base, [Part(unit, "hand/", Place("site", site))], sink, settled=_SETTLED))
+    return _linked(
+        Linking(base, [Part(unit, "hand/", Place("site", site))], sink, Request(overridden_options=_SETTLED))
+    )
 
 
 def copies(model: Path, count: int) -> bytes:
@@ -33,7 +36,7 @@ def copies(model: Path, count: int) -> bytes:
     assert unit is not None
     base = Unit(etree.Element("mujoco"), "", Path(), "world")
     parts = [Part(unit.copied() if number else unit, f"{number}/") for number in reversed(range(count))]
-    return _linked(Linking(base, parts, sink, conflict="merge"))
+    return _linked(Linking(base, parts, sink, Request(conflict="merge")))
 
 
 def _linked(linking: Linking) -> bytes:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from composer.diagnostics.sink import Sink
 
@@ -36,7 +36,8 @@ class ReadRecipe:
 class Context:
     """The environment variables, the folder that paths are shown from, where faults go, and how to fetch.
 
-    `recipes` is the memory of one run: the recipe files that it has read, none of which is read twice.
+    `recipes` is the memory of one run: the recipe files that it has read, none of which is read twice. `concrete` has
+    what it made last of these and of values, with what was found (`plan/concrete.py`).
     """
 
     sink: Sink = field(default_factory=Sink)
@@ -44,6 +45,7 @@ class Context:
     folder: Path = field(default_factory=Path.cwd)
     fetching: Fetching | None = None
     recipes: dict[Path, ReadRecipe] = field(default_factory=dict)
+    concrete: dict[tuple[object, ...], tuple[Any, tuple[Diagnostic, ...]]] = field(default_factory=dict)
 
     def shown(self, path: Path) -> str:
         """A path as messages name it: from the user's folder where it is below that."""

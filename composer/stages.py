@@ -1,9 +1,23 @@
-"""From a recipe to a verified bundle: the stages in order. Each takes what the one before it gives."""
+"""From the text of a recipe to a verified bundle. Each stage takes what the one before it gives:
+
+    read       text of the recipe → located tree                 plan/read.py, document/load.py
+    merge      trees of it and of what it extends → one tree     plan/read.py, document/merge.py
+    expand     parameters, variants, `when`, `${…}` → concrete   plan/concrete.py, expand/expand.py
+    validate   concrete tree → `Recipe`                          plan/concrete.py, recipe/validate.py
+    resolve    model references → files                          plan/planner.py, sources/resolve.py
+    plan       `Recipe` → `Plan`                                 plan/planner.py
+    compose    plan → units, on which the recipe's steps act     compose/compose.py
+    link       units → one flat tree                             link/link.py, called by compose
+    bundle     tree and files → `Bundle`                         bundle/assemble.py
+    verify     bundle → MuJoCo's verdict, the recipe's checks    verify/compile_report.py, verify/checks.py
+
+`planned` is the first six, which a recipe that is nested in another goes through too; `built` is the rest.
+"""
 
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,9 +30,10 @@ from composer.compose.load import Library
 from composer.context import Context
 from composer.document.node import locate
 from composer.link.measure import measure_with
+from composer.plan.concrete import Given
 from composer.plan.locked import check_lock
 from composer.plan.plan import Plan
-from composer.plan.planner import Given, plan_what_remains
+from composer.plan.planner import plan_what_remains
 
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session
@@ -38,31 +53,58 @@ class Built:
     merged: Merged
 
 
+@dataclass(frozen=True, slots=True)
+class Request:
+    """One model that is asked for.
+
+    `given` are values of parameters and variants; `name` is that of a cell of the matrix or of a `sample`, whose draws
+    the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are kept once.
+    """
+
+    recipe: Path
+    given: Given = field(default_factory=dict)
+    name: str | None = None
+    sample: int = 0
+    verified: bool = True
+    deduplicated: bool = False
+
+
 def build(
-    recipe: Path,
+    request: Request,
     context: Context,
     *,
-    verified: bool = True,
-    deduplicated: bool = False,
-    limits: Limits | None = None,
     session: Session | None = None,
-    given: Given | None = None,
-    name: str | None = None,
-    sample: int = 0,
-    plan: Plan | None = None,
+    limits: Limits | None = None,
     library: Library | None = None,
     hear: Hear | None = None,
 ) -> Built | None:
     """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
 
-    `given` are values of parameters and variants, `name` that of a cell of the matrix or of a sample, whose draws it
-    has; a `plan` was made of them already. `library` has source files that were read before; `hear` is told what came
-    of each check. All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends with
-    the build.
+    All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends with the build.
+    `library` has source files that were read before; `hear` is called with the outcome of each check.
     """
-    plan = plan or plan_what_remains(recipe, context, given, name, sample)
+    plan = planned(request, context)
     if plan is None:
         return None
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session(limits))
+        return built(plan, request, context, session, library, hear)
+
+
+def planned(request: Request, context: Context) -> Plan | None:
+    """Read, merge, expand, validate, resolve, plan: what can be built of the recipe; None where nothing can."""
+    return plan_what_remains(request.recipe, context, request.given, request.name, request.sample)
+
+
+def built(
+    plan: Plan,
+    request: Request,
+    context: Context,
+    session: Session,
+    library: Library | None = None,
+    hear: Hear | None = None,
+) -> Built | None:
+    """Compose, link, bundle, verify: the model of a plan; None where `context.sink` has errors."""
     checks: list[Checked] = []
 
     def note(outcome: Outcome) -> None:
@@ -70,29 +112,28 @@ def build(
         if hear is not None:
             hear(outcome)
 
-    with ExitStack() as stack:
-        session = session or stack.enter_context(engine.Session(limits))
-        check_lock(plan, context)
-        composer = Composer(context, measure_with(context, session=session), session, library=library)
-        if (composed := composer.compose(plan)) is None:
-            return None
-        merged: Merged = {}
-        if deduplicated:
-            merged, files = _deduplicated(plan, composed)
-            composed = replace(composed, files=files)
-        if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
-            return None
-        compiled = _verified(plan, composed, bundle, context, session, merged, note) if verified else None
-        if composed.tabled and not context.sink.has_errors:
-            bundle = _with_table(plan, composed, bundle, compiled, context, session, deduplicated)
+    check_lock(plan, context)
+    composer = Composer(context, measure_with(context, session=session), session, library=library)
+    if (composed := composer.compose(plan)) is None:
+        return None
+    merged: Merged = {}
+    if request.deduplicated:
+        merged, files = _deduplicated(plan, composed)
+        composed = replace(composed, files=files)
+    if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+        return None
+    compiled = None
+    if request.verified:
+        compiled = _verified(plan, composed, bundle, context, session, merged, note)
+    if composed.tabled and not context.sink.has_errors:
+        bundle = _with_table(plan, composed, bundle, compiled, context, session, request.deduplicated)
     if context.sink.has_errors:
         return None
     making = Making(
-        plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), name,
+        plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), request.name,
         composed.drawn,
     )  # fmt: skip
-    bundle = described(bundle, making, context)
-    return Built(plan, composed, bundle, compiled, merged)
+    return Built(plan, composed, described(bundle, making, context), compiled, merged)
 
 
 def _deduplicated(plan: Plan, composed: Composed) -> tuple[Merged, tuple[FileUse, ...]]:

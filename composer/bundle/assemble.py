@@ -98,13 +98,13 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
     """The bundle with its manifest."""
     plan, compiled, model = making.plan, making.compiled, making.model
     named = list(sources(plan))
-    portable = Portable(plan.path, (source for _, source in named), _origins(plan), model, context)
+    names = portable(plan, model, context)
     licences = _licences(named)
-    inputs = tuple(_input(source, licences.of[label], portable) for label, source in named)
+    inputs = tuple(_input(source, licences.of[label], names) for label, source in named)
     renamed = renamed_in(model, making.members)
     index = None
     if compiled is not None and compiled.index is not None:
-        index = index_of(compiled.index, written_in(model, compiled.index, portable.place))
+        index = index_of(compiled.index, written_in(model, compiled.index, names.place))
     manifest = Manifest(
         name=plan.name,
         description=plan.description,
@@ -120,22 +120,27 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
         draws=tuple(_draw(each) for each in making.drawn),
         inputs=inputs,
         parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
-        read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, portable)),
+        read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
         licences=_by_licence(inputs, making.members),
         files=files_of(bundle),
         merged=making.merged,
         checks=tuple(
-            Check(name=each.name, kind=each.kind, values=dict(each.values), origin=portable.place(each.span))
+            Check(name=each.name, kind=each.kind, values=dict(each.values), origin=names.place(each.span))
             for each in making.checks
         ),
         index=index,
         warnings=tuple(
-            f"{each.code}: {portable.text(each.message)}"
+            f"{each.code}: {names.text(each.message)}"
             for each in context.sink.diagnostics
             if each.code not in _OF_THE_LOCK
         ),
     )
     return with_manifest(bundle, manifest)
+
+
+def portable(plan: Plan, model: Unit, context: Context) -> Portable:
+    """What the files of a plan are called in its manifest."""
+    return Portable(plan.path, plan.sources(), _origins(plan), model, context)
 
 
 def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str, str]]:

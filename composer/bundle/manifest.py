@@ -287,8 +287,20 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 
 def to_json(manifest: Manifest) -> bytes:
     """The manifest's text: fields in the order of the schema, two spaces a level, UTF-8, a final newline."""
-    data = manifest.model_dump(mode="json")
+    return _text(manifest.model_dump(mode="json"))
+
+
+def _text(data: Any) -> bytes:
     return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def with_read(manifest: bytes, recipe: str, hashes: Mapping[str, str]) -> bytes:
+    """A manifest with another hash of its recipe, and of the files that were read, by their names in it."""
+    data = json.loads(manifest)
+    data["recipe"]["sha256"] = recipe
+    for each in data["read"]:
+        each["sha256"] = hashes.get(each["path"], each["sha256"])
+    return _text(data)
 
 
 def from_json(text: bytes | str) -> Manifest:

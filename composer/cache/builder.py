@@ -9,9 +9,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.cache.cache_key import BuildOptions, CacheKey
 from composer.cache.files import now
-from composer.cache.options import Order, of_cell
-from composer.cache.question import Question
 from composer.cache.result import Made, fresh, load_files, load_packed, recalled
 from composer.sources.blobs import key_of
 
@@ -43,39 +42,39 @@ class Maker:
     def __init__(
         self,
         recipe: Path,
-        order: Order,
+        options: BuildOptions,
         cache: Cache | None,
         context: Context,
         form: str | None = None,
         place: Place = lambda name, mujoco: None,
     ) -> None:
-        self.recipe, self.order, self.cache, self.context = recipe, order, cache, context
+        self.recipe, self.options, self.cache, self.context = recipe, options, cache, context
         self.form, self.place = form, place
         self.library: Library = {}
         self._inputs: Inputs | None = None
-        self._question: Question | None = None
+        self._key: CacheKey | None = None
         self._since = now()
 
-    def question(self, cell: str | None = None, values: Mapping[str, str] | None = None) -> Question | None:
+    def key(self, cell: str | None = None, values: Mapping[str, str] | None = None) -> CacheKey | None:
         """What the model of the recipe, or a cell of it, is called by the cache."""
         if self.cache is None:
             return None
-        if self._question is None:
-            self._question = self.order.question(
+        if self._key is None:
+            self._key = self.options.key(
                 self.recipe, self.context.folder, self.context.environment, self.cache.store.folder
             )
-        return self._question if cell is None else of_cell(self._question, cell, values or {})
+        return self._key if cell is None else self._key.of_cell(cell, values or {})
 
     def recall(
-        self, question: Question | None, context: Context, outcomes: list[Outcome] | None = None
+        self, key: CacheKey | None, context: Context, outcomes: list[Outcome] | None = None
     ) -> tuple[Made | None, tuple[str, ...]]:
         """The model if the cache knows it, before anything is read; or why it does not.
 
         What was told of it goes to the context's sink once more, what came of its checks to `outcomes`.
         """
-        if self.cache is None or question is None:
+        if self.cache is None or key is None:
             return None, ("the cache is not used",)
-        found = self.cache.find(question)
+        found = self.cache.find(key)
         if found.record is None:
             return None, found.why
         made = self._with_files(found.record, found.answer)
@@ -89,36 +88,35 @@ class Maker:
     def make(
         self,
         context: Context,
-        session: Session | None,
+        session: Session,
         given: Mapping[str, Node],
         name: str | None = None,
         sample: int = 0,
-        question: Question | None = None,
+        key: CacheKey | None = None,
         why: tuple[str, ...] = (),
         outcomes: list[Outcome] | None = None,
     ) -> Made | None:
         """Plan the model, and build it unless the cache knows what is planned; faults go to the context's sink."""
-        from composer.plan.planner import plan_what_remains
-        from composer.stages import build
+        from composer import stages
 
         outcomes = [] if outcomes is None else outcomes
-        plan = plan_what_remains(self.recipe, context, given, name, sample)
+        request = stages.Request(
+            self.recipe, given, name, sample, self.options.verified, self.options.deduplicated
+        )
+        plan = stages.planned(request, context)
         if plan is None:
             return None
-        if question is not None and self.order.text_beside is None and not context.sink.has_errors:
-            known = self._recall_planned(plan, name, context, question, outcomes)
+        if key is not None and self.options.text_beside is None and not context.sink.has_errors:
+            known = self._recall_planned(plan, name, context, key, outcomes)
             if known is not None:
                 return known
-        built = build(
-            self.recipe, context, plan=plan, verified=self.order.verified, deduplicated=self.order.deduplicated,
-            session=session, name=name, library=self.library, hear=outcomes.append,
-        )  # fmt: skip
+        built = stages.built(plan, request, context, session, self.library, outcomes.append)
         if built is None:
             return None
         from composer.bundle.licence_table import licence_rows
 
-        made = fresh(built, licence_rows(plan, context), why, question)
-        if self.order.text_beside is None:
+        made = fresh(built, licence_rows(plan, context), why, key)
+        if self.options.text_beside is None:
             self._keep(made, outcomes, context, name)
         return made
 
@@ -175,23 +173,18 @@ class Maker:
         files = load_files(record, self.cache)
         return None if files is None else replace(made, bundle=Bundle(files, record.model))
 
-    def _planned(self, plan: Plan, cell: str | None) -> Question:
-        """The question for what is planned, whatever recipe file says it."""
-        from composer.cache.concrete import concrete
-
-        base = self.question()
-        assert base is not None
-        parts = {name: value for name, value in base.parts.items() if name not in self.order.choices}
-        return Question(
-            "", {**parts, "cell": cell or "", "sample": str(plan.sample), "plan": key_of(concrete(plan))}
-        )
+    def _planned(self, plan: Plan, cell: str | None) -> CacheKey:
+        """The key of what is planned, whatever recipe file says it."""
+        key = self.key()
+        assert key is not None
+        return key.of_plan(plan, cell, self.options.choices)
 
     def _recall_planned(
-        self, plan: Plan, cell: str | None, context: Context, question: Question, outcomes: list[Outcome]
+        self, plan: Plan, cell: str | None, context: Context, key: CacheKey, outcomes: list[Outcome]
     ) -> Made | None:
         """A model that another state of the recipe file gave, told as this one gives it."""
-        from composer.cache.concrete import places
         from composer.cache.inputs import may_move
+        from composer.cache.places import places
         from composer.verify.checks import places as places_of_checks
 
         assert self.cache is not None
@@ -213,25 +206,26 @@ class Maker:
             return None
         _tell(record, context, outcomes)
         if not may_move(context):
-            self.cache.keep(question, record, [*recipes, *answer.inputs], answer.packages)
+            self.cache.keep(key, record, [*recipes, *answer.inputs], answer.packages)
         return replace(made, why=(_SETTLED,))
 
     def _of_recipes(self, record: Record, states: Mapping[str, str]) -> Record | None:
         """The record of the same model made by other bytes of its recipes, whose hashes are in its manifest."""
         from composer.bundle.bundle import MANIFEST, Bundle
+        from composer.bundle.manifest import with_read
 
         assert self.cache is not None
-        if record.recipes == states:
+        recipes = tuple(replace(each, sha256=states.get(each.path, "")) for each in record.recipes)
+        if recipes == record.recipes:
             return record
         files = load_files(record, self.cache)
-        if files is None or record.recipes.keys() != states.keys():
+        if files is None or len(recipes) != len(states) or not all(each.sha256 for each in recipes):
             return None
-        manifest = files[MANIFEST].decode()
-        for path, state in states.items():
-            manifest = manifest.replace(record.recipes[path], state)
-        bundle = Bundle({**files, MANIFEST: manifest.encode()}, record.model)
+        hashes = {each.name: each.sha256 for each in recipes}
+        manifest = with_read(files[MANIFEST], recipes[0].sha256, hashes)
+        bundle = Bundle({**files, MANIFEST: manifest}, record.model)
         known = {file.sha256: file.source for file in record.files if file.source is not None}
-        return replace(record, sha256=bundle.sha256, files=self._kept(bundle, known), recipes=dict(states))
+        return replace(record, sha256=bundle.sha256, files=self._kept(bundle, known), recipes=recipes)
 
     def _keep(
         self,
@@ -242,13 +236,14 @@ class Maker:
         text: bytes | None = None,
     ) -> None:
         """Remember a model that was built now, unless something that it was made of has changed meanwhile."""
+        from composer.bundle.assemble import portable
         from composer.bundle.bundle import MANIFEST
-        from composer.cache.concrete import places, tells_places
-        from composer.cache.entry import Record
+        from composer.cache.entry import KeptRecipe, Record
         from composer.cache.inputs import may_move
+        from composer.cache.places import places, tells_places
 
-        cache, built, question = self.cache, made.built, made.question
-        if cache is None or built is None or question is None:
+        cache, built, key = self.cache, made.built, made.key
+        if cache is None or built is None or key is None:
             return
         names, files = self._names(), cache.files
         files.forget()
@@ -266,17 +261,19 @@ class Maker:
         if text is not None:
             digest = sha256(text).hexdigest()
             cache.keep_raw(digest, text)
+        name = portable(built.plan, built.composed.model, context).name
         record = Record(
             made.name, built.bundle.model, made.sha256, made.sizes, made.merged,
             self._kept(built.bundle, known) if text is None else (), digest,
             made.mujoco, made.licences, tuple(context.sink.diagnostics), tuple(outcomes), made.draws,
-            {each.path: each.state for each in recipes}, places(built.plan), False,
+            tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
+            places(built.plan), False,
             built.plan.cells, built.plan.cells_at,
         )  # fmt: skip
         record = replace(record, tells_places=tells_places(built.plan, record, built.bundle.files[MANIFEST]))
         packages = list(names.packages(built.plan))
         if not may_move(context):
-            cache.keep(question, record, [*recipes, *others], packages)
+            cache.keep(key, record, [*recipes, *others], packages)
         if text is None:
             cache.keep(self._planned(built.plan, cell), record, others, packages)
 

@@ -1,13 +1,10 @@
 """The build cache: what was built is not built again while nothing changed that it depends on.
 
-    asked/    what was asked for, the files that were read for it and their hashes → a record; the last question of a
-              subject; the last content of an output
-    built/    records of builds that went well (`record.py`)
-    raw/      files that no source has, such as `model.xml`, by their sha256
-    packed/   files as a zip holds them, by their sha256 and how hard they are packed
-
-A question is answered twice: before anything is read, by the recipe's path and the command's options, and after
-planning, by the concrete recipe. The second finds what a changed recipe file has left as it was.
+asked/    by the digest of a key, the files that were read and their hashes → a record; the last key of a subject;
+the last content of an output
+built/    records of builds that went well (`entry.py`)
+raw/      files that no source has, such as `model.xml`, by their sha256
+packed/   files as a zip holds them, by their sha256 and how hard they are packed
 """
 
 from __future__ import annotations
@@ -20,10 +17,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from composer.cache.cache_key import CacheKey
 from composer.cache.entry import KeptFile, Record, from_json, to_json
 from composer.cache.files import Files, Seen, seen
 from composer.cache.outputs import is_written, note_written
-from composer.cache.question import Question, differences
+from composer.cache.reasons import differences
 from composer.sources import blobs
 from composer.sources.blobs import key_of
 from composer.sources.store import ENTRY, KINDS, Store
@@ -32,7 +30,7 @@ if TYPE_CHECKING:
     from composer.bundle.packing import Packed
 
 _ANSWERS = 4
-"""How many states of its files a question has an answer for: another branch of a repository, and back."""
+"""How many states of its files a key has an answer for: another branch of a repository, and back."""
 
 LOST = "what was kept of it is damaged or was removed"
 
@@ -42,7 +40,7 @@ Package = tuple[str, str, str]
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A record, and what it depends on besides the question."""
+    """A record, and what it depends on besides the key."""
 
     record: str
     inputs: tuple[Seen, ...]
@@ -68,9 +66,9 @@ class Cache:
     broken: bool = False
     grown: bool = False
 
-    def find(self, question: Question) -> Found:
+    def find(self, key: CacheKey) -> Found:
         """The record of what is asked for; or why there is none."""
-        answers = self._answers(question.key)
+        answers = self._answers(key.digest)
         for answer in answers:
             if self._changes(answer):
                 continue
@@ -78,10 +76,10 @@ class Cache:
             if record is None:
                 return Found(why=(LOST,))
             if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
-                self._refresh(question, answer, answers)
+                self._refresh(key, answer, answers)
             self._mark_used(answer)
             return Found(record, answer)
-        return Found(why=self._why(question, answers))
+        return Found(why=self._why(key, answers))
 
     def _mark_used(self, answer: Answer) -> None:
         """Mark as used what was fetched and the answer needs."""
@@ -94,14 +92,14 @@ class Cache:
                 os.utime(self.store.folder / folder / ENTRY)
 
     def keep(
-        self, question: Question, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
+        self, key: CacheKey, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
     ) -> None:
-        """Remember the answer to a question."""
+        """Remember the answer to a key."""
         text = to_json(record)
-        key = key_of([text.decode()])
-        self._put("built", key, text)
-        answer = Answer(key, tuple(inputs), tuple(packages))
-        self._write(question, [answer, *self._answers(question.key)])
+        digest = key_of([text.decode()])
+        self._put("built", digest, text)
+        answer = Answer(digest, tuple(inputs), tuple(packages))
+        self._write(key, [answer, *self._answers(key.digest)])
 
     def keep_raw(self, sha256: str, content: bytes) -> None:
         if not blobs.has(self.store.folder, "raw", sha256):
@@ -176,26 +174,26 @@ class Cache:
             if not os.path.isfile(file)
         ]
 
-    def _why(self, question: Question, answers: Sequence[Answer]) -> tuple[str, ...]:
+    def _why(self, key: CacheKey, answers: Sequence[Answer]) -> tuple[str, ...]:
         if answers:
             return tuple(self._changes(answers[0]))
-        before = _read(self.store.folder, question.subject_key)
+        before = _read(self.store.folder, key.subject_digest)
         if not isinstance(before, dict):
             return ("it was not built before, or nothing of that was kept",)
         with contextlib.suppress(TypeError, AttributeError):
-            if told := differences(before, question.parts):
+            if told := differences(before, key.parts):
                 return told
         return ("nothing was kept of its last build",)
 
-    def _refresh(self, question: Question, answer: Answer, answers: Sequence[Answer]) -> None:
+    def _refresh(self, key: CacheKey, answer: Answer, answers: Sequence[Answer]) -> None:
         """The answer first, with its files' stamps as they are now."""
         now = Answer(
             answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages
         )
         if now != answers[0]:
-            self._write(question, [now, *(each for each in answers if each is not answer)])
+            self._write(key, [now, *(each for each in answers if each is not answer)])
 
-    def _write(self, question: Question, answers: Sequence[Answer]) -> None:
+    def _write(self, key: CacheKey, answers: Sequence[Answer]) -> None:
         states: set[tuple[str, ...]] = set()
         kept = []
         for each in answers:
@@ -211,8 +209,8 @@ class Cache:
             }
             for each in kept[:_ANSWERS]
         ]
-        self._put("asked", question.key, _dump(data))
-        self._put("asked", question.subject_key, _dump(dict(question.parts)))
+        self._put("asked", key.digest, _dump(data))
+        self._put("asked", key.subject_digest, _dump(dict(key.parts)))
 
     def _put(self, kind: str, key: str, content: bytes) -> None:
         self._keep(lambda: blobs.put(self.store.folder, kind, key, content))

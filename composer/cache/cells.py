@@ -45,7 +45,7 @@ def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = Non
     matrix = read_matrix(recipe, context, given)
     if matrix is None:
         return []
-    return with_samples(matrix.document, matrix.cells, matrix.name, given or {}, context.sink)
+    return with_samples(context.folder / recipe, matrix, given or {}, context)
 
 
 def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:
@@ -108,11 +108,11 @@ def made_cells(
         own = replace(context, sink=Sink())
         outcomes: list[Outcome] = []
         values = {f"`{name}`": _text(node) for name, node in cell.given.items()}
-        question = maker.question(cell.name, {**values, "the sample": str(cell.sample)})
-        made, why = maker.recall(question, own, outcomes)
+        key = maker.key(cell.name, {**values, "the sample": str(cell.sample)})
+        made, why = maker.recall(key, own, outcomes)
         if made is None:
             made = maker.make(
-                own, session, {**given, **cell.given}, cell.name, cell.sample, question, why, outcomes
+                own, session, {**given, **cell.given}, cell.name, cell.sample, key, why, outcomes
             )
         yield MadeCell(cell, own, made, outcomes)
 

@@ -25,13 +25,22 @@ class KeptFile:
 
 
 @dataclass(frozen=True, slots=True)
+class KeptRecipe:
+    """A recipe file, its name in the manifest, and its hash then."""
+
+    path: str
+    name: str
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
 class Record:
     """A build that went well. `text` is the hash of the model's text alone, where that was asked for; `mujoco` is
     the version that compiled it.
 
     `draws` are the numbers that a sample has drawn, by their columns in a table; None for what is no sample.
-    `recipes` are the recipe files and their hashes then, `places` is a hash of where everything stands in them, and
-    `tells_places` says that something of this would be wrong if it stood elsewhere. `cells` is how many cells the
+    `recipes` are the recipe files, the one that is built first. `places` is a hash of where everything stands in them,
+    and `tells_places` says that something of this would be wrong if it stood elsewhere. `cells` is how many cells the
     recipe's matrix has, where this is the model of none of them, and `cells_at` the place of the first.
     """
 
@@ -47,7 +56,7 @@ class Record:
     diagnostics: tuple[Diagnostic, ...]
     checks: tuple[Outcome, ...]
     draws: Mapping[str, Value] | None
-    recipes: Mapping[str, str]
+    recipes: tuple[KeptRecipe, ...]
     places: str
     tells_places: bool
     cells: int
@@ -55,13 +64,15 @@ class Record:
 
 
 def to_json(record: Record) -> bytes:
-    return json.dumps(asdict(record), ensure_ascii=True).encode()
+    # `default` is for sets.
+    return json.dumps(asdict(record), ensure_ascii=True, default=sorted).encode()
 
 
 def from_json(text: bytes) -> Record:
     """What `to_json` gave. Raises ValueError, KeyError and TypeError for anything else."""
     data: dict[str, Any] = json.loads(text)
     data["files"] = tuple(KeptFile(**each) for each in data["files"])
+    data["recipes"] = tuple(KeptRecipe(**each) for each in data["recipes"])
     data["licences"] = tuple(Row(**{**each, "files": tuple(each["files"])}) for each in data["licences"])
     data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
     data["checks"] = tuple(
@@ -91,6 +102,7 @@ def _diagnostic(data: dict[str, Any]) -> Diagnostic:
         notes,
         data["help"],
         others,
+        subjects=frozenset(data["subjects"]),
     )
 
 

@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from composer.sources.licence_name import licence_names
+from composer.sources.licence import licence_names
 
 Stamp = tuple[int, int, int, int]
 """What changes when a file does, as far as one can tell without reading it: size, times of the last change of content

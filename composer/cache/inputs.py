@@ -11,7 +11,7 @@ from composer.cache.packages import PACKAGES, installed
 from composer.context import Context
 from composer.plan.plan import Plan
 from composer.plan.used_files import files_of_recipe, files_of_source
-from composer.sources.licence_name import licence_folders
+from composer.sources.licence import licence_folders
 from composer.sources.source import Source
 from composer.stages import Built
 

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from composer.bundle.licence_table import Row
     from composer.bundle.packing import Packed
     from composer.cache.cache import Cache
+    from composer.cache.cache_key import CacheKey
     from composer.cache.entry import Record
-    from composer.cache.question import Question
     from composer.diagnostics.span import Span
     from composer.expr.value import Value
     from composer.stages import Built
@@ -42,7 +42,7 @@ class Made:
     why: tuple[str, ...] = ()
     mujoco: str | None = None
     licences: tuple[Row, ...] = ()
-    question: Question | None = None
+    key: CacheKey | None = None
     inputs: tuple[str, ...] = ()
     draws: Mapping[str, Value] | None = None
     cells: int = 0
@@ -50,13 +50,13 @@ class Made:
     replaced: Mapping[str, Any] = field(default_factory=dict)
 
 
-def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], question: Question | None) -> Made:
+def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], key: CacheKey | None) -> Made:
     """A model that was built now."""
     sizes = built.compiled.sizes if built.compiled else None
     mujoco = built.compiled.mujoco_version if built.compiled else None
     return Made(
         built.plan.name, built.bundle.sha256, sizes, built.merged, built, bundle=built.bundle, why=why,
-        mujoco=mujoco, licences=tuple(licences), question=question, draws=_draws(built),
+        mujoco=mujoco, licences=tuple(licences), key=key, draws=_draws(built),
         cells=built.plan.cells, cells_at=built.plan.cells_at,
     )  # fmt: skip
 

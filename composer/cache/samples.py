@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from pathlib import Path
 
+from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.document.node import Mapping, Node, Scalar, find, locate
-from composer.expand.expand import expand
 from composer.expand.matrix import Cell
+from composer.plan.concrete import expanded
+from composer.plan.matrix import Matrix
 from composer.recipe.randomize import MAX_SAMPLES
 
 MAX_MODELS = 1_000_000
@@ -23,21 +26,22 @@ def sample_name(name: str, sample: int) -> str:
     return f"{name}-s{sample:04d}"
 
 
-def with_samples(
-    document: Mapping, cells: list[Cell], name: str, given: dict[str, Node], sink: Sink
-) -> list[Cell]:
-    """Every cell, or the recipe called `name` if it has no matrix, as its samples, the nominal model first.
+def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Context) -> list[Cell]:
+    """Every cell, or the recipe if it has no matrix, as its samples, the nominal model first.
 
     What draws nothing stays as it is, and so does that of which one model with a table is wanted.
     """
+    document, cells, sink = matrix.document, matrix.cells, context.sink
     if not {"randomize", "variants"} & document.entries.keys() or (
         "matrix" in document.entries and not cells
     ):
         return cells
     before = sink.error_count
     found: list[Cell] = []
-    for cell in cells or [Cell(name, {}, document.span)]:
-        concrete = expand(document, {**given, **cell.given}, Sink()).document
+    for cell in cells or [Cell(matrix.name, {}, document.span)]:
+        made = expanded(path, {**given, **cell.given}, replace(context, sink=Sink()))
+        assert made is not None
+        concrete = made.document
         if "randomize" in concrete.entries:
             _check_axes(concrete, cell, sink)
             found += _samples(concrete, cell)

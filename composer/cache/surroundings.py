@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
+from composer.sources.kinds import KINDS
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -16,7 +18,5 @@ def python_version() -> str:
 
 def environment_parts(environment: Mapping[str, str]) -> dict[str, str]:
     """The variables that decide which file a model reference stands for, by what a person calls them."""
-    from composer.sources.kinds import KINDS
-
     names = sorted({name for kind in KINDS for name in kind.variables})
     return {f"the variable `{name}`": environment[name] for name in names if name in environment}

@@ -63,7 +63,7 @@ def command(
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     from composer.bundle.output_error import OutputError
     from composer.cache.builder import Maker
-    from composer.cache.options import Order
+    from composer.cache.cache_key import BuildOptions
     from composer.context import Context
 
     how = fetching()
@@ -81,7 +81,7 @@ def command(
     wanted = Wanted(
         "build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form, why, licenses
     )
-    order = Order(
+    order = BuildOptions(
         wanted.verified, dedup, wanted.text_beside(context.folder), choices.named(context),
         how.locked, how.offline,
     )  # fmt: skip
@@ -89,7 +89,7 @@ def command(
         maker = Maker(recipe, order, cache, context, kind, partial(wanted.place, context.folder))
         reasons: tuple[str, ...] = ()
         if one:
-            known, reasons = maker.recall(maker.question(), context)
+            known, reasons = maker.recall(maker.key(), context)
             if known is not None:
                 sys.exit(finish(known, maker, wanted, context, None))
         given = choices.values(context)

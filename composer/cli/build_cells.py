@@ -45,7 +45,7 @@ def build_cells(
         report(context, wanted.form)
         return code
     if not chosen:
-        made, why = maker.recall(maker.question(), context)
+        made, why = maker.recall(maker.key(), context)
         if made is not None:
             return finish(made, maker, wanted, context, session)
         return build_one(maker, wanted, given, context, session, why)

@@ -34,7 +34,7 @@ def command() -> None:
 @format_options(("text", "json"))
 def info(form: str) -> None:
     """Print where the store is, its size, and what is in it."""
-    from composer.sources.blob import blobs_in
+    from composer.sources.blobs import blobs_in
 
     store, _ = _store()
     entries = store.entries()
@@ -111,7 +111,7 @@ def verify(fix: bool, form: str) -> None:
     Damaged files of built models are removed: they are built again when they are needed.
     """
     from composer.diagnostics.diagnostic import Note
-    from composer.sources.blob import blobs_in
+    from composer.sources.blobs import blobs_in
     from composer.sources.error import SourceError
 
     store, context = _store()

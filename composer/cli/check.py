@@ -55,7 +55,7 @@ def command(
     asks for.
     """
     from composer.cache.builder import Maker
-    from composer.cache.options import Order
+    from composer.cache.cache_key import BuildOptions
     from composer.context import Context
 
     code = 0
@@ -67,7 +67,9 @@ def command(
         if context.sink.has_errors:
             report(context, form)
             sys.exit(USAGE)
-        order = Order(not no_verify, choices=choices.named(context), locked=how.locked, offline=how.offline)
+        order = BuildOptions(
+            not no_verify, choices=choices.named(context), locked=how.locked, offline=how.offline
+        )
         with caching(context, no_cache) as cache:
             look = _Check(Maker(recipe, order, cache, context), context, timeout, form)
             if not (every or picks or only_samples):
@@ -103,14 +105,14 @@ class _Check:
         """Check the one model that the recipe is without a cell; `alone` says that nobody asked for the cells."""
         maker, context = self.maker, self.context
         outcomes: list[Outcome] = []
-        question = maker.question()
-        made, why = maker.recall(question, context, outcomes)
+        key = maker.key()
+        made, why = maker.recall(key, context, outcomes)
         if made is None:
             from composer.engine import Limits, Session
 
             progress(f"checking {maker.recipe}")
             with Session(Limits(seconds=self.timeout)) as session:
-                made = maker.make(context, session, given, question=question, why=why, outcomes=outcomes)
+                made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
         self.suites.append(suite_of(maker.recipe, outcomes, context))
         self.counted = _counted(len(outcomes))
         self.code = exit_code(context.folder, [maker.recipe]) if made is None else 0

@@ -66,7 +66,7 @@ class Choices:
 
     def named(self, context: Context) -> dict[str, str]:
         """The values as text, by what a person calls them: what the build cache compares. Nothing is judged."""
-        from composer.cache.values import content_of, name_of
+        from composer.cache.reasons import content_of, name_of
 
         found: dict[str, str] = {}
         for file in self.set_files:

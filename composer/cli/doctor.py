@@ -89,7 +89,7 @@ def _git() -> Finding:
 
 
 def _store() -> Finding:
-    from composer.sources.blob import blobs_in
+    from composer.sources.blobs import blobs_in
     from composer.sources.error import SourceError
     from composer.sources.store import Store
 

@@ -16,8 +16,8 @@ from composer.cli.reporting import USAGE, exit_code, report, say
 if TYPE_CHECKING:
     from composer.cli.choices import Choices
     from composer.context import Context
+    from composer.plan.concrete import Given
     from composer.plan.plan import Plan
-    from composer.plan.planner import Given
     from composer.sources.fetching import Fetching
     from composer.sources.lock import Lock
     from composer.sources.lock_file import Disputed
@@ -99,7 +99,7 @@ def made_lock(
 def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
     """The matrix may choose sources that the recipe alone does not name."""
     from composer.cache.cells import cells_of
-    from composer.plan.choosing import parameters_choose
+    from composer.plan.pieces import parameters_choose
     from composer.plan.planner import plan_what_remains
     from composer.plan.read import read_recipe
 

@@ -45,10 +45,10 @@ def command(
     from composer.context import Context
     from composer.expr.value import shown
     from composer.plan.describe import Subtrees, as_data, describe
+    from composer.plan.drawn_parameters import check_sample
     from composer.plan.expanded import expanded_text
     from composer.plan.matrix import LikeCell, like_first_cell
     from composer.plan.planner import make_plan
-    from composer.plan.samples import check_sample
 
     context = Context(fetching=fetching())
     given = choices.values(context)

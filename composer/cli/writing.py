@@ -32,7 +32,7 @@ def build_one(
 ) -> int:
     """Build the one model that the recipe is; gives the exit code."""
     progress(f"building {maker.recipe}")
-    made = maker.make(context, session, given, question=maker.question(), why=why)
+    made = maker.make(context, session, given, key=maker.key(), why=why)
     return finish(made, maker, wanted, context, session)
 
 

@@ -70,14 +70,15 @@ _BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inerti
 def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
     """The arrays, or ends of their names without `tag`, that follow from an attribute of its elements.
 
-    What is computed from the inertia of everything, or from a gain, is among them: it follows from all.
+    What is computed from the inertia of everything, or from a gain, is among them: it follows from all. The array that
+    keeps the attribute itself is always among them.
 
     >>> sorted(arrays_of("friction", "geom") - arrays_of("friction"))
     ['body_friction', 'geom_friction']
     """
     ends = _BECOMES.get(attribute, attribute).split()
     if tag is None:
-        return {*ends, *DERIVED, *_own(attribute, TAGS)}
+        return {*ends, *DERIVED, *(array.partition("_")[2] or array for array in _own(attribute, TAGS))}
     kind = _KINDS.get(tag, tag)
     starts = [KINDS[kind].arrays if kind in KINDS else kind, *_BEYOND.get(kind, [])]
     following = {end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends}

@@ -19,14 +19,14 @@ _CLOSE = 1e-6
 
 
 def same_stiffness(alone: Model, composed: Model, joint: int, target: int) -> bool:
-    """Whether the stiffness of a joint, which `springdamper` gives, is the same in units of its inertia."""
+    """Whether stiffness times inverse inertia, in 1/s², is the same: by it `springdamper` sets the stiffness."""
     mine = float(alone.jnt_stiffness[joint]) * _inverse_inertia(alone, joint)
     theirs = float(composed.jnt_stiffness[target]) * _inverse_inertia(composed, target)
     return math.isclose(mine, theirs, rel_tol=_CLOSE)
 
 
 def same_damping(alone: Model, composed: Model, joint: int, target: int) -> bool:
-    """Whether the damping of a joint, which `springdamper` gives, is the same in units of its inertia."""
+    """Whether damping times inverse inertia, in 1/s, is the same: `springdamper` gives the damping of a joint by it."""
     mine = float(alone.dof_damping[alone.jnt_dofadr[joint]]) * _inverse_inertia(alone, joint)
     theirs = float(composed.dof_damping[composed.jnt_dofadr[target]]) * _inverse_inertia(composed, target)
     return math.isclose(mine, theirs, rel_tol=_CLOSE)

@@ -16,7 +16,10 @@ _OF_THE_PLACE = frozenset(
 
 
 def unequal_arrays(a: Model, b: Model) -> list[str]:
-    """The attributes of `mjModel` that are not equal, `opt.timestep` and the like among them."""
+    """The attributes of `mjModel` that are not equal, `opt.timestep` and the like among them; NaN equals NaN.
+
+    Both models must be of one MuJoCo: an attribute that only the first one has counts as unequal.
+    """
     found = [
         name
         for name, value in _plain(a)

@@ -31,7 +31,11 @@ class Link:
 
 
 def links(model: Model, kind: str, index: int) -> list[Link]:
-    """The references of one element, always the same fields in the same order."""
+    """The references of one element, always the same fields in the same order.
+
+    A material has one for each role of a texture, an actuator one for each of the ids in `actuator_trnid` that its
+    transmission reads. A geom that was fitted to a mesh has none to it, although MuJoCo 3 leaves the id there.
+    """
     reader = _READERS.get(kind)
     return list(reader(model, index)) if reader else []
 

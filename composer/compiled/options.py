@@ -18,7 +18,7 @@ _VISUAL = ("global_", "quality", "headlight", "map", "scale", "rgba")
 
 
 def option_differences(alone: Model, composed: Model) -> list[Difference]:
-    """Where the simulation and visual settings of a composition are not those of a part alone."""
+    """The settings of `opt` and `vis` in which a composition differs from a part alone, bit for bit."""
     found = _differing("option", alone.opt, composed.opt)
     for group in _VISUAL:
         found += _differing(
@@ -28,7 +28,7 @@ def option_differences(alone: Model, composed: Model) -> list[Difference]:
 
 
 def statistic_differences(alone: Model, composed: Model) -> list[Difference]:
-    """Where the statistics differ, written or computed."""
+    """The numbers of `stat` that differ, written or computed."""
     return _differing("statistic", alone.stat, composed.stat)
 
 

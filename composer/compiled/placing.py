@@ -15,7 +15,7 @@ _POSED = {"body": "body", "geom": "geom", "site": "site", "camera": "cam"}
 
 
 class Placing:
-    """The rigid transform from the part's world to the frame of the body it is mounted on.
+    """The rigid transform from the part's world to the frame of the body it is mounted on: metres, and w x y z.
 
     ``transform`` is the mount's pose or, where that is not known, what became of the first root; None for a
     part with nothing at its root.

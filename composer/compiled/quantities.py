@@ -1,4 +1,4 @@
-"""What the arrays of `mjModel` are called by people, their units, and the attributes of MJCF that they come from."""
+"""The words, units and MJCF attributes of the arrays of `mjModel`, for people who read a comparison."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.compiled.joints import ANGULAR
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """``unit`` is that of slides and of all that is no joint; ``angular`` that of hinges, where it is another one."""
+    """`unit` is that of slides and of everything but joints; `angular` that of hinges if it is another one."""
 
     words: str
     unit: str = ""

@@ -20,7 +20,10 @@ _VERTEX_PAIRS = Rows("flex_evpairadr", counted("flex_evpairnum"))
 
 
 def runs(model: Model, kind: str, index: int) -> Iterator[Run]:
-    """The data of one element, array by array, always in the same order. References are left to ``links``."""
+    """The data of one element, array by array, in a fixed order; shape (n,) or (n, width) as in `mjModel`.
+
+    Arrays that the MuJoCo at hand does not have are left out. References are left to ``links``.
+    """
     reader = _READERS.get(kind)
     if reader:
         yield from reader(model, index)

@@ -31,7 +31,10 @@ def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
 
 
 def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Rule | None]]:
-    """The arrays of one kind with one row an element (or a dof), in order of their names."""
+    """The arrays of one kind with one row an element (or a dof), shape (n,) or (n, width), in order of their names.
+
+    An array that happens to be as long as there are elements is one of them, too: `fields` says how it is compared.
+    """
     count = len(model.dof_bodyid) if kind == DOF else len(getattr(model, KINDS[kind].addresses))
     for name in _arrays_of(cast("Hashable", type(model))).get(kind, ()):
         array = getattr(model, name)
@@ -64,7 +67,7 @@ def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[n
 
 
 def same_width(a: Array, b: Array) -> tuple[Array, Array]:
-    """Two tables, the narrower filled up with columns of zeros."""
+    """Two tables, shape (n, width), the narrower filled up with columns of zeros."""
     width = max(a.shape[1], b.shape[1])
     return _widened(a, width), _widened(b, width)
 

@@ -1,4 +1,4 @@
-"""The units of what a compiled model measures and is told. Runs in the child process; imports no MuJoCo.
+"""The units of the controls and sensors of a compiled model. Runs in the child process; imports no MuJoCo.
 
 Angles are radians, lengths metres, as MuJoCo holds them. A quaternion has no unit and is called one; `1` is a plain
 number; None where the unit depends on what the model means by it.

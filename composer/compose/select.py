@@ -23,7 +23,7 @@ from composer.recipe.fault import Path
 from composer.recipe.subscript import attribute_and_index
 from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of
-from composer.tree.pattern import SlowPattern
+from composer.tree.pattern import BadPattern, is_pattern
 from composer.tree.select import BadXPath, Selection
 from composer.tree.selector import XPATH, Selector, paths_of
 
@@ -35,8 +35,8 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     selection = _selection(editing)
     try:
         return selection.of(selector)
-    except SlowPattern as slow:
-        editing.sink.error("selector", slow.message, editing.span(path), help=slow.help)
+    except BadPattern as bad:
+        editing.sink.error("selector", bad.message, editing.span(path), help=bad.help)
     except BadXPath as error:
         editing.sink.error(
             "selector",
@@ -72,19 +72,16 @@ def counted(
 
 def _selection(editing: Editing) -> Selection:
     def holds(node: Node, selector: Selector) -> bool:
-        return _holds(editing, node, selector)
+        return _holds(editing, selection, node, selector)
 
-    return Selection(
-        editing.root,
-        editing.classes,
-        editing.linking.request.separator,
-        editing.parts,
-        editing.linking.base_class,
-        holds,
+    linking = editing.linking
+    selection = Selection(
+        editing.root, editing.classes, linking.request.separator, editing.parts, linking.base_class, holds
     )
+    return selection
 
 
-def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
+def _holds(editing: Editing, selection: Selection, node: Node, selector: Selector) -> bool:
     at = (*selector.at, "where")
     values = Values(editing, node, 0, at)
     if isinstance(selector.where, str):
@@ -113,8 +110,8 @@ def _holds(editing: Editing, node: Node, selector: Selector) -> bool:
         meant = values.of(wanted, (*at, key), have)
         if attribute.is_number:
             meant = _in_its_unit(values, attribute, index, meant)
-        if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_glob(meant):
-            if not matcher(meant, editing.linking.request.separator)(str(have)):
+        if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_pattern(meant):
+            if not selection.fits(meant)(str(have)):
                 return False
         elif not equal(attribute, have, meant):
             return False
@@ -161,7 +158,7 @@ def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
     help = None
     if selector.tag != XPATH:
         names = _selection(editing).names(selector)
-        near = [] if is_glob(selector.pattern) else closest(selector.pattern, names)
+        near = [] if is_pattern(selector.pattern) else closest(selector.pattern, names)
         if near:
             help = f"did you mean `{selector.tag}: {near[0]}`?"
         elif is_glob(selector.pattern) and not selector.pattern.startswith("**"):

@@ -316,6 +316,9 @@ class Causes:
         yield _cause("element", span, None, side)
         yield from self._removed(node, 1 - side)
         yield from self._conditions(span)
+        # An element that only one side names is not found on the other: the reason may be the edit that names it.
+        for place in reversed(list(self._places(side, node, "name"))):
+            yield _cause("`name`", place, None, side)
 
     def _removed(self, node: Node, side: int) -> Iterator[Cause]:
         """What took the element away on a side that read it too."""

@@ -17,7 +17,7 @@ from composer.diff.models import contrast, told
 from composer.diff.operand import Kind, read_operand
 from composer.diff.renders import render_views
 from composer.diff.side import Side, load
-from composer.plan.planner import Given
+from composer.plan.concrete import Given
 
 if TYPE_CHECKING:
     from composer.engine import Session

@@ -24,9 +24,10 @@ from composer.explain.trace import Trace
 from composer.explain.traced import Traced
 from composer.link.measure import measure_with
 from composer.mujoco_errors.message import CRASHES, Fault, parse
+from composer.plan.concrete import Given
 from composer.plan.matrix import read_matrix
 from composer.plan.plan import Plan
-from composer.plan.planner import Given, make_plan, plan_what_remains
+from composer.plan.planner import make_plan, plan_what_remains
 from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
 from composer.verify.compile_report import judge

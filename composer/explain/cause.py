@@ -6,14 +6,32 @@ import inspect
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from composer.bundle.collect import collect
+from composer.compose.elements import settle_joints
+from composer.compose.reference_check import check_names
 from composer.diagnostics.span import Span
 from composer.document.node import find, locate
 from composer.explain.explanation import Reason
-from composer.explain.trace import Cause, Change, Life, Move, Trace
-from composer.link.angles import model_angle
-from composer.link.inertia import MEASURED
-from composer.link.limits import model_autolimits
+from composer.explain.trace import Cause, Change, Function, Life, Move, Trace
+from composer.link.agreement import agreement
+from composer.link.angles import angles, model_angle
+from composer.link.bodies import bodies
+from composer.link.body_reduction import body_reduction
+from composer.link.compiler import compiler, model_autolimits
+from composer.link.defaults import defaults
+from composer.link.files import add_file, files
+from composer.link.fitting import fitting
+from composer.link.inertia import MEASURED, inertia
+from composer.link.keyframes import keyframes
+from composer.link.lengthranges import lengthranges
+from composer.link.link import row_of
+from composer.link.names import names
 from composer.link.part import Part
+from composer.link.replicates import replicates
+from composer.link.root_rules import roots
+from composer.link.sections import sections
+from composer.link.submodel_options import submodel_options
+from composer.link.submodels import submodels
 from composer.plan.plan import DropElements, Plan
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.edit_elements import EditElements
@@ -32,10 +50,10 @@ _DEFAULT = Settings()
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 
 
-# Passes that write a value in another way, or under another name: it comes from where it came from before.
-REWRITES = frozenset(
-    "names angles files submodels add_file collect defaults compiler keyframes check_names".split()
-)
+def rewrites(cause: Cause) -> bool:
+    """Whether it writes a value in another way, or under another name: the value comes from where it came from."""
+    row = row_of(cause.done)
+    return row.rewrites if row is not None else cause.function in (add_file, collect, check_names)
 
 
 class Causes:
@@ -47,7 +65,7 @@ class Causes:
     def change(self, change: Change, life: Life) -> Reason:
         """Why an attribute changed."""
         cause = change.cause
-        known = _CHANGES.get(cause.name)
+        known = _CHANGES.get(cause.function)
         if known is not None:
             told = known(self, change, life)
             if told is not None:
@@ -58,7 +76,7 @@ class Causes:
         """Why there is an element that was read from no file."""
         cause = life.made_by
         assert cause is not None
-        known = _MADE.get(cause.name)
+        known = _MADE.get(cause.function)
         if known is not None:
             return known(self, life, cause)
         return self._step(cause, life.owner, None)
@@ -67,7 +85,7 @@ class Causes:
         """Why an element that a pass made has the value of an attribute."""
         cause = life.made_by
         assert cause is not None
-        known = _VALUES.get(cause.name)
+        known = _VALUES.get(cause.function)
         told = None if known is None else known(self, life, cause, attribute)
         return told or self.made(life)
 
@@ -75,15 +93,15 @@ class Causes:
         """Why there is an element no more."""
         cause = life.gone
         assert cause is not None
-        known = _GONE.get(cause.name)
+        known = _GONE.get(cause.function)
         return known(self, life, cause) if known is not None else self._step(cause, None, None)
 
     def move(self, move: Move, life: Life) -> Reason | None:
         """Why an element stands elsewhere; None where that means nothing, as in a section that was joined."""
         cause = move.cause
-        if cause.name in ("sections", "defaults", "compiler", "keyframes"):
+        if cause.function in (sections, defaults, compiler, keyframes):
             return None
-        if cause.name == "bodies":
+        if cause.function is bodies:
             return None if cause.part is None else Reason(f"hung {place(cause.part)}", _hung_at(cause.part))
         if (
             move.before is not None
@@ -399,55 +417,57 @@ def _by_plan(plan: Plan, attribute: str | None) -> Reason:
 
 
 def _summary(done: object) -> str:
-    """What a pass says of itself."""
+    """What a pass says of itself in its row, another function in the first line of its docstring."""
+    if (row := row_of(done)) is not None:
+        return row.words
     module = inspect.getmodule(done)
     text = (inspect.getdoc(done) or getattr(module, "__doc__", None) or type(done).__name__).strip()
     return text.splitlines()[0].removeprefix("Pass: ").rstrip(".")
 
 
-_CHANGES: dict[str, Callable[[Causes, Change, Life], Reason | None]] = {
-    "names": Causes._names,
-    "reductions": Causes._reductions,
-    "angles": Causes._angles,
-    "inertia": Causes._inertia,
-    "fitting": Causes._fitting,
-    "lengthranges": Causes._lengthranges,
-    "submodel_options": Causes._adopted,
-    "agreement": Causes._agreement,
-    "files": Causes._files,
-    "submodels": Causes._files,
-    "add_file": Causes._files,
-    "collect": Causes._same_file,
-    "defaults": Causes._defaults,
-    "compiler": Causes._compiler,
-    "keyframes": Causes._keyframes,
-    "settle_joints": Causes._settled,
-    "check_names": Causes._main,
+_CHANGES: dict[Function | None, Callable[[Causes, Change, Life], Reason | None]] = {
+    names: Causes._names,
+    body_reduction: Causes._reductions,
+    angles: Causes._angles,
+    inertia: Causes._inertia,
+    fitting: Causes._fitting,
+    lengthranges: Causes._lengthranges,
+    submodel_options: Causes._adopted,
+    agreement: Causes._agreement,
+    files: Causes._files,
+    submodels: Causes._files,
+    add_file: Causes._files,
+    collect: Causes._same_file,
+    defaults: Causes._defaults,
+    compiler: Causes._compiler,
+    keyframes: Causes._keyframes,
+    settle_joints: Causes._settled,
+    check_names: Causes._main,
 }
-_MADE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
-    "replicates": Causes._unrolled,
-    "reductions": Causes._reduced,
-    "inertia": Causes._inertia_made,
-    "submodel_options": Causes._adopted_made,
-    "agreement": Causes._agreement_made,
-    "defaults": Causes._defaults_made,
-    "bodies": Causes._bodies_made,
-    "compiler": Causes._compiler_made,
-    "keyframes": Causes._keyframes_made,
-    "sections": Causes._section_made,
+_MADE: dict[Function | None, Callable[[Causes, Life, Cause], Reason]] = {
+    replicates: Causes._unrolled,
+    body_reduction: Causes._reduced,
+    inertia: Causes._inertia_made,
+    submodel_options: Causes._adopted_made,
+    agreement: Causes._agreement_made,
+    defaults: Causes._defaults_made,
+    bodies: Causes._bodies_made,
+    compiler: Causes._compiler_made,
+    keyframes: Causes._keyframes_made,
+    sections: Causes._section_made,
 }
-_VALUES: dict[str, Callable[[Causes, Life, Cause, str], Reason | None]] = {
-    "agreement": Causes._agreement_value,
-    "bodies": Causes._bodies_value,
-    "compiler": Causes._compiler_value,
-    "defaults": Causes._defaults_value,
+_VALUES: dict[Function | None, Callable[[Causes, Life, Cause, str], Reason | None]] = {
+    agreement: Causes._agreement_value,
+    bodies: Causes._bodies_value,
+    compiler: Causes._compiler_value,
+    defaults: Causes._defaults_value,
 }
 _COMPUTED = {
     "mate": "computed, so that what `mate` names lies on the place",
     "replicate": "computed: the place of this copy",
 }
-_GONE: dict[str, Callable[[Causes, Life, Cause], Reason]] = {
-    "reductions": Causes._reduced,
-    "inertia": Causes._inertia_made,
-    "roots": Causes._weld,
+_GONE: dict[Function | None, Callable[[Causes, Life, Cause], Reason]] = {
+    body_reduction: Causes._reduced,
+    inertia: Causes._inertia_made,
+    roots: Causes._weld,
 }

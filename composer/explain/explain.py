@@ -15,8 +15,9 @@ from composer.explain.explanation import (
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
 from composer.link.measure import measure_with
-from composer.plan.planner import Given, make_plan
-from composer.plan.samples import check_sample
+from composer.plan.concrete import Given
+from composer.plan.drawn_parameters import check_sample
+from composer.plan.planner import make_plan
 from composer.tree.parse import parse_file
 
 if TYPE_CHECKING:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean
 from composer.grammar import GRAMMAR, ElementType
-from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of, naming_attribute, query, tags_of
 from composer.tree.names import WORLD
+from composer.tree.pattern import fitter, is_pattern
+from composer.tree.selector import EVERYTHING
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -74,7 +75,10 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
 
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:
-    """The elements of a model that a query means, in the order of the model; lines are not looked up here."""
+    """The elements of a model that a query means, in the order of the model; lines are not looked up here.
+
+    Raises `BadPattern`.
+    """
     found = [node for node in ordered(root) if asked.kinds is None or _counts(kind_of(node)) in asked.kinds]
     if asked.number is not None:
         return found[asked.number : asked.number + 1]
@@ -82,10 +86,13 @@ def find(asked: Asked, root: Node, separator: str) -> list[Node]:
         return found
     if asked.name == WORLD and (asked.kinds is None or "body" in asked.kinds):
         return list(root.iterchildren("worldbody"))
-    if is_glob(asked.name):
-        fits = matcher(asked.name, separator)
-        return [node for node in found if asked.name == "**" or fits(name_of(node) or "")]
-    return [node for node in found if name_of(node) == asked.name]
+    if not is_pattern(asked.name):
+        return [node for node in found if name_of(node) == asked.name]
+    if asked.name == EVERYTHING:
+        return found
+    names = {name for node in found if (name := name_of(node))}
+    meant = set(filter(fitter(asked.name, lambda: names, separator), names))
+    return [node for node in found if name_of(node) in meant]
 
 
 def _counts(kind: ElementType) -> str:

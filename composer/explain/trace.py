@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from types import FunctionType
 from typing import TYPE_CHECKING
 
 from composer.diagnostics.span import Span
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
 Owner = str | Span | Place
+Function = Callable[..., object]
 TAG = "<tag>"
 
 
@@ -30,9 +32,9 @@ class Cause:
     linking: Linking | None = None
 
     @property
-    def name(self) -> str:
-        """The name of a pass or another function; that of the class of a step."""
-        return str(getattr(self.done, "__name__", type(self.done).__name__))
+    def function(self) -> Function | None:
+        """A pass or another function that has run; None for a step, a source or a plan."""
+        return self.done if isinstance(self.done, FunctionType) else None
 
     @property
     def is_pass(self) -> bool:

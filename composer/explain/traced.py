@@ -9,11 +9,12 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.compose.elements import settle_joints
 from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.explain import query
-from composer.explain.cause import REWRITES, Causes, place
+from composer.explain.cause import Causes, place, rewrites
 from composer.explain.derived import givers, is_derived, total
 from composer.explain.explanation import (
     AttributeExplained,
@@ -37,6 +38,7 @@ from composer.tree.classes import MAIN, ORIENTATIONS, Classes
 from composer.tree.effective import chain as class_chain
 from composer.tree.effective import class_in_force, given, levels, value
 from composer.tree.kinds import kind_of
+from composer.tree.pattern import BadPattern
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -71,9 +73,15 @@ class Traced:
 
     def answer(self, asked: query.Asked, context: Context) -> Explained | None:
         """The answer to a query; None where there is none, which is told."""
-        found = (
-            self._on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
-        )
+        try:
+            found = (
+                self._on_line(*asked.line)
+                if asked.line
+                else query.find(asked, self.model.root, self.separator)
+            )
+        except BadPattern as bad:
+            context.sink.error("selector", bad.message, help=bad.help)
+            return None
         if not found:
             elsewhere = attached_notes(self.model, asked.name) if asked.name else []
             not_found(asked, self.model.root, context.sink, [*self._left_out(asked), *elsewhere])
@@ -264,7 +272,7 @@ class Traced:
                 told = self.causes.move(change, life) if only is None else None
                 if told is not None:
                     yield Changed(None, None, None, told)
-            elif only in (None, change.attribute) and change.cause.name != "settle_joints":
+            elif only in (None, change.attribute) and change.cause.function is not settle_joints:
                 yield self._changed(change, life)
 
     def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[Changed]:
@@ -272,7 +280,7 @@ class Traced:
         if life.made_by is None or life.made_by.is_pass or not callable(life.owner):
             return
         settled = {each.attribute: each.after or "" for each in life.changes
-                   if isinstance(each, Change) and each.cause.name == "settle_joints"}  # fmt: skip
+                   if isinstance(each, Change) and each.cause.function is settle_joints}  # fmt: skip
         element = life.owner(None)
         for name, text in {**life.attributes, **settled}.items():
             span = life.owner(name)
@@ -348,7 +356,7 @@ class Traced:
 
     def origin_of(self, life: Life, attribute: str) -> Reason:
         for change in reversed(life.of(attribute)):
-            if change.cause.name not in REWRITES:
+            if not rewrites(change.cause):
                 told = self.causes.change(change, life)
                 return Reason("" if told.span else told.words, told.span)
         if life.made_by is not None and life.made_by.is_pass:
@@ -397,7 +405,7 @@ class Traced:
             self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)
         ]
         for change in life.of(attribute):
-            if change.cause.name not in REWRITES:
+            if not rewrites(change.cause):
                 found.append(self.causes.change(change, life).span)
         return [span for span in dict.fromkeys(found) if span is not None]
 

@@ -20,7 +20,7 @@ from composer.importing.likeness import Likeness
 from composer.importing.match import Instance
 from composer.importing.propose import Proposal, propose
 from composer.importing.recipe_text import recipe_text
-from composer.stages import build
+from composer.stages import Request, build
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 
@@ -152,7 +152,7 @@ class _Recovery:
         own = Context(environment=context.environment, folder=context.folder)
         try:
             trial.write_text(text, encoding="utf-8")
-            result = build(trial, own, session=self.session)
+            result = build(Request(trial), own, session=self.session)
         finally:
             trial.unlink(missing_ok=True)
         faults = [

@@ -24,7 +24,7 @@ from composer.tree.unit import Unit
 SINGLETONS = ("option", "visual", "statistic")
 # Sizes only make room: the larger of two serves both.
 _LARGEST = ("njmax", "nconmax", "nstack", "nuserdata")
-# Older ways to say how much memory there is, which MuJoCo refuses beside `memory`.
+# Older ways to say how much memory there is. MuJoCo 4.0 refuses `<size memory="1M" njmax="5"/>`: "at most one of".
 INSTEAD_OF_MEMORY = ("njmax", "nstack")
 _SMALLER_IS_SAFER = (
     "timestep",
@@ -76,7 +76,17 @@ class _Wish:
 
 
 def agreement(linking: Linking) -> None:
-    """Compare what every unit writes, then merge the sizes."""
+    """Compare what every unit writes, then merge the sizes.
+
+    Sizes make room for both; what contradicts the base is reported:
+
+    >>> from composer.link.example import after
+    >>> part = '<option gravity="0 0 0"/><size nuserdata="3"/>'
+    >>> base = '<option gravity="0 0 -1"/>'
+    >>> after(agreement, part, base)
+    base: <size nuserdata="3"/>
+    error: `p/` wants `option.gravity` to be `0 0 0`, the model has `0 0 -1`
+    """
     if not linking.parts:
         return
     model = dict(written(linking.base))
@@ -334,6 +344,8 @@ _USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser
 
 def _user_widths(linking: Linking) -> None:
     """A written `nuser_*` must be wide enough for the user data of every unit."""
+    # MuJoCo 4.0 refuses `<size nuser_geom="1"/>` beside `<geom user="1 2"/>` ("more values than nuser_geom"); without
+    # a written width it takes the widest.
     for size in linking.base.root.iterchildren("size"):
         for name, value in size.items():
             if not str(name).startswith("nuser_") or int(value) < 0:

@@ -20,7 +20,16 @@ _INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
 
 
 def alignment(linking: Linking) -> None:
-    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says."""
+    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler alignfree="true"/>'
+    ...     '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
+    ... )
+    >>> after(alignment, part)
+    part: <worldbody><body><freejoint align="true"/><geom size=".1"/></body></worldbody>
+    """
     if not linking.composed:
         return
     stubborn = [
@@ -39,6 +48,8 @@ def alignment(linking: Linking) -> None:
             if joint.get("align") in (None, "", "auto"):
                 joint.set("align", str(wanted).lower())
         for joint, plain in list(_free_joints(unit)):
+            # MuJoCo 4.0 knows `align` on `<freejoint>` only: `<joint type="free" align="true"/>` violates the schema.
+            # But a `<freejoint/>` takes no joint defaults: its armature is 0 whatever they say.
             if plain:
                 _make_freejoint(joint, wanted)
             else:

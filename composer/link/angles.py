@@ -25,7 +25,16 @@ _OF_BALLS = ("range", "springyield")
 
 
 def angles(linking: Linking) -> None:
-    """Rewrite each unit that differs from what the model will say."""
+    """Rewrite each unit that differs from what the model will say.
+
+    The part is in degrees, MuJoCo's default, and the base is not:
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><body euler="180 0 0"><joint range="0 90"/></body></worldbody>'
+    >>> base = '<compiler angle="radian"/>'
+    >>> after(angles, part, base)
+    part: <worldbody><body euler="3.141592653589793 0 0"><joint range="0 1.5707963267948966"/></body></worldbody>
+    """
     unit, sequence = model_angle(linking), linking.base.settings.eulerseq
     for part in linking.units:
         settings = part.settings
@@ -169,6 +178,7 @@ def _is_angle(unit: Unit, classes: Classes, joint: Node, childclass: str | None,
     if attribute != _LIMITED:
         return True
     limited = classes.effective(joint, childclass, "limited") or "auto"
+    # MuJoCo 4.0 turns only a range that limits: `<joint range="0 90" limited="false"/>` compiles to 0 90.
     if limited != "auto":
         return limited == "true"
     low, high = [*numbers.read(classes.effective(joint, childclass, "range") or ""), 0.0, 0.0][:2]

@@ -14,7 +14,7 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.link import numbers
 from composer.link.alignment import is_leaf
 from composer.link.angles import model_angle
-from composer.link.flex_joints import taken_back
+from composer.link.flexes import taken_back
 from composer.link.layout import JOINTS, joint_type
 from composer.link.linking import Linking
 from composer.link.part import Part
@@ -30,7 +30,14 @@ _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
 
 def bodies(linking: Linking) -> None:
-    """Hang the parts in their order; a part that hangs on another part waits for it."""
+    """Hang the parts in their order; a part that hangs on another part waits for it.
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><body/></worldbody>'
+    >>> base = '<worldbody><site name="s" pos="0 0 1"/></worldbody>'
+    >>> after(bodies, part, base, on="s")
+    model: <worldbody><site name="s" pos="0 0 1"/><frame pos="0 0 1" childclass="p/"><body/></frame></worldbody>
+    """
     waiting = list(linking.parts)
     tops: dict[Part, Node] = {}
     while waiting:

@@ -6,7 +6,6 @@ from lxml.etree import _Element as Node
 
 from composer.link.angles import model_angle
 from composer.link.inertia import MEASURED
-from composer.link.limits import model_autolimits
 from composer.link.linking import Linking
 from composer.tree.line import line_of, set_line
 
@@ -17,13 +16,21 @@ _NO_EFFECT = ("coordinate", "usethread", "conflict")
 
 
 def compiler(linking: Linking) -> None:
-    """Write the base's settings once, as they now hold for every part."""
+    """Write the base's settings once, as they now hold for every part.
+
+    >>> from composer.link.example import after
+    >>> base = '<compiler angle="radian" meshdir="m" inertiafromgeom="true"/>'
+    >>> after(compiler, base=base)
+    model: <compiler angle="radian"/>
+    """
     root = linking.base.root
     written: dict[str, str] = {}
     settings: list[Node] = []
     children = []
     first = next(root.iterchildren("*"), None)
     at = root.index(first) if first is not None and first.tag == "compiler" else None
+    # Of several `<compiler>` the last one counts, for elements above it, too: in MuJoCo 4.0 `<joint ref="90"/>` between
+    # `<compiler angle="radian"/>` and `<compiler angle="degree"/>` has a reference of 1.5708.
     for element in list(root.iterchildren("compiler")):
         written.update({str(name): str(value) for name, value in element.items()})
         children.extend(list(element))
@@ -54,3 +61,12 @@ def compiler(linking: Linking) -> None:
         linking.base.insert(element)
     else:
         root.insert(at, element)
+
+
+def model_autolimits(linking: Linking) -> str:
+    """What the model says of `autolimits`.
+
+    MuJoCo refuses a range without an explicit `limited` under `false`, so that a unit which compiles with `false`
+    means the same under `true`.
+    """
+    return "false" if all(unit.settings.autolimits == "false" for unit in linking.units) else "true"

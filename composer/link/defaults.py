@@ -11,13 +11,14 @@ from collections.abc import Mapping, Set
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from composer.link.flex_joints import in_world, keep_in_main
+from composer.link.flexes import in_world, keep_in_main
 from composer.link.linking import Linking
 from composer.tree.classes import NESTED, says_something
 from composer.tree.comments import above
 from composer.tree.unit import Unit
 
-# Sections whose elements take a class but stand outside the body tree, where no childclass reaches them.
+# Sections whose elements take a class but stand outside the body tree, where no childclass reaches them: MuJoCo 4.0
+# gives a `<motor joint="j"/>` gear 1 though the body of `j` has a childclass with `<motor gear="5"/>`.
 _CLASSED: Mapping[str, tuple[str, ...] | None] = {
     "asset": ("mesh", "material", "texture"),
     "contact": ("pair",),
@@ -29,7 +30,20 @@ _TREE = ("joint", "geom", "site", "camera", "light")
 
 
 def defaults(linking: Linking) -> None:
-    """Wrap the top classes, move all classes under the base's, and name the class of what has none."""
+    """Wrap the top classes, move all classes under the base's, and name the class of what has none.
+
+    The actuator stands outside of the body tree and has to name the class:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<default><motor gear="2"/></default>'
+    ...     '<worldbody><site name="s"/></worldbody>'
+    ...     '<actuator><motor site="s"/></actuator>'
+    ... )
+    >>> after(defaults, part)
+    base: <default><default class="p/"><motor gear="2"/></default></default>
+    part: <actuator><motor site="p/s" class="p/"/></actuator>
+    """
     base = linking.base
     for unit in linking.units:
         unit.forget_classes()
@@ -118,7 +132,10 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
             del section.attrib["class"]
         if outer is None:
             section.append(wrapped)
-        else:  # what a later section says of the top class does not reach the classes of an earlier one
+        else:
+            # What a later section says of the top class does not reach the classes of an earlier one: MuJoCo 4.0 copies
+            # the parent when it reads a class. In `<default><geom size=".1"/><default class="c"/></default>
+            # <default><geom size=".2"/></default>` the class `c` has size 0.1.
             outer.append(wrapped)
             root.remove(section)
         outer = wrapped

@@ -19,7 +19,13 @@ Taken = dict[str, tuple[str, bytes | None]]
 
 
 def files(linking: Linking) -> None:
-    """`assets/LABEL/path` for each file; two units of one label share a folder only while no path clashes."""
+    """`assets/LABEL/path` for each file; two units of one label share a folder only while no path clashes.
+
+    >>> from composer.link.example import after
+    >>> part = '<compiler meshdir="meshes"/><asset><mesh file="link.obj"/></asset>'
+    >>> after(files, part)
+    part: <asset><mesh file="assets/part/link.obj"/></asset>
+    """
     taken: Taken = {}
     for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
         named = list(file_attributes(unit.root))

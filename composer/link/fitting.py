@@ -17,7 +17,17 @@ _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 
 
 def fitting(linking: Linking) -> None:
-    """Measure the fitted primitives of each unit that fits them to the bounding box."""
+    """Measure the fitted primitives of each unit that fits them to the bounding box.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler fitaabb="true"/>'
+    ...     '<asset><mesh name="m" vertex="-1 -1 -1 1 1 1 -1 1 1 1 -1 1 1 1 -1 -1 -1 1 -1 1 -1 1 -1 -1"/></asset>'
+    ...     '<worldbody><geom type="sphere" mesh="m"/></worldbody>'
+    ... )
+    >>> after(fitting, part)  # doctest: +ELLIPSIS
+    part: <worldbody><geom type="sphere" size="1"...
+    """
     for unit in linking.units if linking.composed else ():
         if unit.settings.fitaabb != "true":
             continue

@@ -23,7 +23,18 @@ _RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 
 
 def inertia(linking: Linking) -> None:
-    """Rewrite each unit whose rule differs; a model of one unit keeps its own rules."""
+    """Rewrite each unit whose rule differs; a model of one unit keeps its own rules.
+
+    A geom outside of `inertiagrouprange` gives its body no mass:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler inertiagrouprange="0 1"/>'
+    ...     '<worldbody><body><geom size=".1" group="2"/></body></worldbody>'
+    ... )
+    >>> after(inertia, part)
+    part: <worldbody><body><geom size=".1" group="2" mass="0"/></body></worldbody>
+    """
     if not linking.composed:
         return
     for unit in linking.units:
@@ -87,6 +98,8 @@ def _never_from_geoms(linking: Linking, unit: Unit) -> None:
 
 def _pose(body: Node) -> dict[str, str]:
     """The frame MuJoCo gives to an inertia that nothing sets: the body's own pose, as written."""
+    # MuJoCo 4.0 copies the frame of the body in its parent: with `<compiler inertiafromgeom="false"/>` the
+    # `<body pos="1 2 3"><geom size=".1"/></body>` has `body_ipos` 1 2 3.
     written = {name: str(body.get(name)) for name in ("pos", *ORIENTATIONS) if body.get(name)}
     return {"pos": "0 0 0", **written}
 

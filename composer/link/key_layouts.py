@@ -23,7 +23,16 @@ VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
 
 
 def layouts(linking: Linking) -> None:
-    """Note how each unit lays out its keys, while it is still by itself."""
+    """Note how each unit lays out its keys, while it is still by itself.
+
+    Keys that `nkey` asks for stay with their part when they are written:
+
+    >>> from composer.link.example import after
+    >>> part = '<size nkey="1"/>'
+    >>> after(layouts, part)
+    part: <size/>
+    part: <keyframe><key/></keyframe>
+    """
     for unit in linking.units if linking.parts else ():
         _write_padding(unit)
     for part in linking.parts:
@@ -73,6 +82,8 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
 
 def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
     """MuJoCo fills up what is short, and is asked with what."""
+    # MuJoCo 4.0 fills `qpos` up from the reference configuration: `<key qpos="1"/>` with `<joint/><joint ref="30"/>`
+    # becomes 1 0.5236.
     keys = keys_of(unit)
     for vector in ("qpos", "qvel", "act", "ctrl") if keys else ():
         rows = [str(key.get(vector) or "").split() for key in keys]

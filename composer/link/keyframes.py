@@ -24,7 +24,22 @@ from composer.tree.line import line_of, set_line
 
 
 def keyframes(linking: Linking) -> None:
-    """Write every key once, complete for the finished model; one that the recipe writes is as the recipe says."""
+    """Write every key once, complete for the finished model; one that the recipe writes is as the recipe says.
+
+    The two keys of one name become one, in the order of the joints:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<worldbody><body><joint/><geom size=".1"/></body></worldbody>'
+    ...     '<keyframe><key name="home" qpos="2"/></keyframe>'
+    ... )
+    >>> base = (
+    ...     '<worldbody><body><joint/><geom size=".1"/></body></worldbody>'
+    ...     '<keyframe><key name="home" qpos="1"/></keyframe>'
+    ... )
+    >>> after(keyframes, part, base)
+    model: <keyframe><key name="home" qpos="1 2"/></keyframe>
+    """
     _check_attached(linking)
     if linking.keys.base_layout is None:
         return

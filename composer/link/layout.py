@@ -183,6 +183,8 @@ class _Reader:
                 layout.joints[child] = self.known.get(child) or self.joint(child)
             elif child.tag == "body" or child.tag in _BLOCKS:
                 inner.append(child)
+        # A body's own joints come before those of its children, also if they are written later: in MuJoCo 4.0
+        # `<body><body><joint name="inner"/></body><joint name="outer"/></body>` has `outer` at qpos 0.
         for child in inner:
             if child.tag == "body":
                 self.visit(child, layout)

@@ -17,7 +17,18 @@ _ARRAYS = ("actuator_lengthrange",)
 
 
 def lengthranges(linking: Linking) -> None:
-    """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules."""
+    """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler><lengthrange mode="all"/></compiler>'
+    ...     '<worldbody><body><joint name="j" type="slide" range="0 1"/><geom size=".1"/></body></worldbody>'
+    ...     '<actuator><motor joint="j"/></actuator>'
+    ... )
+    >>> after(lengthranges, part)  # doctest: +ELLIPSIS
+    part: <compiler/>
+    part: <actuator><motor joint="j" lengthrange="-0.000...
+    """
     hanging = any(part.joints or part.place.kind != "world" for part in linking.parts)
     for unit in linking.units if linking.parts else ():
         rules = list(unit.root.iter("lengthrange"))

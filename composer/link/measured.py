@@ -51,7 +51,9 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     if len(slots) - brought == len(actuators):
         found.update(zip(actuators, slots, strict=False))
     elif (replicate := next(unit.root.iter("replicate"), None)) is not None:
-        raise Unknown(replicate)  # it multiplies actuators that refer to nothing in it: see `spurious.py`
+        raise Unknown(
+            replicate
+        )  # it multiplies actuators that refer to nothing in it: see `replicate_capture.py`
     unknown: list[Node] = []
     while True:
         try:

@@ -31,7 +31,17 @@ _MAY_REPEAT = ("model",)
 
 
 def names(linking: Linking) -> None:
-    """Rename part by part; afterwards `linking.names` knows every name of the model."""
+    """Rename part by part; afterwards `linking.names` knows every name of the model.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<worldbody><body name="b"><joint name="j"/></body></worldbody>'
+    ...     '<actuator><motor joint="j"/></actuator>'
+    ... )
+    >>> after(names, part)
+    part: <worldbody><body name="p/b"><joint name="p/j"/></body></worldbody>
+    part: <actuator><motor joint="p/j"/></actuator>
+    """
     _join(linking, linking.base, "", linking.base_class or MAIN, None)
     for part in linking.parts:
         _join(linking, part.unit, part.prefix, part.top_class, part)

@@ -43,6 +43,8 @@ def _one(value: float) -> str:
     return whole[:-2] if whole.endswith(".0") else whole
 
 
+# MuJoCo 4.0 rounds the two in different ways: `<joint ref="0.30000000000000004"/>` compiles to v * (pi / 180), which is
+# not v / 180 * pi to the last bit; `euler` is the other way round.
 def orientation_radians(degrees: float) -> float:
     """As MuJoCo turns the angles of orientations into radians."""
     return degrees / 180.0 * math.pi

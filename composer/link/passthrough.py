@@ -13,7 +13,13 @@ _NAME = "passthrough"
 
 
 def passthrough(linking: Linking) -> None:
-    """Let the model say what its textures are used to; refuse units of which some ask for it and some do not."""
+    """Let the model say what its textures are used to; refuse units of which some ask for it and some do not.
+
+    >>> from composer.link.example import after
+    >>> part = '<compiler passthrough="textures"/><asset><texture name="t" type="2d" file="t.png"/></asset>'
+    >>> after(passthrough, part)
+    base: <compiler passthrough="textures"/>
+    """
     if not linking.parts or not any(map(_asks, linking.units)):
         return
     asking: list[tuple[Unit, Node]] = []

@@ -26,7 +26,19 @@ _COPIED = frozenset(
 
 
 def spurious(linking: Linking) -> None:
-    """Refuse a replicate that would change another unit."""
+    """Refuse a replicate that would change another unit.
+
+    MuJoCo would copy the clock of the base, too, and the replicate must stay as the `<exclude>` refers to it:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<worldbody><replicate count="2"><body name="b"/></replicate></worldbody>'
+    ...     '<contact><exclude body1="b" body2="b"/></contact>'
+    ... )
+    >>> base = '<sensor><clock/></sensor>'
+    >>> after(spurious, part, base)
+    error: the `<replicate>` of `part.xml` would multiply the `<clock>` without a name of `base.xml`, too
+    """
     if not linking.notes.replicates:
         return
     places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}

@@ -1,19 +1,162 @@
-"""Pass: whose replicate is whose, while the units are apart; those that cannot stay are written out."""
+"""Pass: whose replicate is whose, while the units are apart; those that cannot stay are written out.
+
+A replicate cannot stay beside another unit if MuJoCo would multiply something of that unit, too (see
+`replicate_capture.py`), or if the model reads the angles in another sequence, or in radians, whose multiples are
+rounded differently. Only a replicate that nothing outside refers to is written out: MuJoCo multiplies what does, which
+is left to it.
+"""
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Iterator
+
+from lxml.etree import _Element as Node
+
+from composer.link import numbers
 from composer.link.linking import Linking
+from composer.link.multiplied import inner_first, names_made, suffixes
+from composer.link.replicate_capture import made_from, referred, things
+from composer.link.replicate_poses import row
+from composer.tree.name_index import NameIndex
+from composer.tree.names import DECLARES, naming_table
+from composer.tree.scaled import scaled_above
+from composer.tree.unit import Unit
 
 
 def replicates(linking: Linking) -> None:
-    """Note every replicate, and write out those that would not mean in the model what they mean alone."""
+    """Note every replicate, and write out those that would not mean in the model what they mean alone.
+
+    Beside the clock of the base, MuJoCo would make two clocks with this replicate:
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody>'
+    >>> base = '<sensor><clock/></sensor>'
+    >>> after(replicates, part, base)
+    part: <worldbody><frame><geom name="g0" size=".1"/></frame><frame><geom name="g1" size=".1"/></frame></worldbody>
+    """
     if not linking.parts:
         return
     holding = [unit for unit in linking.units if next(unit.root.iter("replicate"), None) is not None]
     if not holding:
         return
-    from composer.link.unrolling import unroll  # few models have any
-
-    unroll(linking, holding)
+    _unroll(linking, holding)
     for unit in holding:
         linking.notes.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
+
+
+_EXPANDED = ("flexcomp", "composite", "attach")
+_IN_TREE = "worldbody"
+
+
+def _unroll(linking: Linking, holding: list[Unit]) -> None:
+    """Write out the replicates that would change another unit, or turn in another sequence."""
+    units = linking.units
+    indices = {unit: NameIndex.of(unit.root) for unit in units}
+    for unit in holding:
+        for nest in list(_outermost(unit)):
+            inside = list(inner_first(nest))
+            turns = any(
+                _reads_otherwise(linking, unit, each) or _rounds_otherwise(linking, unit, each)
+                for each in inside
+            )
+            if (
+                turns
+                or any(_multiplies(other, indices[other], inside) for other in units if other is not unit)
+            ) and (_stands_alone(unit, indices[unit], nest, inside)):
+                for each in inside:
+                    _write_out(unit, each)
+
+
+def _outermost(unit: Unit) -> Iterator[Node]:
+    for worldbody in unit.root.iterchildren("worldbody"):
+        for replicate in worldbody.iter("replicate"):
+            if next(replicate.iterancestors("replicate"), None) is None:
+                yield replicate
+
+
+def _reads_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
+    """Whether it turns about several axes, in a sequence that is not the model's."""
+    turning = [each for each in numbers.read(str(replicate.get("euler") or "")) if each]
+    return len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq
+
+
+def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
+    """Whether some multiple of its angles in radians is not to the bit that of its angles in degrees."""
+    if unit.settings.angle != "degree" or linking.angle != "radian":
+        return False
+    radians = numbers.orientation_radians
+    return any(
+        radians(number * angle) != number * radians(angle)
+        for angle in numbers.read(str(replicate.get("euler") or ""))
+        for number in range(len(suffixes(replicate)) if angle else 0)
+    )
+
+
+def _multiplies(unit: Unit, index: NameIndex, replicates: list[Node]) -> bool:
+    """Whether one of the replicates may multiply something of the unit, wherever that stands."""
+    ends = {end for replicate in replicates for end in suffixes(replicate)}
+    made = names_made(unit.root)
+    for thing in things(unit):
+        names = list(referred(thing))
+        if not names or made_from(names, ends, index.find, made):
+            return True
+        if any(index.find(kind, name + end) is not None for kind, name in names for end in ends):
+            return True
+    return False
+
+
+def _stands_alone(unit: Unit, index: NameIndex, nest: Node, inside: list[Node]) -> bool:
+    """Whether nothing else of its unit is multiplied with it, and its copies can be written in the tree."""
+    if next(nest.iter(*_EXPANDED), None) is not None or scaled_above(nest) is not None:
+        return False
+    for node in nest.iterdescendants("*"):
+        for namespace, name in _names(node):
+            if any(nest not in user.iterancestors() for user, _ in index.users(namespace, name)):
+                return False
+    return not _multiplies(unit, index, inside)
+
+
+def _names(node: Node) -> Iterator[tuple[str, str]]:
+    """Namespace and name of what a node of the body tree declares."""
+    for attribute, (kind, namespace) in naming_table(_IN_TREE).get(str(node.tag), {}).items():
+        name = node.get(attribute)
+        if kind == DECLARES and name:
+            yield namespace, str(name)
+
+
+def _write_out(unit: Unit, replicate: Node) -> None:
+    """A frame for each copy, in the place of the replicate; the names in it get the number of the copy."""
+    holder = replicate.getparent()
+    assert holder is not None
+    settings = unit.settings
+    x, y, z = [*numbers.read(str(replicate.get("offset") or "")), 0.0, 0.0, 0.0][:3]
+    angles = tuple(numbers.read(str(replicate.get("euler") or "0 0 0")))
+    ends = suffixes(replicate)
+    poses = row(len(ends), (x, y, z), angles, settings.eulerseq, degrees=settings.angle == "degree")
+    declared = {each for node in replicate.iterdescendants("*") for each in _names(node)}
+    at = holder.index(replicate)
+    for number, (pose, end) in enumerate(zip(poses, ends, strict=True)):
+        made = copy.deepcopy(replicate)
+        for old, new in zip(replicate.iter("*"), made.iter("*"), strict=True):
+            if (owner := unit.origins.owners.get(old)) is not None:
+                unit.origins.owners[new] = owner
+        made.tag = "frame"
+        made.attrib.clear()
+        if not pose.is_identity:
+            made.set("pos", numbers.text(pose.pos))
+            made.set("quat", numbers.text(pose.quat))
+        if replicate.get("childclass"):
+            made.set("childclass", str(replicate.get("childclass")))
+        _number(made, declared, end)
+        holder.insert(at + number, made)
+    holder.remove(replicate)
+
+
+def _number(frame: Node, declared: set[tuple[str, str]], end: str) -> None:
+    table = naming_table(_IN_TREE)
+    for node in frame.iterdescendants("*"):
+        for attribute, (_, namespace) in table.get(str(node.tag), {}).items():
+            name = node.get(attribute)
+            if name and (namespace, str(name)) in declared:
+                node.set(attribute, f"{name}{end}")

@@ -16,7 +16,16 @@ from composer.tree.unit import Unit
 
 
 def roots(linking: Linking) -> None:
-    """Weld what is asked to be welded, and note what MuJoCo cannot have below a body."""
+    """Weld what is asked to be welded, and note what MuJoCo cannot have below a body.
+
+    `weld` takes away the free joint of a part:
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
+    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
+    >>> after(roots, part, base, on="tool", weld=True)
+    part: <worldbody><body><geom size=".1"/></body></worldbody>
+    """
     for part in linking.parts:
         if part.by_itself:
             continue
@@ -39,7 +48,14 @@ def roots(linking: Linking) -> None:
 
 
 def check_roots(linking: Linking) -> None:
-    """Refuse free joints, mocap bodies and planes where they hang on a body; frames of the world are no bodies."""
+    """Refuse free joints, mocap bodies and planes where they hang on a body; frames of the world are no bodies.
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
+    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
+    >>> after(check_roots, part, base, on="tool")  # doctest: +ELLIPSIS
+    error: `p/` has a free joint at its root...
+    """
     for part, body, joint, called, alone in linking.notes.floating:
         if next(body.iterancestors("body"), None) is not None:
             if joint is not None:
@@ -135,6 +151,8 @@ def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -
 
 def _planes(linking: Linking, part: Part) -> None:
     """Note every plane of the part that stands still in the part alone."""
+    # MuJoCo 4.0 refuses `<body><joint/><geom type="plane" size="1 1 1"/></body>`: planes are "only allowed in static
+    # bodies".
     root, classes = part.unit.root, part.unit.classes
     by_class = any(
         geom.get("type") == "plane"

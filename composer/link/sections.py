@@ -14,7 +14,14 @@ _SETTLED = ("compiler", "option", "size", "statistic", "visual", "default", "wor
 
 
 def sections(linking: Linking) -> None:
-    """Move the remaining sections of every part into the base's."""
+    """Move the remaining sections of every part into the base's.
+
+    >>> from composer.link.example import after
+    >>> part = '<worldbody><site name="s"/></worldbody><sensor><gyro site="s"/></sensor>'
+    >>> base = '<sensor><clock/></sensor>'
+    >>> after(sections, part, base)
+    model: <sensor><clock/><gyro site="p/s"/></sensor>
+    """
     for part in linking.parts:
         for section in list(part.unit.root):
             tag = section.tag

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeAlias, overload
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.loading.errors import UnknownNameError
-from composer.tree.glob import is_glob, matcher
+from composer.tree.pattern import BadPattern, fitter, is_pattern
 
 Several: TypeAlias = tuple[str, ...] | list[str]
 Names: TypeAlias = str | Several
@@ -36,8 +36,8 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownNameError:
 class Lookup:
     """Names of one kind in the order of the model, and what a name or a glob means among them.
 
-    `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice. A name that is there is itself, whatever is
-    in it.
+    `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice, `/…/` a regular expression over the whole
+    name. A name that exists is itself, whatever is in it.
     """
 
     def __init__(self, kind: str, names: Sequence[str], separator: str) -> None:
@@ -52,7 +52,7 @@ class Lookup:
     def row(self, name: str) -> int | None:
         """The row of one name; None for a glob. Raises UnknownNameError."""
         found = self._rows.get(name)
-        if found is None and not is_glob(name):
+        if found is None and not is_pattern(name):
             raise unknown(self.kind, name, self._rows)
         return found
 
@@ -66,12 +66,18 @@ class Lookup:
             if row is not None:
                 found.append(row)
                 continue
-            fits = matcher(name, self.separator)
+            fits = self._fitter(name)
             matched = [row for known, row in self._rows.items() if fits(known)]
             if not matched:
                 raise unknown(self.kind, name, self._rows)
             found += matched
         return found
+
+    def _fitter(self, pattern: str) -> Callable[[str], bool]:
+        try:
+            return fitter(pattern, self._rows.keys, self.separator)
+        except BadPattern as bad:
+            raise UnknownNameError([Diagnostic("selector", bad.message, help=bad.help)]) from None
 
     def __contains__(self, name: object) -> bool:
         return name in self._rows

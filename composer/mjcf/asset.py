@@ -85,7 +85,7 @@ class Asset:
         >>> wood.file.bundle_path
         'assets/table/wood.png'
         """
-        from composer.mjcf.export import bundle_paths
+        from composer.mjcf.flat import bundle_paths
 
         return None if self._model is None else bundle_paths(self._model.top).get(self.source)
 

@@ -42,6 +42,13 @@ class Attributed:
         _set_node(self, node)
         _set_removed(self, False)
 
+    @classmethod
+    def _of(cls, model: Model, node: Node) -> Self:
+        """The view of a node of a model that exists."""
+        made = cls.__new__(cls)
+        Attributed.__init__(made, model, node)
+        return made
+
     @property
     def tag(self) -> str:
         """The MJCF tag, `geom`."""

@@ -10,14 +10,19 @@ from composer.diagnostics.span import Span
 from composer.grammar import ElementType
 from composer.mjcf import edit, finding
 from composer.mjcf.arguments import as_index, as_name
+from composer.mjcf.attaching import HOSTS, attach
 from composer.mjcf.attributed import Attributed, targets
 from composer.mjcf.call_site import call_site
+from composer.mjcf.duplicate import copied
 from composer.mjcf.errors import failure
+from composer.mjcf.html import page
 from composer.mjcf.misspelled import unknown_tag
-from composer.mjcf.model import Target
-from composer.mjcf.views import view
+from composer.mjcf.model import Model, Target
+from composer.mjcf.pickled import reduced
+from composer.mjcf.removal import remove
+from composer.mjcf.text import text
+from composer.mjcf.views import view, views_of
 from composer.tree.kinds import (
-    WORLD_SECTION,
     naming_attribute,
     spoken,
 )
@@ -26,10 +31,8 @@ from composer.tree.name_index import SEPARATOR
 if TYPE_CHECKING:
     from composer.mjcf.root import RootElement
 
-# Paths of the elements that a model can hang on.
-HOSTS = ("site", "body", "frame", WORLD_SECTION)
 
-
+@views_of("element")
 class Element(Attributed):
     """One element of a model.
 
@@ -165,8 +168,9 @@ class Element(Attributed):
         if existing is not None:
             edit.write(self._model, existing, checked)
             self._model.unit.origins.own(existing, call_site())
-            return view(self._model, existing)
-        return view(self._model, edit.create(self._model, self._node, kind.tag, checked, position))
+            return cast(Element, view(self._model, existing))
+        made = edit.create(self._model, self._node, kind.tag, checked, position)
+        return cast(Element, view(self._model, made))
 
     def remove(self, cascade: bool = False) -> None:
         """Take it and all below it out of the model; models attached there are detached.
@@ -184,8 +188,6 @@ class Element(Attributed):
         >>> model.find_all('actuator')
         []
         """
-        from composer.mjcf.removal import remove
-
         self._alive()
         remove(self._model, self._node, cascade)
 
@@ -204,9 +206,8 @@ class Element(Attributed):
         >>> frame.add('joint', name='turn', axis=[0, 0, 1]).full_identifier
         'gripper/turn'
         """
-        from composer.mjcf.attachment import attach
-
-        return attach(self._alive()._model, self._node, other)
+        model = self._alive()._model
+        return cast(Element, view(model, attach(model, self._node, model_of(other, "what is attached"))))
 
     # -- finding ---------------------------------------------------------------------------------------------
 
@@ -227,7 +228,7 @@ class Element(Attributed):
         """
         model, node = self._model, self._node
         if type(name) is str and type(tag) is str and node is model.unit.root:
-            known = finding.at_hand(model, tag, name)
+            known: Element | None = finding.at_hand(model, tag, name)
             if known is not None:
                 return known
         found = finding.first(Target(self._alive()._model, node), tag, name)
@@ -289,17 +290,13 @@ class Element(Attributed):
                 call_site(),
                 help="copy the model: `copy.deepcopy(element.root)`",
             )
-        from composer.mjcf.duplicate import copied
-
-        return copied(self, memo)
+        return cast(Element, copied(self, memo))
 
     def __copy__(self) -> Element:
         return self.__deepcopy__({})
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled with the whole composition: what is pickled together stays together."""
-        from composer.mjcf.pickled import reduced
-
         return reduced(self)
 
     def __dir__(self) -> list[str]:
@@ -314,14 +311,10 @@ class Element(Attributed):
 
     def __str__(self) -> str:
         """The element and all below it in its own model, as MJCF text; comments say where models are attached."""
-        from composer.mjcf.text import text
-
         return text(self._model, self._node)
 
     def _repr_html_(self) -> str:
         """The element as a tree that opens and closes, for notebooks."""
-        from composer.mjcf.html import page
-
         return page(self)
 
     def _child_kind(self, tag: str) -> ElementType:
@@ -329,6 +322,13 @@ class Element(Attributed):
         if kind is None:
             raise unknown_tag(tag, f"`<{self.tag}>` cannot have a `{tag}`", self._kind.children)
         return kind
+
+
+def model_of(root: object, what: str) -> Model:
+    """The model of an argument that has to be a root."""
+    if not isinstance(root, Element) or root._node is not root._model.unit.root:
+        raise failure("wrong-type", f"{what} is a `RootElement`, got `{type(root).__name__}`", call_site())
+    return root._model
 
 
 def checked(element: object) -> Element:

@@ -13,7 +13,6 @@ from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfError, failure, raise_errors
 from composer.mjcf.flat import flatten, tell
-from composer.mjcf.model import Model
 from composer.mjcf.root import RootElement
 from composer.tree.write import write
 
@@ -130,23 +129,6 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[st
         ) from None
     tell(flat)
     return files
-
-
-def bundle_paths(model: Model) -> dict[bytes | Path, str]:
-    """The path of each file in an export, by where its bytes are, or by the bytes. Raises `MjcfError`."""
-    from composer.bundle.collect import collect
-
-    flat = flatten(model, "warning")
-    sink = Sink()
-    collect(flat.unit, flat.files, sink)
-    raise_errors(sink)
-    found: dict[bytes | Path, str] = {}
-    for use in flat.files:
-        path = str(use.element.get(use.attribute))
-        found.setdefault(Path(use.source), path)
-        if use.content is not None:
-            found.setdefault(use.content, path)
-    return found
 
 
 def _check_is_model(model: object) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Any
 
 from composer.mjcf import traversal
 from composer.mjcf.arguments import as_name
@@ -11,9 +11,6 @@ from composer.mjcf.misspelled import unknown_tag
 from composer.mjcf.model import Model, Target
 from composer.tree.kinds import Query, kind_of, query, section_of, tags_of
 from composer.tree.names import WORLD
-
-if TYPE_CHECKING:
-    from composer.mjcf.element import Element
 
 
 def first(here: Target, tag: str, name: str | None) -> Target | None:
@@ -33,8 +30,8 @@ def first(here: Target, tag: str, name: str | None) -> Target | None:
     return None
 
 
-def at_hand(model: Model, tag: str, name: str) -> Element | None:
-    """The element of that name in a model, if it is its own and has been asked for before: the most frequent case."""
+def at_hand(model: Model, tag: str, name: str) -> Any:
+    """The Element of that name in a model, if it is its own and has been asked for before: the most frequent case."""
     wanted = query(tag, None)
     for namespace in wanted.namespaces:
         names = model.names.declared.get(namespace)

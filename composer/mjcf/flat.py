@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import get_args
 
 from composer.context import Context
@@ -163,6 +164,23 @@ def contents(flat: Flat) -> dict[str, bytes]:
         if name not in found:
             found[name] = read(flat.unit, use, sink) or b""
     raise_errors(sink)
+    return found
+
+
+def bundle_paths(model: Model) -> dict[bytes | Path, str]:
+    """The path of each file in an export, by where its bytes are, or by the bytes. Raises `MjcfError`."""
+    from composer.bundle.collect import collect
+
+    flat = flatten(model, "warning")
+    sink = Sink()
+    collect(flat.unit, flat.files, sink)
+    raise_errors(sink)
+    found: dict[bytes | Path, str] = {}
+    for use in flat.files:
+        path = str(use.element.get(use.attribute))
+        found.setdefault(Path(use.source), path)
+        if use.content is not None:
+            found.setdefault(use.content, path)
     return found
 
 

@@ -14,7 +14,6 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.grammar.number import items, parse_real
 from composer.mjcf.asset import Asset, Files, asset_of, place
-from composer.mjcf.attachment import AttachmentFrame
 from composer.mjcf.call_site import call_site
 from composer.mjcf.duplicate import duplicate
 from composer.mjcf.errors import MjcfWarning, raise_errors
@@ -82,7 +81,6 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
             attachment.host = model.section(str(attachment.host.tag))
         attachment.parent = model
         model.attachments[prefix] = attachment
-        model.views[attachment.frame] = AttachmentFrame(model, attachment.frame)
         for node in attachment.frame.iter("*"):
             if node in source.unit.origins.owners:
                 model.unit.origins.own(node, source.unit.origins.owners[node])

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from threading import Lock
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 from lxml.etree import _Element as Node
 
@@ -18,9 +18,6 @@ from composer.tree.name_index import SEPARATOR, NameIndex, own_name
 from composer.tree.names import WORLD
 from composer.tree.removal import names_in
 from composer.tree.unit import Unit
-
-if TYPE_CHECKING:
-    from composer.mjcf.element import Element
 
 UNNAMED = "unnamed_model"
 
@@ -85,12 +82,12 @@ class Model:
     """What a `RootElement` and all Elements of one model share.
 
     Asking for a section that is not there makes it, under a lock: reading is safe in several threads.
-    `views` has the Element of every node that has been asked for, so that each has one. `attachments` are
-    by prefix, in the order in which they were made.
+    `views` has the Element of every node that has been asked for, so that each has one; see `views.py`.
+    `attachments` are by prefix, in the order in which they were made.
     """
 
     unit: Unit
-    views: dict[Node, Element] = field(default_factory=dict)
+    views: dict[Node, Any] = field(default_factory=dict)
     attachments: dict[str, Attachment] = field(default_factory=dict)
     hung: Attachment | None = None
     lock: Lock = field(default_factory=Lock)

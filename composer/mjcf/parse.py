@@ -6,7 +6,7 @@ import os
 import posixpath
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import IO
+from typing import IO, cast
 
 from composer.bundle.bundle import MODEL
 from composer.diagnostics.sink import Sink
@@ -18,6 +18,7 @@ from composer.mjcf.intake import check_tree, one_of_each_section
 from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.root import RootElement
 from composer.mjcf.separators import escape_separators as escape_separators_of
+from composer.mjcf.views import view
 from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
 
@@ -156,4 +157,4 @@ def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
     model = Model(unit)
     if escape:
         escape_separators_of(model)
-    return RootElement._of(model)
+    return cast(RootElement, view(model, model.unit.root))

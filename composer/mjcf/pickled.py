@@ -11,16 +11,14 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
-from composer.mjcf.attachment import AttachmentFrame
-from composer.mjcf.element import Element
+from composer.mjcf.attributed import Attributed
 from composer.mjcf.model import Attachment, Model
-from composer.mjcf.root import RootElement
 from composer.mjcf.views import view
 from composer.tree.origin import Origins
 from composer.tree.start_tag import SourceText
 from composer.tree.unit import Unit
 
-Reduced = tuple[Callable[..., Element], tuple[Any, ...]]
+Reduced = tuple[Callable[..., Attributed], tuple[Any, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,22 +96,20 @@ class _Composition:
         header = tuple(root[at] for at in self.header)
         unit = Unit(root, self.file, self.directory, self.label, self.contents, origins, header=header)
         model = Model(unit)
-        RootElement._of(model)
         nodes = list(root.iter()) if self.attached else []
         for each in self.attached:
             child = each.child.restored()
             frame = each.frame.restored(origins)
             child.hung = model.attachments[child.prefix] = Attachment(model, child, nodes[each.host], frame)
-            model.views[frame] = AttachmentFrame(model, frame)
             for joint in frame:
                 model.note(joint)
         return model
 
 
-def reduced(element: Element) -> Reduced:
+def reduced(element: Attributed) -> Reduced:
     """How an element is pickled: the composition as a whole, anything in it by its place there."""
     model = element._alive()._model
-    if isinstance(element, RootElement):
+    if element._node is model.unit.root:
         if model.hung is None:
             return _root, (_Composition.of(model),)
         return _attached, (view(model.hung.parent, model.hung.parent.unit.root), model.prefix)
@@ -124,17 +120,17 @@ def reduced(element: Element) -> Reduced:
     return _element, (root, None if frame is None else model.attachment_of(frame).child.prefix, place)
 
 
-def _root(state: _Composition) -> Element:
+def _root(state: _Composition) -> Any:
     model = state.restored()
     return view(model, model.unit.root)
 
 
-def _attached(parent: RootElement, prefix: str) -> Element:
+def _attached(parent: Attributed, prefix: str) -> Any:
     child = parent._model.attachments[prefix].child
     return view(child, child.unit.root)
 
 
-def _element(root: RootElement, prefix: str | None, place: int) -> Element:
+def _element(root: Attributed, prefix: str | None, place: int) -> Any:
     model = root._model
     top = model.unit.root if prefix is None else model.attachments[prefix].frame
     return view(model, next(node for at, node in enumerate(top.iter()) if at == place))

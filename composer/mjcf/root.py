@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from lxml import etree
 
 from composer.link.request import Policy
 from composer.mjcf.asset import Files
-from composer.mjcf.attachment import attach, detach, set_model_name
+from composer.mjcf.attaching import attach, detach, set_model_name
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import Element
-from composer.mjcf.errors import failure
+from composer.mjcf.duplicate import duplicate
+from composer.mjcf.element import Element, model_of
+from composer.mjcf.flat import assets, text
+from composer.mjcf.html import page_with_picture
+from composer.mjcf.including import include_copy
 from composer.mjcf.model import UNNAMED, Model
-from composer.mjcf.views import view
+from composer.mjcf.views import view, views_of
 from composer.tree.kinds import WORLD_SECTION
 from composer.tree.unit import Unit
 
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
     from composer.mjcf.physics.physics import Physics
 
 
+@views_of("root")
 class RootElement(Element):
     """A whole model; its sections are attributes, made when first asked for.
 
@@ -60,14 +64,6 @@ class RootElement(Element):
         self._model.unit.origins.own(self._node, call_site())
         if model is not None:
             set_model_name(self._model, model)
-
-    @classmethod
-    def _of(cls, model: Model) -> RootElement:
-        """The root of a model that exists."""
-        root = cls.__new__(cls)
-        Element.__init__(root, model, model.unit.root)
-        model.views[model.unit.root] = root
-        return root
 
     @property
     def model(self) -> str:
@@ -141,7 +137,9 @@ class RootElement(Element):
         >>> frame = cell.attach(table)
         >>> frame.pos = [0, 0, 0.4]
         """
-        return attach(self._model, self._model.section(WORLD_SECTION), other)
+        model = self._model
+        frame = attach(model, model.section(WORLD_SECTION), model_of(other, "what is attached"))
+        return cast(Element, view(model, frame))
 
     def detach(self) -> None:
         """Take this model off the one it is attached to.
@@ -173,15 +171,7 @@ class RootElement(Element):
         >>> arm.find('body', 'hammer') is hammer, arm.find('body', 'hammer')
         (False, <body name="hammer"/>)
         """
-        from composer.mjcf.including import include_copy
-
-        if not isinstance(other, RootElement):
-            raise failure(
-                "wrong-type",
-                f"what is included is a `RootElement`, got `{type(other).__name__}`",
-                call_site(),
-            )
-        include_copy(self._model, other._model, override)
+        include_copy(self._model, model_of(other, "what is included"), override)
 
     def to_xml_string(self, *, conflict: Policy = "error") -> str:
         """The model with everything attached to it, as MJCF text; the model itself stays as it is.
@@ -208,8 +198,6 @@ class RootElement(Element):
         </mujoco>
         <BLANKLINE>
         """
-        from composer.mjcf.flat import text
-
         return text(self._model, conflict)
 
     def compile_model(self, *, conflict: Policy = "error") -> Physics:
@@ -237,7 +225,7 @@ class RootElement(Element):
         >>> model.to_spec().geom('ball').name
         'ball'
         """
-        from composer.mjcf.physics.spec import to_spec
+        from composer.mjcf.physics.to_spec import to_spec
 
         return to_spec(self._model, conflict)
 
@@ -254,20 +242,14 @@ class RootElement(Element):
         >>> model.assets
         {'assets/table/wood.png': b'...'}
         """
-        from composer.mjcf.flat import assets
-
         return assets(self._model)
 
     def _repr_html_(self) -> str:
         """The model as a tree that opens and closes, with its picture where there is OpenGL, for notebooks."""
-        from composer.mjcf.html import page_with_picture
-
         return page_with_picture(self)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> RootElement:
         """A copy with copies of everything attached, itself attached to nothing."""
-        from composer.mjcf.duplicate import duplicate
-
         return _root_of(duplicate(self._model, memo))
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from collections.abc import Mapping as Map
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from composer.plan.checks import checks_of
+from composer.document.node import Mapping, Node, Scalar
 from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.recipe.attach import Attachment
 from composer.recipe.fault import Path
@@ -14,7 +15,7 @@ from composer.sources.source import Source
 if TYPE_CHECKING:
     from composer.link.subtree import Subtree
 
-Subtrees: TypeAlias = "Mapping[tuple[str, Path], Subtree]"
+Subtrees: TypeAlias = "Map[tuple[str, Path], Subtree]"
 """What became of models of which one body is taken, by recipe and path in it."""
 _PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "default class": "default classes"}
 
@@ -171,3 +172,21 @@ def _model_data(model: Source | Plan | None, subtrees: Subtrees) -> Any:
         "version": model.version,
         "licences": [path.name for path in model.licences],
     }
+
+
+def checks_of(plan: Plan) -> Iterator[str]:
+    """What will be checked of the model, a line for each."""
+    for check in plan.checks:
+        node: Node = plan.document
+        for key in (*check.at, check.word):
+            assert isinstance(node, Mapping)
+            node = node.entries[str(key)][1]
+        yield f"check {check.name}: {check.word} {_flow(node)}"
+
+
+def _flow(node: Node) -> str:
+    if isinstance(node, Scalar):
+        return node.text
+    if isinstance(node, Mapping):
+        return f"{{{', '.join(f'{name}: {_flow(value)}' for name, (_, value) in node.entries.items())}}}"
+    return f"[{', '.join(map(_flow, node.items))}]"

@@ -1,4 +1,4 @@
-"""The parameters of a recipe that `randomize` draws, and whether they may have what is drawn."""
+"""The parameters of a recipe that `randomize` draws, whether they may have what is drawn, and which samples exist."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from composer.expr.angle import Angle
 from composer.expr.value import Value, kind
 from composer.numerics.stream import bits
 from composer.plan.drawn import Drawn
+from composer.plan.plan import Plan
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import DrawField
 from composer.recipe.randomize import Randomize
@@ -149,3 +150,13 @@ class _Source:
             return drawn
         assert isinstance(nominal, int | float) and isinstance(drawn, int | float)
         return nominal * drawn if self.field.operation == "scale" else nominal + drawn
+
+
+def check_sample(plan: Plan, sample: int, sink: Sink) -> bool:
+    """Whether the recipe draws this sample; the sink gets an error where it does not. 0 is the model without draws."""
+    if sample <= (plan.randomize.samples if plan.randomize else 0):
+        return True
+    span = None if plan.randomize is None else locate(plan.document, ("randomize", "samples"))
+    there = "draws nothing" if plan.randomize is None else f"has the samples 0 to {plan.randomize.samples}"
+    sink.error("unknown-name", f"there is no sample {sample}: the recipe {there}", span)
+    return False

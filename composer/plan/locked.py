@@ -12,7 +12,7 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.plan.choosing import is_one_choice
+from composer.plan.pieces import is_one_choice
 from composer.plan.plan import Place, Plan
 from composer.plan.read import EXTENDS, read_recipe
 from composer.plan.used_files import files_of_recipe, files_of_source

@@ -11,9 +11,10 @@ from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.document.node import Mapping, Node, Scalar, find
-from composer.expand.expand import expand, scope_of
+from composer.expand.expand import scope_of
 from composer.expand.matrix import Cell, cells, settled_name
 from composer.expr.opening import is_template
+from composer.plan.concrete import expanded
 from composer.plan.drawn_parameters import drawn_parameters
 from composer.plan.read import read_recipe
 from composer.recipe.validate import judge
@@ -40,7 +41,7 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
     own = settled_name(name, scope_of(document, given or {})) if is_template(name) else name
     matrix = Matrix(document, own, cells(document, name, context.sink, given))
     if _draws_parameters(document):
-        _check_draws(matrix, given or {}, context.sink)
+        _check_draws(matrix, path, given or {}, context)
     return matrix
 
 
@@ -63,7 +64,8 @@ def like_first_cell(recipe: Path, context: Context, given: Map[str, Node]) -> Li
     document = read_recipe(context.folder / recipe, aside)
     if not isinstance(document, Mapping) or find(document, ("matrix",)) is None:
         return LikeCell(given)
-    concrete = expand(document, given, Sink())
+    concrete = expanded(context.folder / recipe, given, aside)
+    assert concrete is not None
     needed = {name for name in concrete.parameters if name not in concrete.scope and name not in given}
     matrix = read_matrix(recipe, aside, given) if needed else None
     first = matrix.cells[0] if matrix is not None and matrix.cells else None
@@ -83,11 +85,13 @@ def _draws_parameters(document: Mapping) -> bool:
     return any(find(field, ("param",)) is not None for field in fields)
 
 
-def _check_draws(matrix: Matrix, given: Map[str, Node], sink: Sink) -> None:
+def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Context) -> None:
     """Tell what a cell would draw that its parameters may not be; what else is wrong with it is told elsewhere."""
     found: dict[str, list[Diagnostic]] = {}
     for cell in matrix.cells:
-        concrete = expand(matrix.document, {**given, **cell.given}, Sink())
+        concrete = expanded(path, {**given, **cell.given}, replace(context, sink=Sink()))
+        if concrete is None:
+            continue
         kept = {name: each for name, each in concrete.document.entries.items() if name in _DRAWN}
         document = Mapping(kept, matrix.document.span)
         recipe, _ = judge(document)
@@ -102,4 +106,4 @@ def _check_draws(matrix: Matrix, given: Map[str, Node], sink: Sink) -> None:
             drawn_parameters(randomize, 0, concrete, document, own)
             found[alike] = own.diagnostics
         for each in found[alike]:
-            sink.add_of_cell(cell.label, each)
+            context.sink.add_of_cell(cell.label, each)

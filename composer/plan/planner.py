@@ -11,20 +11,18 @@ from pathlib import Path
 from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.document.node import Mapping, Node, find, locate
-from composer.expand.expand import Concrete, expand
+from composer.document.node import Mapping, find, locate
+from composer.expand.expand import Concrete
 from composer.plan.angle_context import Reading, Readings, check_bare_angles, readings_of
-from composer.plan.copies import copies
+from composer.plan.concrete import Given, validated
 from composer.plan.drawn import Drawn
 from composer.plan.drawn_parameters import drawn_parameters
 from composer.plan.locked import use_lock
 from composer.plan.matrix import read_matrix
-from composer.plan.order import in_order
-from composer.plan.part_names import check_part_names
+from composer.plan.parts import check_part_names, copies, in_order, without_rings
 from composer.plan.pieces import check_pieces
 from composer.plan.plan import AttachPart, LoadBase, Plan
-from composer.plan.read import folder_of, read_recipe
-from composer.plan.rings import without_rings
+from composer.plan.read import folder_of
 from composer.plan.steps.set_singleton import SetSingleton
 from composer.plan.steps.step import Written
 from composer.plan.steps.table import steps_of
@@ -32,13 +30,9 @@ from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.draw_field import DrawField
 from composer.recipe.recipe import Recipe
-from composer.recipe.validate import validate_what_remains
 from composer.sources.error import SourceError
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
-
-Given = Map[str, Node]
-"""Values of parameters and variants by name, each with the place where it is given."""
 
 
 def make_plan(
@@ -162,15 +156,11 @@ class _Planner:
         )
 
     def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
-        node = read_recipe(path, self.context)
-        if node is None:
-            return None
-        concrete = expand(node, given, self.sink) if isinstance(node, Mapping) else None
-        found = validate_what_remains(concrete.document if concrete else node, self.sink)
+        found = validated(path, given, self.context)
         if found is None:
             return None
-        self.sink.suppress_about(found.lost | (concrete.lost if concrete else frozenset()))
-        return found.recipe, found.document, concrete
+        self.sink.suppress_about(found.lost)
+        return found.recipe, found.document, found.concrete
 
     def _readings(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> Readings:
         """How bare angles are read: in a file that says nothing, as nothing."""

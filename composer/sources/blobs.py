@@ -12,11 +12,15 @@ import contextlib
 import hashlib
 import json
 import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from os import PathLike
 
+KINDS = ("asked", "built", "raw", "packed")
 WRITING = "writing"
 _DIGEST = 32
 
@@ -68,3 +72,31 @@ def read(path: str | PathLike[str]) -> bytes | None:
     with open(path, "rb") as stream:
         digest, content = stream.read(_DIGEST), stream.read()
     return content if hashlib.sha256(content).digest() == digest else None
+
+
+@dataclass(frozen=True, slots=True)
+class Blob:
+    """One such file; `used` is when it was read or written last, in seconds."""
+
+    kind: str
+    key: str
+    path: Path
+    size: int
+    used: float
+
+    @property
+    def is_damaged(self) -> bool:
+        """Whether it is no longer what was put."""
+        try:
+            return read(self.path) is None
+        except OSError:
+            return True
+
+
+def blobs_in(store: Path) -> Iterator[Blob]:
+    """All of them, in no order."""
+    for kind in KINDS:
+        with contextlib.suppress(OSError), os.scandir(store / kind) as entries:
+            for entry in entries:
+                status = entry.stat()
+                yield Blob(kind, entry.name, Path(entry.path), status.st_size, status.st_mtime)

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from composer.diagnostics.suggest import closest
-from composer.sources import licence, licence_name
+from composer.sources import licence
 from composer.sources import suggest as nearby
 from composer.sources.error import SourceError
 from composer.sources.fetching import Lookup
@@ -122,7 +122,7 @@ def _licences_of(owner: Distribution) -> Iterator[Path]:
     for file in owner.files or ():
         if not file.parts[0].endswith((".dist-info", ".egg-info")):
             continue
-        if licence_name.is_licence(file.name) or "licenses" in file.parts[1:-1]:
+        if licence.is_licence(file.name) or "licenses" in file.parts[1:-1]:
             path = Path(str(owner.locate_file(file)))
             if path.is_file():
                 yield path

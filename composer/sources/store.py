@@ -17,24 +17,38 @@ import hashlib
 import json
 import os
 import stat
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
-from composer.sources.blob import Blob, blobs_in
-from composer.sources.blobs import WRITING
+from composer.sources.blobs import WRITING, Blob, blobs_in
 from composer.sources.digest import differences, files_below, sha256_of
 from composer.sources.error import SourceError
-from composer.sources.store_folder import store_folder
 
-KINDS = ("git", "archive")
+Stored = Literal["git", "archive"]
+"""What an entry is, and with that what its key is: the hash of a commit, or the sha256 of an archive."""
+KINDS: tuple[Stored, ...] = get_args(Stored)
 ENTRY = "entry.json"
 DEFAULT_LIMIT = 10 * 1024**3
 GRACE = 3600.0
 """Seconds for which an entry that was used is not pruned on its own: a build may still be reading it."""
 _WAIT = 3600.0
+
+
+def store_folder(environment: Mapping[str, str]) -> str:
+    """The absolute path that `MJCOMPOSE_CACHE` names, or the place where the system keeps a user's caches."""
+    if named := environment.get("MJCOMPOSE_CACHE"):
+        return os.path.abspath(os.path.expanduser(named))
+    if sys.platform == "linux" and "ANDROID_ROOT" not in environment:
+        # What platformdirs says here too, without the time to import it.
+        caches = environment.get("XDG_CACHE_HOME", "")
+        return os.path.join(caches if caches.strip() else os.path.expanduser("~/.cache"), "mjcompose")
+    from platformdirs import user_cache_dir
+
+    return user_cache_dir("mjcompose", appauthor=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +82,7 @@ class Store:
         limit = _size(environment.get("MJCOMPOSE_CACHE_SIZE", ""))
         return cls(Path(store_folder(environment)), limit)
 
-    def get(self, kind: str, key: str) -> Entry | None:
+    def get(self, kind: Stored, key: str) -> Entry | None:
         """The entry, marked as used now; None where there is none."""
         folder = self.folder / kind / key
         entry = self._read(kind, folder)
@@ -78,7 +92,7 @@ class Store:
         return entry
 
     def add(
-        self, kind: str, key: str, origin: str, fill: Callable[[Path], None], about: Mapping[str, str]
+        self, kind: Stored, key: str, origin: str, fill: Callable[[Path], None], about: Mapping[str, str]
     ) -> Entry:
         """Make an entry: `fill` writes its files into the empty folder that it is given.
 

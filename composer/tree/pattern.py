@@ -1,12 +1,13 @@
-"""Regular expressions over names, with a bound: no pattern can keep a build waiting."""
+"""What a pattern over names means: a name, a glob, or a regular expression with a time limit."""
 
 from __future__ import annotations
 
 import json
 import re
-import subprocess
 import sys
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+
+from composer.tree.glob import is_glob, matcher
 
 SECONDS = 2.0
 # In a child process, as nothing else stops Python's `re` on every system and in every thread.
@@ -18,19 +19,36 @@ _CHILD = (
 )
 
 
-class SlowPattern(Exception):
-    """The expression took longer than it was given."""
+class BadPattern(Exception):
+    """A pattern that cannot be used: `message` says why, `help` what to write."""
 
-    help = "write it without repetitions inside repetitions, or use a glob"
-
-    @property
-    def message(self) -> str:
-        return f"the regular expression `/{self}/` takes longer than {SECONDS:g} seconds"
+    def __init__(self, message: str, help: str | None = None) -> None:
+        super().__init__(message)
+        self.message, self.help = message, help
 
 
 def is_regular(pattern: str) -> bool:
     """Whether it is written as a regular expression, `/…/`."""
     return len(pattern) > 2 and pattern.startswith("/") and pattern.endswith("/")
+
+
+def is_pattern(text: str) -> bool:
+    """Whether a text means names by a glob or a regular expression, and not the one name that it is."""
+    return is_glob(text) or is_regular(text)
+
+
+def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -> Callable[[str], bool]:
+    """Whether a name is meant by a pattern. Raises `BadPattern`.
+
+    A regular expression is tried on all the `names` at once: each attempt takes a process of its own.
+
+    >>> pads = fitter("*/pad?", list, "/")
+    >>> pads("left/pad1"), pads("pad1")
+    (True, False)
+    """
+    if not is_regular(pattern):
+        return matcher(pattern, separator)
+    return fitting(pattern[1:-1], names()).__contains__
 
 
 def fault_of(pattern: str) -> str | None:
@@ -47,7 +65,11 @@ def fault_of(pattern: str) -> str | None:
 
 
 def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> frozenset[str]:
-    """The names that the whole expression fits; raises `SlowPattern` after `seconds`."""
+    """The names that the whole expression fits. Raises `BadPattern` where it is not valid, and after `seconds`."""
+    import subprocess  # few programs that look up names in an index need it
+
+    if (wrong := fault_of(pattern)) is not None:
+        raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {wrong}")
     try:
         done = subprocess.run(
             [sys.executable, "-I", "-S", "-c", _CHILD],
@@ -58,5 +80,8 @@ def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> f
             check=True,
         )
     except subprocess.TimeoutExpired:
-        raise SlowPattern(pattern) from None
+        raise BadPattern(
+            f"the regular expression `/{pattern}/` takes longer than {SECONDS:g} seconds",
+            "write it without repetitions inside repetitions, or use a glob",
+        ) from None
     return frozenset(json.loads(done.stdout))

@@ -14,11 +14,11 @@ from composer.grammar import GRAMMAR
 from composer.tree.classes import MAIN, Classes
 from composer.tree.effective import chain
 from composer.tree.files import NAMED_AFTER_FILE
-from composer.tree.glob import is_glob, matcher
+from composer.tree.glob import matcher
 from composer.tree.kinds import kind_of, naming_attribute, section_of
 from composer.tree.name_index import own_name
 from composer.tree.names import WORLD
-from composer.tree.pattern import fitting, is_regular
+from composer.tree.pattern import fitter, is_pattern
 from composer.tree.selector import EVERYTHING, XPATH, Selector, paths_of
 
 # They do not count as parents: MuJoCo resolves them.
@@ -76,7 +76,7 @@ class Selection:
     _fits: dict[str, Callable[[str], bool]] = field(default_factory=dict)
 
     def of(self, selector: Selector) -> list[Node]:
-        """Every element that is meant, in the order of the tree. Raises `SlowPattern` and `BadXPath`."""
+        """Every element that is meant, in the order of the tree. Raises `BadPattern` and `BadXPath`."""
         if selector.tag == XPATH:
             return [node for node in self._by_path(selector) if self._narrowed(node, selector)]
         found = self._called(selector)
@@ -101,7 +101,7 @@ class Selection:
     def _called(self, selector: Selector) -> list[Node] | None:
         """The same with just that name, without a look at all others; None where it takes one."""
         name, paths = selector.pattern, paths_of(selector.tag)
-        if name == WORLD or is_glob(name) or is_regular(name) or not _is_written_as_name(paths):
+        if name == WORLD or is_pattern(name) or not _is_written_as_name(paths):
             return None
         return [
             node
@@ -148,19 +148,18 @@ class Selection:
         if pattern == EVERYTHING:
             return True
         name = self.name(node)
-        return bool(name) and self._fit(pattern)(str(name))
+        return bool(name) and self.fits(pattern)(str(name))
 
-    def _fit(self, pattern: str) -> Callable[[str], bool]:
+    def fits(self, pattern: str) -> Callable[[str], bool]:
+        """Whether a name of the model is meant by a pattern. Raises `BadPattern`."""
         known = self._fits.get(pattern)
         if known is None:
-            if is_regular(pattern):
-                nodes = (node for section in self.root.iterchildren("*") for node in section.iter("*"))
-                names = {name for node in nodes if (name := self.name(node))}
-                known = fitting(pattern[1:-1], names).__contains__
-            else:
-                known = matcher(pattern, self.separator)
-            self._fits[pattern] = known
+            known = self._fits[pattern] = fitter(pattern, self._all_names, self.separator)
         return known
+
+    def _all_names(self) -> set[str]:
+        nodes = (node for section in self.root.iterchildren("*") for node in section.iter("*"))
+        return {name for node in nodes if (name := self.name(node))}
 
     def _narrowed(self, node: Node, selector: Selector) -> bool:
         if selector.parent is not None and not self._is_child(node, selector.parent):
@@ -199,5 +198,5 @@ class Selection:
             above = [each.name for each in chain(node, self.classes)]
         else:
             return False
-        fits = self._fit(pattern)
+        fits = self.fits(pattern)
         return any(fits(MAIN if name == self.base_class else name) for name in above)

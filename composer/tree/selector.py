@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from composer.grammar import GRAMMAR
-from composer.tree.glob import is_glob
-from composer.tree.pattern import is_regular
+from composer.tree.pattern import is_pattern
 
 XPATH = "xpath"
 EVERYTHING = "**"
@@ -37,7 +36,7 @@ class Selector:
     def is_one_name(self) -> bool:
         """Whether it means what has one name, whatever else there is."""
         narrowed = any((self.parent, self.inside, self.part, self.dclass, self.where))
-        return not (narrowed or self.tag == XPATH or is_glob(self.pattern) or is_regular(self.pattern))
+        return not (narrowed or self.tag == XPATH or is_pattern(self.pattern))
 
     def all(self) -> Iterator[Selector]:
         """This one and those of its parents."""

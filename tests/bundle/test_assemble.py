@@ -14,7 +14,7 @@ from composer.bundle.bundle import MANIFEST
 from composer.bundle.manifest import Manifest, from_json
 from composer.context import Context
 from composer.diagnostics.text import render
-from composer.stages import build
+from composer.stages import Request, build
 
 ARM = """<mujoco>
   <compiler meshdir="../meshes"/>
@@ -78,7 +78,7 @@ def folder(tmp_path: Path) -> Path:
 
 def made(recipe: Path, session: engine.Session, cwd: Path, **more: Any) -> bytes:
     context = Context(folder=cwd)
-    built = build(recipe, context, session=session, **more)
+    built = build(Request(recipe, **more), context, session=session)
     assert built is not None, "\n".join(map(render, context.sink.diagnostics))
     return built.bundle.files[MANIFEST]
 

@@ -14,7 +14,7 @@ from composer.bundle.output_error import OutputError
 from composer.bundle.write import write
 from composer.context import Context
 from composer.engine import usd
-from composer.stages import build
+from composer.stages import Request, build
 
 ROOT = Path(__file__).resolve().parents[2]
 BALL = Bundle(
@@ -53,7 +53,7 @@ def test_the_child_says_that_it_is_missing(tmp_path: Path) -> None:
 
 @needs_converter
 def test_the_demo_cell_is_exported_with_its_textures(tmp_path: Path) -> None:
-    built = build(ROOT / "recipes" / "demo.yaml", Context(folder=tmp_path))
+    built = build(Request(ROOT / "recipes" / "demo.yaml"), Context(folder=tmp_path))
     assert built is not None
     heard: list[str] = []
     write(built.bundle, tmp_path / "demo.usdz", environment={}, tell=heard.append)
@@ -69,7 +69,7 @@ def test_the_demo_cell_is_exported_with_its_textures(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["cell.usdz", "cell.usda", "cell.usdc"])
 def test_the_same_model_is_the_same_bytes(tmp_path: Path, name: str) -> None:
     """With meshes that are there several times, which USD shares and numbers in an order of its own."""
-    built = build(ROOT / "recipes" / "arm_gripper.yaml", Context(folder=tmp_path))
+    built = build(Request(ROOT / "recipes" / "arm_gripper.yaml"), Context(folder=tmp_path))
     assert built is not None
     for folder in ("one", "two"):
         write(built.bundle, tmp_path / folder / name, environment={"SOURCE_DATE_EPOCH": "1700000000"})

@@ -244,9 +244,23 @@ def test_an_extended_and_a_nested_recipe_count(store: Path, folder: Path) -> Non
     assert (folder / "a.zip").read_bytes() == (folder / "b.zip").read_bytes()
 
 
+def test_of_two_equal_recipes_one_gets_a_comment(store: Path, folder: Path) -> None:
+    for name in ("left", "right"):
+        (folder / f"{name}.yaml").write_text("recipe: 1\nname: arm\nbase: ./models/arm.xml\n")
+    (folder / "outer.yaml").write_text(
+        "recipe: 1\nattach:\n  a: {model: ./left.yaml}\n  b: {model: ./right.yaml}\n"
+    )
+    built("outer.yaml", "-o", "a.zip", "--no-verify")
+    with (folder / "left.yaml").open("a") as left:
+        left.write("# no longer equal\n")
+    assert built("outer.yaml", "-o", "a.zip", "--no-verify")[0] == []
+    run("build", "outer.yaml", "-o", "b.zip", "--no-verify", "--no-cache")
+    assert (folder / "a.zip").read_bytes() == (folder / "b.zip").read_bytes()
+
+
 def test_another_version_of_the_code(store: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     built("cell.yaml", "-o", "a.zip")
-    monkeypatch.setattr("composer.cache.options.tool_version", lambda store: "9.9")
+    monkeypatch.setattr("composer.cache.cache_key.tool_version", lambda store: "9.9")
     (line,) = built("cell.yaml", "-o", "a.zip")[0]
     assert line.startswith("mjcompose was ")
     assert line.endswith(", is 9.9")

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from cli.shell import RECIPE, environment
 
-from composer.sources.store_folder import store_folder
+from composer.sources.store import store_folder
 
 # Files are told by their stamps two seconds after they were written; nobody here waits for that.
 _PROGRAM = """

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from composer.context import Context
 from composer.diagnostics.text import render
-from composer.stages import build
+from composer.stages import Request, build
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 Text = Callable[[str], str]
@@ -95,7 +95,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _build(recipe: Path) -> None:
     context = Context(environment={}, folder=recipe.parent)
-    built = build(recipe, context, verified=False)
+    built = build(Request(recipe, verified=False), context)
     assert (built is None) == bool(context.sink.errors)
     for each in context.sink.diagnostics:
         told = render(each, lambda file: (recipe.parent / file).read_text(encoding="utf-8", errors="replace"))

@@ -19,6 +19,13 @@ def test_the_array_of_an_attribute_is_among_those_that_follow_from_it(tag: str) 
     assert missing == []
 
 
+def test_without_a_tag_it_is_the_end_of_its_name() -> None:
+    assert {"solref", "solref_lim"} <= arrays_of("solreflimit") and "tendon_solref_lim" not in arrays_of(
+        "solreflimit"
+    )
+    assert "qpos0" in arrays_of("ref")
+
+
 def test_the_quantity_of_an_array_names_the_attribute() -> None:
     for tag, attribute in EVERY:
         known = _QUANTITIES.get(array_of(tag, attribute))

@@ -7,7 +7,7 @@ import pytest
 from lxml import etree
 
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 Compose = Callable[..., etree._Element | list[str]]
 
@@ -38,7 +38,7 @@ def compose(tmp_path: Path) -> Compose:
             (tmp_path / name.replace("__", ".")).write_text(text)
         (tmp_path / "recipe.yaml").write_text(recipe)
         context = Context(environment={}, folder=tmp_path)
-        built = build(tmp_path / "recipe.yaml", context, verified=False)
+        built = build(Request(tmp_path / "recipe.yaml", verified=False), context)
         if built is None:
             return [
                 f"{each.span.file.removesuffix('.yaml').replace('recipe', '')}{each.span.line}:{each.span.column} {each.code}"

@@ -8,7 +8,7 @@ import mujoco
 import pytest
 
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 BASE = """
 <mujoco><compiler SETTING/>
@@ -46,7 +46,7 @@ def _built(folder: Path, setting: str, recipe: str) -> tuple[mujoco.MjModel, muj
     (folder / "base.xml").write_text(base)
     (folder / "recipe.yaml").write_text(recipe)
     context = Context(environment={}, folder=folder)
-    done = build(folder / "recipe.yaml", context)
+    done = build(Request(folder / "recipe.yaml"), context)
     assert done is not None, [each.message for each in context.sink.diagnostics]
     composed = mujoco.MjModel.from_xml_string(done.bundle.files["model.xml"].decode())
     return mujoco.MjModel.from_xml_string(base), composed

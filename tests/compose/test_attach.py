@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 PART = """
 <mujoco model="part"><compiler angle="radian"/><worldbody>
@@ -38,7 +38,7 @@ def composed(folder: Path, recipe: str, **files: str) -> mujoco.MjModel:
     }.items():
         (folder / name.replace("__", ".")).write_text(text)
     context = Context(environment={}, folder=folder)
-    built = build(folder / "recipe.yaml", context, verified=False)
+    built = build(Request(folder / "recipe.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     return mujoco.MjModel.from_xml_string(built.bundle.files["model.xml"].decode())
 

@@ -12,7 +12,7 @@ import pytest
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic
-from composer.stages import build
+from composer.stages import Request, build
 
 pytestmark = pytest.mark.mujoco4("it has no pid")
 
@@ -95,7 +95,7 @@ def converted(
     edits = "".join(f"  - {{select: {{actuator: {name}}}, convert: {{to: {to}}}}}\n" for name in names)
     (folder / "recipe.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nedit:\n{edits}")
     context = Context(environment={}, folder=folder)
-    built = build(folder / "recipe.yaml", context, verified=False)
+    built = build(Request(folder / "recipe.yaml", verified=False), context)
     found = list(context.sink.diagnostics)
     if built is None:
         return None, found

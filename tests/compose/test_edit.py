@@ -14,7 +14,7 @@ import pytest
 
 from composer.context import Context
 from composer.diagnostics import Severity
-from composer.stages import build
+from composer.stages import Request, build
 
 ARM = """\
 <mujoco model="arm">
@@ -94,7 +94,7 @@ class Case:
     def text(self, recipe: str) -> str:
         (self.folder / "recipe.yaml").write_text(recipe)
         self.context = Context(environment={}, folder=self.folder)
-        built = build(self.folder / "recipe.yaml", self.context, verified=False)
+        built = build(Request(self.folder / "recipe.yaml", verified=False), self.context)
         assert built is not None, [each.message for each in self.context.sink.diagnostics]
         return built.bundle.files["model.xml"].decode()
 
@@ -111,7 +111,7 @@ class Case:
         """Place and code of every fault."""
         (self.folder / "recipe.yaml").write_text(f"recipe: 1\n{head}base: ./arm.xml\nedit:\n  - {edits}\n")
         self.context = Context(environment={}, folder=self.folder)
-        assert build(self.folder / "recipe.yaml", self.context, verified=False) is None
+        assert build(Request(self.folder / "recipe.yaml", verified=False), self.context) is None
         return [f"{each.span.column} {each.code}" for each in self.context.sink.errors if each.span]
 
     @property
@@ -203,6 +203,7 @@ def changed(before: mujoco.MjModel, after: mujoco.MjModel) -> set[str]:
         ("{select: {material: steel}, remove: cascade}", {"-steel"}),
         ("{select: {actuator: a1}, set: {kp: 3, 'forcerange[1]': 20}}", {"a1 gainprm", "a1 biasprm", "a1 forcerange"}),
         ("{select: {actuator: '?1', where: {joint: shoul*}}, set: {gear: [2]}}", {f"{each} gear" for each in ("a1", "v1", "f1", "g1")}),
+        ("{select: {actuator: '?1', where: {joint: '/sho.+r/'}}, set: {gear: [2]}}", {f"{each} gear" for each in ("a1", "v1", "f1", "g1")}),
     ],
 )  # fmt: skip
 def test_a_verb_changes_what_it_says(arm: Case, edits: str, expected: set[str]) -> None:
@@ -577,7 +578,7 @@ def test_drop_of_what_is_not_there(radian: Case) -> None:
         "recipe: 1\nbase: {model: ./arm.xml, drop: [equality, camera]}\n"
     )
     context = Context(environment={}, folder=radian.folder)
-    assert build(radian.folder / "recipe.yaml", context, verified=False) is None
+    assert build(Request(radian.folder / "recipe.yaml", verified=False), context) is None
     assert [(each.code, each.span.column) for each in context.sink.errors if each.span] == [
         ("selector", 33),
         ("selector", 43),
@@ -654,7 +655,10 @@ def test_a_part_is_called_with_the_separator_of_the_recipe(radian: Case) -> None
     where = "{select: {geom: '**', part: inner}, set: {condim: 6}}]\n"
     (radian.folder / "recipe.yaml").write_text(f"{head}[{where}")
     assert (
-        build(radian.folder / "recipe.yaml", context := Context(environment={}, folder=radian.folder)) is None
+        build(
+            Request(radian.folder / "recipe.yaml"), context := Context(environment={}, folder=radian.folder)
+        )
+        is None
     )
     assert "parts that exist: base, outer, outer__inner" in str(context.sink.errors)
 

@@ -11,7 +11,7 @@ import pytest
 from lxml import etree
 
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 Compose = Callable[..., etree._Element | list[str]]
 Built = Callable[..., mujoco.MjModel]
@@ -61,7 +61,7 @@ def built(tmp_path: Path) -> Built:
         for name, text in {**SOURCES, **files, "recipe.yaml": "recipe: 1\n" + recipe}.items():
             (tmp_path / name.replace("__", ".")).write_text(text)
         context = Context(environment={}, folder=tmp_path)
-        done = build(tmp_path / "recipe.yaml", context, verified=False)
+        done = build(Request(tmp_path / "recipe.yaml", verified=False), context)
         assert done is not None, [each.message for each in context.sink.diagnostics]
         for name, content in done.bundle.files.items():
             (tmp_path / "out" / name).parent.mkdir(parents=True, exist_ok=True)
@@ -391,6 +391,6 @@ def test_keys_that_mujoco_itself_brings_stay_where_it_leaves_them(built: Built, 
     assert heights(mujoco.MjModel.from_xml_path(str(tmp_path / "carrier.xml"))) == {"s/home": 2}
     (tmp_path / "recipe.yaml").write_text("recipe: 1\n" + HIGHER % "xml")
     context = Context(environment={}, folder=tmp_path)
-    assert build(tmp_path / "recipe.yaml", context, verified=False) is None
+    assert build(Request(tmp_path / "recipe.yaml", verified=False), context) is None
     (fault,) = context.sink.errors
     assert fault.code == "not-supported" and "`p/` moves it" in fault.message

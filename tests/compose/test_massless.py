@@ -9,7 +9,7 @@ import pytest
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic
-from composer.stages import build
+from composer.stages import Request, build
 
 BALL = '<geom size=".1"/>'
 NOTHING = '<inertial pos="0 0 0" mass="1" diaginertia="0 0 0"/>'
@@ -39,7 +39,7 @@ def built(folder: Path, part: str, more: str = "") -> list[Diagnostic]:
     recipe = "recipe: 1\nattach:\n  arm:\n    model: ./arm.xml\n    joint: {type: hinge}\n"
     (folder / "recipe.yaml").write_text(recipe + more)
     context = Context(environment={}, folder=folder)
-    build(folder / "recipe.yaml", context, verified=False)
+    build(Request(folder / "recipe.yaml", verified=False), context)
     return context.sink.errors
 
 

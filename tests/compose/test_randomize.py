@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from composer.bundle.manifest import from_json
 from composer.context import Context
-from composer.stages import Built, build
+from composer.stages import Built, Request, build
 
 MODEL = """\
 <mujoco>
@@ -52,7 +52,7 @@ def maker(folder: Path) -> Make:
         text = f"recipe: 1\nbase: ./model.xml\n{top}randomize:\n  seed: {seed}\n  samples: {samples}\n  fields:\n{lines}"
         (folder / "r.yaml").write_text(text)
         context = Context(folder=folder, environment={})
-        built = build(folder / "r.yaml", context, verified=False, sample=sample)
+        built = build(Request(folder / "r.yaml", verified=False, sample=sample), context)
         assert built is not None, [each.message for each in context.sink.diagnostics]
         return built
 

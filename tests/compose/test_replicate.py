@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 PART = """
 <mujoco model="part"><worldbody>
@@ -23,7 +23,7 @@ def models(folder: Path, part: str, recipe: str) -> mujoco.MjModel:
     (folder / "part.xml").write_text(part)
     (folder / "recipe.yaml").write_text(recipe)
     context = Context(environment={}, folder=folder)
-    built = build(folder / "recipe.yaml", context, verified=False)
+    built = build(Request(folder / "recipe.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     return mujoco.MjModel.from_xml_string(built.bundle.files["model.xml"].decode())
 

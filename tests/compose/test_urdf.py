@@ -12,7 +12,7 @@ import pytest
 from composer.compiled.mount import Mount
 from composer.compiled.unchanged import compare
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 EXACT = hasattr(mujoco.MjSpec, "fuse_static")
 """An older MuJoCo saves compiled values, which are rounded when they are compiled again."""
@@ -74,7 +74,7 @@ def files(folder: Path, extension: str = "", **recipes: str) -> Path:
 
 def built(recipe: Path) -> mujoco.MjModel:
     context = Context(environment={}, folder=recipe.parent)
-    found = build(recipe, context, verified=False)
+    found = build(Request(recipe, verified=False), context)
     assert found is not None, [each.message for each in context.sink.diagnostics]
     bundle = {path: bytes(content) for path, content in found.bundle.files.items()}
     return mujoco.MjModel.from_xml_string(bundle[found.bundle.model].decode(), bundle)
@@ -170,7 +170,7 @@ def test_warnings_stand_in_the_urdf(tmp_path: Path) -> None:
     text = (tmp_path / "robot.urdf").read_text()
     (tmp_path / "robot.urdf").write_text(text.replace('mimic joint="turn"', 'mimic joint="no"'))
     context = Context(environment={}, folder=tmp_path)
-    assert build(recipe, context) is not None
+    assert build(Request(recipe), context) is not None
     lines = (tmp_path / "robot.urdf").read_text().splitlines()
     line = next(number for number, text in enumerate(lines, 1) if 'joint name="grip"' in text)
     told = [(each.code, each.span and each.span.line) for each in context.sink.sorted()]

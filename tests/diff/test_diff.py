@@ -16,7 +16,7 @@ from composer.diff.diff import diff
 from composer.diff.markdown import render as in_markdown
 from composer.diff.text import render
 from composer.engine import Session
-from composer.stages import build
+from composer.stages import Request, build
 
 CASES = Path(__file__).parent / "cases"
 
@@ -78,7 +78,7 @@ def test_another_order_is_addresses_and_nothing_else(session: Session, tmp_path:
 
 def test_a_bundle_and_the_recipe_that_it_is_of(session: Session, tmp_path: Path) -> None:
     built = build(
-        CASES / "sources" / "a" / "recipe.yaml", context := Context(folder=tmp_path), session=session
+        Request(CASES / "sources" / "a" / "recipe.yaml"), context := Context(folder=tmp_path), session=session
     )
     assert built is not None, context.sink.diagnostics
     write(built.bundle, str(tmp_path / "old.zip"), environment={}, session=session)

@@ -18,7 +18,7 @@ import pytest
 
 from composer.context import Context
 from composer.engine import Limits
-from composer.stages import build
+from composer.stages import Request, build
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "docs" / "errors").glob("*.md")}
@@ -149,7 +149,7 @@ def codes(text: str, folder: Path, menagerie: Path) -> set[str]:
         text = f"recipe: 1\nbase: ./{model}\n"
     recipe.write_text(text, encoding="utf-8")
     context = Context(folder=folder, environment={**os.environ, "MENAGERIE_ROOT": str(menagerie)})
-    build(recipe, context, limits=Limits(seconds=60))
+    build(Request(recipe), context, limits=Limits(seconds=60))
     return {found.code for found in context.sink.diagnostics}
 
 

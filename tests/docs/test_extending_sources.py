@@ -17,7 +17,9 @@ from composer.sources.source_kind import SourceKind
 
 ROOT = Path(__file__).resolve().parents[2]
 SECTION = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8").partition("## Add a source kind")[2]
-FILE, ROW = re.findall(r"^```python\n(.*?)^```", SECTION.partition("\n## ")[0], re.MULTILINE | re.DOTALL)
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", SECTION.partition("\n## ")[0], re.MULTILINE | re.DOTALL)
+(FILE,) = (text for language, text in BLOCKS if language == "python")
+CHANGES = [text.splitlines(keepends=True) for language, text in BLOCKS if language == "diff"]
 ARM = '<mujoco model="{0}"><worldbody><body name="{0}"><geom size="0.1"/></body></worldbody></mujoco>\n'
 RECIPE = 'recipe: 1\nbase: "shared:arm/arm.xml"\n'
 
@@ -34,10 +36,11 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     sources = folder / "composer" / "sources"
     (sources / "shared.py").write_text(FILE, encoding="utf-8")
     kinds = (sources / "kinds.py").read_text(encoding="utf-8")
-    extended = kinds.replace("package, path\n", "package, path, shared\n", 1)
-    extended = extended.replace("    archive.KIND,\n", f"    archive.KIND,\n{ROW}", 1)
-    assert extended.count("shared") == 2
-    (sources / "kinds.py").write_text(extended, encoding="utf-8")
+    for change in CHANGES:
+        before, after = ("".join(line[1:] for line in change if line[0] != sign) for sign in "+-")
+        assert kinds.count(before) == 1
+        kinds = kinds.replace(before, after)
+    (sources / "kinds.py").write_text(kinds, encoding="utf-8")
     return folder
 
 
@@ -62,7 +65,8 @@ def command(package: Path, tmp_path: Path) -> Command:
 
 def test_every_command_knows_the_kind(command: Command) -> None:
     planned = command("plan", "cell.yaml", "--format", "json")
-    assert json.loads(planned.stdout)["base"]["kind"] == "shared", planned.stderr
+    assert planned.returncode == 0, planned.stderr
+    assert json.loads(planned.stdout)["base"]["kind"] == "shared"
     for words in (("check", "cell.yaml"), ("fmt", "cell.yaml")):
         done = command(*words)
         assert done.returncode == 0, done.stderr

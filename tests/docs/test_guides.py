@@ -19,7 +19,7 @@ from composer.diagnostics.text import render
 from composer.diff.diff import diff
 from composer.diff.text import render as render_diff
 from composer.engine import Session
-from composer.stages import build
+from composer.stages import Request, build
 
 ROOT = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -91,7 +91,7 @@ def test_a_recipe_builds_without_a_word(
     (tmp_path / "tools" / "tool_meshes").mkdir()
     (tmp_path / "r.yaml").write_text(text, encoding="utf-8")
     told = context(tmp_path, menagerie_root)
-    assert build(tmp_path / "r.yaml", told) is not None
+    assert build(Request(tmp_path / "r.yaml"), told) is not None
     assert told.sink.diagnostics == []
 
 
@@ -99,7 +99,7 @@ def test_the_fault_of_the_readme_is_told_as_it_shows(tmp_path: Path, menagerie_r
     (tmp_path / "models").symlink_to(ROOT / "recipes" / "models")
     (tmp_path / "arm.yaml").write_text(FAULT, encoding="utf-8")
     told = context(tmp_path, menagerie_root)
-    assert build(tmp_path / "arm.yaml", told) is None
+    assert build(Request(tmp_path / "arm.yaml"), told) is None
     (fault,) = told.sink.diagnostics
     shown = next(text for text in blocks("README.md", "text") if "error[" in text)
     assert render(fault, lambda file: FAULT) == shown.rstrip("\n")
@@ -138,7 +138,7 @@ def test_the_diff_of_the_demo_is_what_its_edits_give(tmp_path: Path) -> None:
 
 def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "recipes" / "models", tmp_path / "recipes" / "models")
-    demo = build(ROOT / "recipes" / "demo.yaml", Context(folder=tmp_path))
+    demo = build(Request(ROOT / "recipes" / "demo.yaml"), Context(folder=tmp_path))
     assert demo is not None
     write(demo.bundle, tmp_path / "build" / "demo.zip", environment={})
     for text in blocks("README.md", "python"):

@@ -15,7 +15,7 @@ import pytest
 from composer.context import Context
 from composer.diagnostics import Severity
 from composer.diagnostics.text import render, summary
-from composer.stages import build
+from composer.stages import Request, build
 
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
@@ -96,7 +96,7 @@ def test_error(case: str) -> None:
         pytest.skip("another MuJoCo builds this, or says something else of it")
     folder = HERE / case
     context = Context(environment={}, folder=folder)
-    built = build(folder / "recipe.yaml", context)
+    built = build(Request(folder / "recipe.yaml"), context)
     text = told(context).replace(f"{folder}{os.sep}", "FOLDER/")
     file = folder / "expected.txt"
     if os.environ.get("UPDATE_EXPECTED"):

@@ -10,7 +10,7 @@ import pytest
 
 from composer.context import Context
 from composer.diagnostics import Diagnostic
-from composer.stages import build
+from composer.stages import Request, build
 
 SOURCE = '<mujoco>\n  <asset>\n    <mesh name="base" file="base.obj"/>\n  </asset>\n  <include file="more.xml"/>\n</mujoco>\n'
 FILES = {
@@ -38,7 +38,7 @@ def folder(tmp_path: Path) -> Path:
 def told(folder: Path) -> Diagnostic:
     """The one fault of the recipe."""
     context = Context(environment={}, folder=folder)
-    assert build(folder / "recipe.yaml", context, verified=False) is None
+    assert build(Request(folder / "recipe.yaml", verified=False), context) is None
     (fault,) = context.sink.diagnostics
     return fault
 
@@ -48,7 +48,10 @@ def place_of(fault: Diagnostic) -> tuple[str, int, int] | None:
 
 
 def test_all_is_well_without_a_fault(folder: Path) -> None:
-    assert build(folder / "recipe.yaml", Context(environment={}, folder=folder), verified=False) is not None
+    assert (
+        build(Request(folder / "recipe.yaml", verified=False), Context(environment={}, folder=folder))
+        is not None
+    )
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege there")
@@ -92,7 +95,7 @@ def test_a_huge_recipe(folder: Path) -> None:
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs a device that never ends")
 def test_a_recipe_without_an_end() -> None:
     context = Context(environment={}, folder=Path("/dev"))
-    assert build(Path("/dev/zero"), context, verified=False) is None
+    assert build(Request(Path("/dev/zero"), verified=False), context) is None
     assert [each.code for each in context.sink.diagnostics] == ["yaml-too-large"]
 
 
@@ -113,7 +116,7 @@ def test_a_recipe_that_a_command_writes() -> None:
     os.write(writing, b"recipe: 1\n")
     os.close(writing)
     context = Context(environment={}, folder=Path("/dev/fd"))
-    assert build(Path(f"/dev/fd/{reading}"), context, verified=False) is not None
+    assert build(Request(Path(f"/dev/fd/{reading}"), verified=False), context) is not None
     os.close(reading)
 
 

@@ -13,7 +13,7 @@ from composer.diagnostics.sink import Sink
 from composer.explain import query
 from composer.explain.explain import trace
 from composer.explain.traced import Traced
-from composer.stages import build
+from composer.stages import Request, build
 from composer.tree.kinds import kind_of
 
 _OBJECTS = "body joint geom site camera light tendon equality actuator sensor key".split()
@@ -29,7 +29,7 @@ _EXPANDED = ("replicate", "composite", "flexcomp", "attach")
 
 @pytest.fixture
 def compiled(recipe: Path, tmp_path: Path) -> mujoco.MjModel:
-    built = build(recipe, Context(environment={}, folder=recipe.parent), verified=False)
+    built = build(Request(recipe, verified=False), Context(environment={}, folder=recipe.parent))
     assert built is not None
     for path, content in built.bundle.files.items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)

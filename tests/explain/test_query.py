@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import pytest
+from lxml import etree
 
 from composer.diagnostics.sink import Sink
-from composer.explain.query import Asked, read
+from composer.explain.query import Asked, find, read
+from composer.tree.pattern import BadPattern
 
 
 def asked(text: str, attribute: str | None = None) -> Asked:
@@ -68,3 +70,20 @@ def test_without_meaning(text: str, code: str) -> None:
     sink = Sink()
     assert read(text, None, sink) is None
     assert [each.code for each in sink.errors] == [code]
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("geom /pad[0-9]/", ["pad1", "pad2"]),
+        ("geom *", ["pad1", "pad2"]),
+        ("geom **", ["pad1", "pad2", "left/pad", None]),
+        ("/.*pad/", ["left/pad"]),
+    ],
+)
+def test_names_fit_as_in_a_selector(text: str, names: list[str | None]) -> None:
+    geoms = '<geom name="pad1"/><geom name="pad2"/><geom name="left/pad"/><geom/>'
+    root = etree.fromstring(f"<mujoco><worldbody>{geoms}</worldbody></mujoco>")
+    assert [node.get("name") for node in find(asked(text), root, "/")] == names
+    with pytest.raises(BadPattern, match="is not valid"):
+        find(asked("/(/"), root, "/")

@@ -8,13 +8,13 @@ from composer.compose.compose import Composer
 from composer.context import Context
 from composer.explain.trace import TAG, Change, Life
 from composer.explain.traced import Traced
-from composer.stages import build
+from composer.stages import Request, build
 from composer.tree.watch import nobody
 from composer.tree.write import write
 
 
 def test_a_model_is_the_same_with_an_onlooker(recipe: Path, traced: Traced) -> None:
-    built = build(recipe, Context(environment={}, folder=recipe.parent), verified=False)
+    built = build(Request(recipe, verified=False), Context(environment={}, folder=recipe.parent))
     assert built is not None
     assert write(traced.model.root) == built.bundle.files["model.xml"]
 

@@ -14,7 +14,7 @@ from composer.compiled.keyframes import Keys
 from composer.compiled.options import option_differences
 from composer.compiled.unchanged import compare
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 
 @dataclass
@@ -31,7 +31,7 @@ class Verdict:
 def judge(recipe: Path, out: Path) -> Verdict:
     """Build into the empty folder `out` and compare. Raises ValueError where the result does not compile."""
     context = Context(environment={}, folder=recipe.parent)
-    built = build(recipe, context, verified=False)
+    built = build(Request(recipe, verified=False), context)
     found = context.sink.diagnostics
     verdict = Verdict(codes=[each.code for each in found], told=[each.message for each in found])
     if built is None:

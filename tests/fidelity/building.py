@@ -53,10 +53,11 @@ def build(recipe: Path, *, verified: bool = False) -> Build:
     """The recipe built in this process, into a folder that the next build takes; the harness verifies it."""
     from composer.context import Context
     from composer.diagnostics import render
+    from composer.stages import Request
     from composer.stages import build as run
 
     context = Context(folder=recipe.parent)
-    built = run(recipe, context, verified=verified, session=_session(os.getpid()))
+    built = run(Request(recipe, verified=verified), context, session=_session(os.getpid()))
     told = "\n".join(render(found, _source(recipe.parent), False) for found in context.sink.diagnostics)
     if built is None:
         return Build(None, told)

@@ -18,7 +18,7 @@ from composer.bundle.write import write
 from composer.context import Context
 from composer.diagnostics import Severity
 from composer.engine import Session
-from composer.stages import build
+from composer.stages import Request, build
 from composer.verify.stored import verify_stored
 
 HERE = Path(__file__).resolve().parent
@@ -50,7 +50,7 @@ def test_model(case: str, tmp_path: Path, session: Session) -> None:
     if case in WRITTEN_BY_MUJOCO and not hasattr(mujoco.MjSpec, "fuse_static"):
         pytest.skip("the model was written by a newer MuJoCo")
     context = Context(environment={}, folder=HERE / case)
-    built = build(HERE / case / "recipe.yaml", context, verified=False)
+    built = build(Request(HERE / case / "recipe.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     assert {each.severity for each in context.sink.diagnostics} == (
         {Severity.WARNING} if case in TOLD else set()

@@ -18,7 +18,7 @@ from composer.importing.comparing import Changed
 from composer.importing.contrasting import Outcome
 from composer.importing.recover import Recovered, recover
 from composer.importing.words import changed, left
-from composer.stages import build
+from composer.stages import Request, build
 
 ARM = """\
 <mujoco model="arm">
@@ -279,7 +279,7 @@ REAL: dict[str, tuple[tuple[str, str], ...]] = {
     "nothing": (),
     "mesh class": ((r'(<mesh (?:class="[^"]*" )?)(?=[^>]*name="[^"]*base)', r'\1refpos="0 0 0.001" '),),
     "equality": ((r"<worldbody>", '<equality><joint joint1="{0}" joint2="{1}"/></equality><worldbody>'),),
-    "geom": ((r'(<body name="[^"]*2[^"]*"[^>]*>)', r'\1<geom size="0.02" pos="0 0 0.1"/>'),),
+    "geom": ((r'(<body name="[^"]*2[^"]*"[^>]*>)', r'\1<geom type="sphere" size="0.02" pos="0 0 0.1"/>'),),
 }
 
 
@@ -291,7 +291,7 @@ def test_real_models_that_were_changed(pair: str, corpus: Path, tmp_path: Path) 
     (tmp_path / "cell.yaml").write_text(
         f"recipe: 1\nconflict: merge\nbase: {files[0]}\nattach: {{tool: {{model: {files[1]}, site: {site}}}}}\n"
     )
-    built = build(tmp_path / "cell.yaml", Context(folder=tmp_path))
+    built = build(Request(tmp_path / "cell.yaml"), Context(folder=tmp_path))
     assert built is not None
     (tmp_path / "cell").mkdir()
     write_files(built.bundle, tmp_path / "cell")

@@ -16,7 +16,7 @@ from composer.bundle.mjb import manifest_beside, with_version
 from composer.bundle.write import write
 from composer.context import Context
 from composer.loading.load import Loaded
-from composer.stages import build
+from composer.stages import Request, build
 
 MODEL = """<mujoco model="{name}">
   <worldbody>
@@ -47,7 +47,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("load")
     (folder / "arm.xml").write_text(MODEL.format(name="arm"))
     (folder / "cell.yaml").write_text(RECIPE)
-    built = build(folder / "cell.yaml", Context(folder=folder))
+    built = build(Request(folder / "cell.yaml"), Context(folder=folder))
     assert built is not None
     for name in ("cell/", "cell.zip", "cell.mjz", "cell.mjb"):
         write(built.bundle, f"{folder}/{name}", environment={})

@@ -38,7 +38,7 @@ def test_several_names_are_an_array_in_their_order() -> None:
 
 @pytest.mark.parametrize(
     ("glob", "expected"),
-    [("*/a", [0, 6]), ("left/**", [0, 1]), ("{right,left}/a", [0, 6]), ("**/b", [1])],
+    [("*/a", [0, 6]), ("left/**", [0, 1]), ("{right,left}/a", [0, 6]), ("**/b", [1]), ("/.*a/", [0, 6])],
 )
 def test_globs_have_the_order_of_the_model(glob: str, expected: list[int]) -> None:
     found = VECTOR[glob]
@@ -66,6 +66,11 @@ def test_a_name_that_is_not_there_is_told_with_those_that_are(name: str) -> None
     assert isinstance(caught.value, KeyError)
     assert f"the model has no joint `{name}`" in str(caught.value)
     assert "joints that exist:" in str(caught.value) and "right/a" in str(caught.value)
+
+
+def test_a_regular_expression_that_is_not_valid_is_reported() -> None:
+    with pytest.raises(UnknownNameError, match=r"`/\(/` is not valid: missing \)"):
+        VECTOR["/(/"]
 
 
 def test_what_was_meant_is_told() -> None:

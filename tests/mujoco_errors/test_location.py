@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 
 def test_an_attribute_that_is_written_nowhere_is_reported_at_the_element(tmp_path: Path) -> None:
@@ -13,6 +13,6 @@ def test_an_attribute_that_is_written_nowhere_is_reported_at_the_element(tmp_pat
     (tmp_path / "a.xml").write_text(model)
     (tmp_path / "a.yaml").write_text("recipe: 1\nbase: ./a.xml\n")
     context = Context(folder=tmp_path)
-    assert build(tmp_path / "a.yaml", context) is None
+    assert build(Request(tmp_path / "a.yaml"), context) is None
     (fault,) = context.sink.errors
     assert fault.span is not None and (fault.span.file, fault.span.line) == ("a.xml", 2)

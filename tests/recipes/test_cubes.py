@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 FOLDER = Path(__file__).resolve().parents[2] / "recipes"
 
@@ -17,7 +17,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "recipes"
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> mujoco.MjModel:
     context = Context(environment={}, folder=FOLDER)
-    built = build(FOLDER / "cubes.yaml", context, verified=False)
+    built = build(Request(FOLDER / "cubes.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     folder = tmp_path_factory.mktemp("cubes")
     for path, content in built.bundle.files.items():

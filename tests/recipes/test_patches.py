@@ -17,7 +17,7 @@ from lxml.etree import _Element as Node
 
 from composer.bundle.write import write
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 HANDS: dict[str, tuple[str, Callable[[Node], None]]] = {}
@@ -206,7 +206,7 @@ def test_is_the_change_by_hand(recipe: str, tmp_path: Path) -> None:
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")
     menagerie = Path(os.environ.get("MJCOMPOSE_CORPUS", ""), "models")
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie)})
-    built = build(RECIPES / "patches" / f"{recipe}.yaml", context)
+    built = build(Request(RECIPES / "patches" / f"{recipe}.yaml"), context)
     assert built is not None and not context.sink.diagnostics
     write(built.bundle, f"{tmp_path}/out/", environment={})
     ours = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))

@@ -11,7 +11,7 @@ import pytest
 
 from composer.bundle.write import write
 from composer.context import Context
-from composer.stages import build
+from composer.stages import Request, build
 
 ROOT = Path(__file__).resolve().parents[2]
 RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
@@ -26,7 +26,7 @@ def test_builds_and_moves_without_a_warning(path: Path, tmp_path: Path, menageri
     if path.stem in NEEDS_MORE and not os.environ.get("MJCOMPOSE_CORPUS"):
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie_root)})
-    built = build(path, context)
+    built = build(Request(path), context)
     assert built is not None
     assert [each.code for each in context.sink.diagnostics] == TOLD.get(path.stem, [])
     write(built.bundle, f"{tmp_path}/out/", environment={})

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from composer.sources import blobs
-from composer.sources.blob import blobs_in
+from composer.sources.blobs import blobs_in
 from composer.sources.store import Store
 
 

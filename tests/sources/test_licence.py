@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from composer.sources import licence
-from composer.sources.licence_name import is_licence
+from composer.sources.licence import is_licence
 
 
 def write(root: Path, *names: str) -> None:

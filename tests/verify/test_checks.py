@@ -11,7 +11,7 @@ from composer.bundle.manifest import from_json
 from composer.context import Context
 from composer.diagnostics import Note
 from composer.engine import Limits, Session
-from composer.stages import Built, build
+from composer.stages import Built, Request, build
 from composer.verify.outcome import Outcome
 
 Run = Callable[[str], tuple[Built | None, list[str]]]
@@ -108,7 +108,7 @@ def run(tmp_path: Path) -> Run:
     def run(text: str) -> tuple[Built | None, list[str]]:
         (tmp_path / "recipe.yaml").write_text(text.lstrip())
         context = Context(folder=tmp_path, environment={})
-        built = build(tmp_path / "recipe.yaml", context)
+        built = build(Request(tmp_path / "recipe.yaml"), context)
         told = [
             f"{each.span.file}:{each.span.line}:{each.span.column} {each.code}" if each.span else each.code
             for each in context.sink.errors
@@ -175,7 +175,7 @@ def test_what_the_recipe_changes_on_purpose_is_in_the_manifest(run: Run) -> None
 def test_expected_and_actual_are_told(tmp_path: Path, run: Run) -> None:
     run(CHANGING + "  a: {unchanged: {}}\n")
     context = Context(folder=tmp_path, environment={})
-    build(tmp_path / "recipe.yaml", context)
+    build(Request(tmp_path / "recipe.yaml"), context)
     (error,) = context.sink.errors
     assert error.message == (
         "check `a`: `part/` is not what `cube.xml` is alone: 3 differences (`geom_rgba`, `dof_armature`)"
@@ -201,7 +201,9 @@ def test_every_check_is_heard_in_order_with_what_came_of_it(tmp_path: Path, run:
     recipe = "recipe: 1\nattach:\n  nest: {model: ./inner.yaml}\ncheck:\n  dims: {size: {nq: 2}, mass: {range: [0, 9e9]}}\n"
     (tmp_path / "recipe.yaml").write_text(recipe)
     context = Context(folder=tmp_path, environment={})
-    assert build(tmp_path / "recipe.yaml", context, hear=heard.append) is not None, context.sink.diagnostics
+    assert build(Request(tmp_path / "recipe.yaml"), context, hear=heard.append) is not None, (
+        context.sink.diagnostics
+    )
     assert [(each.name, each.kind, each.span.file, each.span.line, each.holds) for each in heard] == [
         ("dims", "size", "recipe.yaml", 5, True),
         ("dims", "mass", "recipe.yaml", 5, True),
@@ -215,7 +217,7 @@ def test_a_check_that_takes_too_long_is_told_at_its_place(tmp_path: Path, run: R
     )
     context = Context(folder=tmp_path, environment={})
     with Session(Limits(seconds=3)) as session:
-        assert build(tmp_path / "recipe.yaml", context, session=session) is None
+        assert build(Request(tmp_path / "recipe.yaml"), context, session=session) is None
     (late,) = context.sink.errors
     assert late.code == "mujoco-timeout"
     assert late.span is not None and late.span.line == 4
@@ -336,7 +338,7 @@ def test_assets_that_were_merged_are_the_ones_that_stand_for_them(tmp_path: Path
         "recipe: 1\nattach:\n  a: {model: ./m.xml}\n  b: {model: ./m.xml}\ncheck: {a: {unchanged: {}}}\n"
     )
     context = Context(folder=tmp_path, environment={})
-    built = build(tmp_path / "recipe.yaml", context, deduplicated=True)
+    built = build(Request(tmp_path / "recipe.yaml", deduplicated=True), context)
     assert built is not None, context.sink.diagnostics
     assert built.merged == {"mesh": {"b/t": "a/t"}}
 

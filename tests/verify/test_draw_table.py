@@ -14,7 +14,7 @@ import pytest
 
 from composer.bundle.folder import write_folder
 from composer.context import Context
-from composer.stages import Built, build
+from composer.stages import Built, Request, build
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "randomisation.md").read_text(encoding="utf-8")
@@ -88,7 +88,7 @@ def recipe(folder: Path, fields: list[str], emit: str = "table", model: str = MO
 
 def built(path: Path, sample: int = 0) -> tuple[Built | None, Context]:
     context = Context(folder=path.parent, environment={})
-    return build(path, context, sample=sample), context
+    return build(Request(path, sample=sample), context), context
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from composer.compiled.kinds import Model as MjModel
 from composer.compiled.kinds import NameTable
 from composer.compiled.order import compiled_kind, compiled_order, rows
 from composer.link.request import Policy
-from composer.mjcf.attachment import attachments_below
+from composer.mjcf.attaching import attachments_below
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.flat import Flat, contents, copied, flatten, name_files, tell
 from composer.mjcf.model import Model, Target

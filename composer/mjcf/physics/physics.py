@@ -6,7 +6,7 @@ import copy
 import math
 import os
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +18,16 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.link.request import Policy
 from composer.mjcf.arguments import as_files, as_index, as_path
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import Element
+from composer.mjcf.element import Element, model_of
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, binding_of
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
 from composer.mjcf.physics.rendering import Rendering
-from composer.mjcf.root import RootElement
 from composer.tree.editable import is_copy
 from composer.tree.kinds import WORLD_SECTION
+
+if TYPE_CHECKING:
+    from composer.mjcf.root import RootElement
 
 
 class Physics:
@@ -79,11 +81,7 @@ class Physics:
         `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError` with what is wrong with the
         model, at the place it comes from, also where it is MuJoCo that refuses it.
         """
-        if not isinstance(root, RootElement):
-            raise failure(
-                "wrong-type", f"what is compiled is a `RootElement`, got `{type(root).__name__}`", call_site()
-            )
-        compiled, taken = compile_model(root._model, conflict)
+        compiled, taken = compile_model(model_of(root, "what is compiled"), conflict)
         return cls(compiled, snapshot=taken)
 
     @classmethod

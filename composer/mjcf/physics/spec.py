@@ -1,4 +1,4 @@
-"""To MuJoCo's own editable models and back."""
+"""From MuJoCo's own editable models."""
 
 from __future__ import annotations
 
@@ -9,15 +9,11 @@ from typing import Any
 
 from composer.compiled.kinds import KINDS
 from composer.compiled.rows import arrays
-from composer.link.request import Policy
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfWarning, failure
-from composer.mjcf.flat import contents, flatten, name_files, tell
-from composer.mjcf.model import Model
 from composer.mjcf.parse import from_xml_string
 from composer.mjcf.physics.compile import engine, refused
 from composer.mjcf.root import RootElement
-from composer.tree.write import to_text, write
 
 
 def from_spec(spec: Any) -> RootElement:
@@ -81,19 +77,3 @@ def _text(compiled: Any) -> str:
     message = f"MuJoCo writes the numbers of this spec in six digits only: {why}"
     warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
     return str(compiled.to_xml())
-
-
-def to_spec(model: Model, conflict: Policy) -> Any:
-    """See `RootElement.to_spec`."""
-    mujoco = engine()
-    flat = flatten(model, conflict)
-    name_files(flat)
-    files = contents(flat)
-    try:
-        # MuJoCo reads sub-models at once, and looks for them among what is included.
-        models = {name: data for name, data in files.items() if name.endswith(".xml")}
-        spec = mujoco.MjSpec.from_string(to_text(flat.unit.root), include=models, assets=files)
-    except (ValueError, mujoco.FatalError) as error:
-        raise refused(error, write(flat.unit.root), flat) from None
-    tell(flat)
-    return spec

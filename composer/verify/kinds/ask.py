@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from composer.compiled.kinds import Model
-from composer.tree.pattern import SlowPattern
+from composer.tree.pattern import BadPattern
 from composer.verify.kinds import equal, exists, mass, no_penetration, reachable, size, stable
 from composer.verify.kinds.finding import Finding
 from composer.verify.kinds.scope import Scope
@@ -30,6 +30,6 @@ def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
     scope = Scope(mujoco, model, **question["scope"])
     try:
         found = CHECKS[question["kind"]](scope, question["asked"])
-    except SlowPattern as slow:
-        found = [Finding(slow.message, code="selector", help=slow.help)]
+    except BadPattern as bad:
+        found = [Finding(bad.message, code="selector", help=bad.help)]
     return {"findings": [finding.to_json() for finding in found], "values": scope.values}

@@ -10,8 +10,7 @@ from typing import Any
 
 from composer.compiled.kinds import ON_BODIES, Model, NameTable, holder
 from composer.compiled.links import links
-from composer.tree.glob import matcher
-from composer.tree.pattern import fitting, is_regular
+from composer.tree.pattern import fitter
 from composer.verify.kinds.finding import Finding, unknown
 
 SOLVED = 4
@@ -95,7 +94,7 @@ class Scope:
     def matching(self, kind: str, glob: str) -> list[int]:
         """The ids of the recipe's elements that a glob or a regular expression names.
 
-        `**` alone names those without a name too. Raises SlowPattern.
+        `**` alone names those without a name too. Raises BadPattern.
         """
         if glob == "**":
             return list(self.own(kind))
@@ -105,11 +104,8 @@ class Scope:
         return [index for index, name in named if name in fitting]
 
     def fitting(self, glob: str, names: Collection[str]) -> frozenset[str]:
-        """Those of names as the recipe writes them that a glob or a regular expression means. Raises SlowPattern."""
-        if is_regular(glob):
-            return fitting(glob[1:-1], names)
-        fits = matcher(glob, self.separator)
-        return frozenset(name for name in names if fits(name))
+        """Those of names as the recipe writes them that a glob or a regular expression means. Raises BadPattern."""
+        return frozenset(filter(fitter(glob, lambda: names, self.separator), names))
 
     def at_key(self, key: str | None) -> Any | Finding:
         """An mjData at a keyframe, or at the reference configuration; `mj_forward` is still to be called."""

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import mujoco
 import numpy as np
 import pytest
@@ -110,3 +113,29 @@ def test_positions_that_are_found_do_bring_it_there_and_are_the_same_every_time(
 def test_a_name_that_is_not_there(ask) -> None:
     (finding,) = ask(FREE, "reachable: {site: tpi, target: [0, 0, 0]}")
     assert (finding.code, finding.at, finding.help) == ("unknown-name", ("site",), "did you mean `tip`?")
+
+
+def test_a_key_outside_of_the_ranges_is_brought_into_them(ask) -> None:
+    apart = PLANAR.format(first='range="-10 10"', second='range="60 90"')  # the key has 29 degrees twice
+    assert ask(apart, "reachable: {site: tip, target: [1, 1, 0], key: bent, tolerance: 1e-4}") == []
+    (finding,) = ask(apart, "reachable: {site: tip, target: [0.5, 1.3, 0], key: bent}")
+    assert "joints are at their limits" in finding.notes[-1]
+
+
+def test_a_ball_joint_at_its_limit_turns_along_it() -> None:
+    """One of them is at its limit, or nearly, wherever the site is asked to be."""
+    text = """
+    <mujoco><worldbody><body><joint type="ball"/><geom size=".1"/><body pos="0 0 1"><joint type="ball" range="0 20"/>
+    <geom size=".1"/><site name="s" pos="0 0 1"/></body></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    for target in ([0, 0, -1.99], [1.4, 0, -1.4], [-1.98, 0, 0], [0.1, 1.9, -0.54]):
+        data = mujoco.MjData(model)
+        solver = Solver(mujoco, model, data, 0, np.array(target), 1e-4)
+        assert solver.solve() <= 1e-4
+        assert 2 * np.arccos(min(abs(data.qpos[4]), 1)) <= np.radians(20) + 1e-6
+
+
+def test_mujoco_is_not_imported_where_checks_are_only_asked() -> None:
+    code = "import sys, composer.verify.kinds.ask; print('mujoco' in sys.modules)"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == "False"

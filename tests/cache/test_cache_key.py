@@ -2,19 +2,19 @@ from __future__ import annotations
 
 import pytest
 
-from composer.cache.options import of_cell
-from composer.cache.question import GIVEN, Question, differences
+from composer.cache.cache_key import CacheKey
+from composer.cache.reasons import GIVEN, differences
 from composer.cache.surroundings import environment_parts
 from composer.sources.kinds import KINDS
 from composer.sources.source_kind import SourceKind
 
 
-def test_whatever_is_asked_otherwise_is_another_question() -> None:
-    first = Question("cell.yaml", {"a": "1"})
-    assert first.key == Question("cell.yaml", {"a": "1"}).key
-    others = [Question("cell.yaml", {"a": "2"}), Question("other.yaml", {"a": "1"}), of_cell(first, "x", {})]
-    assert len({first.key, *(each.key for each in others)}) == 4
-    assert others[0].subject_key == first.subject_key
+def test_whatever_is_asked_otherwise_is_another_key() -> None:
+    first = CacheKey("cell.yaml", {"a": "1"})
+    assert first.digest == CacheKey("cell.yaml", {"a": "1"}).digest
+    others = [CacheKey("cell.yaml", {"a": "2"}), CacheKey("other.yaml", {"a": "1"}), first.of_cell("x", {})]
+    assert len({first.digest, *(each.digest for each in others)}) == 4
+    assert others[0].subject_digest == first.subject_digest
 
 
 def test_what_leads_a_package_to_other_files_is_asked() -> None:

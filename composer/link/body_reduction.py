@@ -1,4 +1,10 @@
-"""`fusestatic`: a body without joints becomes part of its parent, which is what a frame in its place says."""
+"""Pass: `fusestatic` and `discardvisual`, by which MuJoCo leaves elements out: what it leaves out of a unit goes.
+
+The unit is compiled alone, so that MuJoCo itself says which elements those are: its rules are not the same in every
+version. With `discardvisual` the geoms that nothing collides with go, with what only they use, and all that gives
+colour. With `fusestatic` a body without joints becomes part of its parent, which is what a frame in its place says. The
+bodies that change get the inertia that they have in the unit alone.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +14,95 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Cause, Note
 from composer.grammar import GRAMMAR
-from composer.link.inertia import has_mass
+from composer.link.inertia import has_mass, settle
 from composer.link.linking import Linking
-from composer.link.measured_unit import Survey, cannot_be_kept
+from composer.link.measured_unit import BODIES, NAMED, Survey, cannot_be_kept, survey
 from composer.link.part import Part
 from composer.tree.classes import childclass_of, own, through_frames, walk_bodies
+from composer.tree.files import stem
+from composer.tree.names import LISTS, REFERS, naming_table
 from composer.tree.unit import Unit
+
+_REDUCING = ("fusestatic", "discardvisual")
+
+
+def body_reduction(linking: Linking) -> None:
+    """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler discardvisual="true"/>'
+    ...     '<worldbody><geom size=".1"/><geom size=".2" contype="0" conaffinity="0"/></worldbody>'
+    ... )
+    >>> after(body_reduction, part)
+    part: <compiler/>
+    part: <worldbody><geom size=".1"/></worldbody>
+    """
+    if not linking.composed:
+        return
+    _reduce(linking, linking.base, None)
+    for part in linking.parts:
+        _reduce(linking, part.unit, part)
+
+
+def _reduce(linking: Linking, unit: Unit, part: Part | None) -> None:
+    wanted = [name for name in _REDUCING if getattr(unit.settings, name) == "true"]
+    if not wanted:
+        return
+    # On a joint of the recipe stands what would be part of a world alone: it keeps its mass.
+    pinned = static_bodies(unit) if part is not None and (part.joints or part.mocap) else ()
+    found = survey(linking, unit, wanted, (*BODIES, *NAMED), pinned=pinned)
+    if found is None:
+        return
+    changed = discard(unit, found) if "discardvisual" in wanted else set()
+    changed |= fuse(linking, unit, part, found) if "fusestatic" in wanted else set()
+    unit.forget_settings(*wanted)
+    settle(linking, unit, changed, found)
+
+
+_ASSETS = ("mesh", "material", "texture")
+_COLOURS = ("material", "texture")
+
+
+def discard(unit: Unit, found: Survey) -> set[Node]:
+    """Take out of the unit what MuJoCo has left out; gives the bodies that have lost geoms."""
+    changed: set[Node] = set()
+    for geom, _ in list(walk_bodies(unit.root)):
+        if geom.tag == "geom" and found.is_gone(geom):
+            body = next((each for each in geom.iterancestors("body") if not found.is_gone(each)), None)
+            if body is not None:
+                changed.add(body)
+            _remove(geom)
+    # With `discardvisual` MuJoCo 4.0 leaves out every material, also those of geoms that stay: `nmat` is 0 for
+    # `<material name="m"/>` and `<geom size=".1" material="m"/>`.
+    for section in unit.root.iterchildren("*"):
+        _leave_uncoloured(section)
+    left = {tag: found.names(tag) for tag in _ASSETS}
+    for section in unit.root.iterchildren("asset"):
+        for asset in list(section.iterchildren(*_ASSETS)):
+            if (asset.get("name") or stem(str(asset.get("file") or ""))) not in left[str(asset.tag)]:
+                _remove(asset)
+    return changed
+
+
+def _leave_uncoloured(section: Node) -> None:
+    """Take away every reference to a material or texture, but for those that keep it in the model."""
+    table = naming_table(str(section.tag))
+    for element in list(section.iter("*")):
+        for name, (kind, namespace) in table.get(str(element.tag), {}).items():
+            if kind in (REFERS, LISTS) and namespace in _COLOURS and name in element.attrib:
+                del element.attrib[name]
+                if section.tag == "default" and not element.attrib:
+                    _remove(element)
+    for layer in list(section.iter("layer")):
+        _remove(layer)
+
+
+def _remove(element: Node) -> None:
+    holder = element.getparent()
+    assert holder is not None
+    holder.remove(element)
+
 
 _JOINTS = ("joint", "freejoint")
 _HOLDERS = ("frame", "replicate")

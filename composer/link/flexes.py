@@ -1,12 +1,16 @@
-"""Passes: the joint defaults that reach the vertices of a `<flexcomp>`.
+"""Passes: what becomes of a `<flexcomp>` in the world of a unit: its joint defaults, and a `quat` that stretches it.
 
 MuJoCo gives a flex the joint defaults of the body that it stands in, those of the top class in the world; no frame
 and no class of its own can change that. So what a flex in the world needs stays in the top class, and every other
 class takes it back; a flex that would get other defaults than it has alone is refused.
+
+Right below a body or the world MuJoCo takes a `quat` of another length than 1 as it is, which stretches the flex, and
+normalises it below a frame, as parts have one around them: that is reported, from a per mille on as an error.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 
 from lxml.etree import _Element as Node
@@ -14,13 +18,17 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.grammar.format import to_text
+from composer.link import numbers
 from composer.link.linking import Linking
 from composer.link.notes import Flex
 from composer.link.part import Part
+from composer.numerics.pose import normalise
 from composer.tree.classes import MAIN, DefaultClass, childclass_of, through_frames, written
 from composer.tree.unit import Unit
 
-# What a flex decides itself, or MuJoCo refuses to it.
+# What a flex decides itself, or MuJoCo refuses to it. Of a class `c` with `<joint armature="3"/>` MuJoCo 4.0 takes the
+# armature for the vertices in `<body name="b" childclass="c"><flexcomp …/></body>`, and 0 in
+# `<body name="b"><frame childclass="c"><flexcomp …/></frame></body>`.
 _NOT_TAKEN = ("type", "axis", "pos", "damping", "springdamper")
 
 
@@ -67,7 +75,19 @@ def taken_back(given: Mapping[str, str]) -> dict[str, str]:
 
 
 def check_flexes(linking: Linking) -> None:
-    """Refuse a flex whose vertices would get other joint defaults in the model than alone."""
+    """Refuse a flex whose vertices would get other joint defaults in the model than alone.
+
+    A flex takes the joint defaults of the body around it, which are those of the base here:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<default><joint armature="2"/></default>'
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2"/></worldbody>'
+    ... )
+    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
+    >>> after(check_flexes, part, base, on="tool")
+    error: the flex of `p/` takes the joint defaults `armature="2"` alone, and here of MuJoCo
+    """
     for flex in linking.notes.flexes:
         body = next(flex.element.iterancestors("body"), None)
         given = linking.notes.main_joint if body is None else _given_by(linking, body)
@@ -156,3 +176,38 @@ def _refuse_set(linking: Linking, part: Part, flex: Flex) -> None:
 
 def _shown(joint: Mapping[str, str]) -> str:
     return " ".join(f'`{name}="{value}"`' for name, value in joint.items()) or "of MuJoCo"
+
+
+_ROUNDING = 1e-9
+_TOLERABLE = 1e-3
+
+
+def flex_turns(linking: Linking) -> None:
+    """Tell what frames change of the flexes in the world of the parts.
+
+    A `quat` that a frame would normalise is reported:
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2" quat="2 0 0 0"/></worldbody>'
+    ... )
+    >>> after(flex_turns, part)
+    error: the flex of `p/` is turned by a `quat` of length 2: MuJoCo stretches it alone, and not below a frame
+    """
+    for flex in linking.notes.flexes:
+        parent = flex.element.getparent()
+        if flex.part is None or parent is None or parent.tag != "worldbody":
+            continue
+        quat = numbers.read(str(flex.element.get("quat") or "1 0 0 0"))
+        length = math.hypot(*quat)
+        if len(quat) != 4 or not length or abs(length - 1) < _ROUNDING:
+            continue
+        report = linking.sink.error if abs(length - 1) > _TOLERABLE else linking.sink.warning
+        w, x, y, z = quat
+        report(
+            "not-supported",
+            f"the flex of `{flex.part.called}` is turned by a `quat` of length {length:.6g}: MuJoCo stretches it "
+            "alone, and not below a frame",
+            linking.span(flex.unit, flex.element, "quat"),
+            help=f'write `quat="{numbers.text(normalise((w, x, y, z)))}"`, which only turns',
+        )

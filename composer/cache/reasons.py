@@ -1,22 +1,52 @@
-"""Files of values (`--set-file`) as the build cache knows them: what they said is kept, so that a change is told."""
+"""Why a model is built again, in words: what of its key is not what it was.
+
+The files of `--set-file` are in the key with what they say, so that the value that changed can be named.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+
+GIVEN = "yes"
+"""The value of an option that has none."""
 
 _OPTION = "`--set-file "
 _MOST = 1 << 16
 _TEXT = "text:"
 
 
+def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[str, ...]:
+    """What is asked for otherwise than before, a line for each, by name. No I/O.
+
+    >>> differences({"`payload`": "1", "mjcompose": "a"}, {"`payload`": "2", "`--dedup`": "yes", "mjcompose": "a"})
+    ('`--dedup` is given', '`payload` was 1, is 2')
+    """
+    return tuple(_changes(before, after))
+
+
+def _changes(before: Mapping[str, str], after: Mapping[str, str]) -> Iterable[str]:
+    for name in sorted({*before, *after}):
+        was, now = before.get(name), after.get(name)
+        if was == now:
+            continue
+        if _is_file(name):
+            yield from value_changes(name, was, now)
+        elif was is None:
+            yield f"{name} is given" if now == GIVEN else f"{name} is {now}"
+        elif now is None:
+            yield f"{name} is no longer given" if was == GIVEN else f"{name} was {was}"
+        else:
+            yield f"{name} was {was}, is {now}"
+
+
 def name_of(file: object) -> str:
-    """What a file of values is called among the parts of a question. No I/O."""
+    """What a file of values is called among the parts of a key. No I/O."""
     return f"{_OPTION}{file}`"
 
 
 def content_of(data: bytes) -> str:
-    """What a question has of such a file: its text, or its sha256 if it is large or no text. No I/O."""
+    """What a key has of such a file: its text, or its sha256 if it is large or no text. No I/O."""
     if len(data) <= _MOST:
         try:
             return _TEXT + data.decode()
@@ -27,14 +57,14 @@ def content_of(data: bytes) -> str:
     return sha256(data).hexdigest()
 
 
-def is_file(name: str) -> bool:
+def _is_file(name: str) -> bool:
     return name.startswith(_OPTION)
 
 
-def changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
+def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
     r"""What such a file says otherwise, a line for each value. No I/O.
 
-    >>> list(changes("`--set-file a.yaml`", "text:load: 1\npose: [1, 2]\n", "text:load: 2\npose: [1, 2]\n"))
+    >>> list(value_changes("`--set-file a.yaml`", "text:load: 1\npose: [1, 2]\n", "text:load: 2\npose: [1, 2]\n"))
     ['`load` in `a.yaml` was 1, is 2']
     """
     if was is None or now is None:

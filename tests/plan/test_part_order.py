@@ -5,7 +5,7 @@ import pytest
 from composer.diagnostics import Sink
 from composer.document import load
 from composer.document.node import Mapping
-from composer.plan.order import in_order
+from composer.plan.parts import in_order
 from composer.recipe.validate import validate
 
 

@@ -1,0 +1,136 @@
+"""The key of a model in the build cache: whatever besides the contents of files its outcome depends on.
+
+A model is looked up twice. Before anything is read its key has the path of the recipe, the options and the versions,
+and the recipe is one of the files that must be unchanged: that takes a quarter of the time of reading and planning the
+recipe. After planning `of_plan` puts the concrete recipe in the place of the path and of the values that were given:
+that finds what a changed recipe file leaves as it was.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.cache.reasons import GIVEN
+from composer.cache.surroundings import environment_parts, python_version
+from composer.cache.tool import tool_version
+from composer.sources.blobs import key_of
+
+if TYPE_CHECKING:
+    from composer.document.node import Node
+    from composer.plan.plan import Plan
+    from composer.sources.source import Source
+
+
+@dataclass(frozen=True, slots=True)
+class CacheKey:
+    """`subject` is what is built, whatever of: the last build of it tells why another one is needed.
+
+    `parts` has all values that count by what a person calls them.
+    """
+
+    subject: str
+    parts: Mapping[str, str]
+
+    @property
+    def digest(self) -> str:
+        return key_of([self.subject, sorted(self.parts.items())])
+
+    @property
+    def subject_digest(self) -> str:
+        return key_of([self.subject])
+
+    def of_cell(self, name: str, values: Mapping[str, str]) -> CacheKey:
+        """The key of one cell of the recipe's matrix."""
+        return CacheKey(f"{self.subject}: {name}", {**self.parts, **values})
+
+    def of_plan(self, plan: Plan, cell: str | None, choices: Mapping[str, str]) -> CacheKey:
+        """The key of what is planned, whatever recipe file says it; `choices` are in the plan already."""
+        parts = {name: value for name, value in self.parts.items() if name not in choices}
+        planned = {"cell": cell or "", "sample": str(plan.sample), "plan": key_of(concrete(plan))}
+        return CacheKey("", {**parts, **planned})
+
+
+@dataclass(frozen=True, slots=True)
+class BuildOptions:
+    """How models are built.
+
+    `text_beside` is the folder from which a model's text alone names its files, where that is wanted. `choices` are the
+    values that the user gives to parameters and variants, by what a person calls them; `locked` and `offline` say how
+    sources may be fetched.
+    """
+
+    verified: bool = True
+    deduplicated: bool = False
+    text_beside: Path | None = None
+    choices: Mapping[str, str] = field(default_factory=dict)
+    locked: bool = False
+    offline: bool = False
+
+    def key(self, recipe: Path, folder: Path, environment: Mapping[str, str], store: Path) -> CacheKey:
+        """The key of the model of a recipe file, as the user asks for it in a folder."""
+        flags = {
+            "`--no-verify`": not self.verified,
+            "`--dedup`": self.deduplicated,
+            "`--locked`": self.locked,
+            "`--offline`": self.offline,
+        }
+        parts = {name: GIVEN for name, given in flags.items() if given}
+        if self.text_beside is not None:
+            parts["the folder of the text"] = os.fspath(self.text_beside)
+        parts |= {
+            "the current folder": os.fspath(folder),
+            "mjcompose": tool_version(store),
+            "Python": python_version(),
+            **environment_parts(environment),
+            **self.choices,
+        }
+        return CacheKey(os.path.abspath(folder / recipe), parts)
+
+
+def concrete(plan: Plan) -> list[object]:
+    """All that the outcome of a plan depends on besides the contents of files, as JSON has it. No I/O.
+
+    The lines and columns of recipes are left out, their files are not: paths count from them.
+    """
+    found: list[object] = []
+    for each in plan.plans():
+        told = [[name, repr(value)] for name, value in sorted(each.scope.items())]
+        values = list(_values(each.document, ""))
+        read = [[file, reading.angle, reading.eulerseq] for file, reading in each.readings.others.items()]
+        sources = [_source(each.base.model), *(_source(part.model) for part in each.parts)]
+        found.append([each.name, str(each.path), told, values, read, sources])
+    return found
+
+
+def _source(model: Plan | Source | None) -> object:
+    from composer.sources.source import Source
+
+    if not isinstance(model, Source):
+        return model is None
+    licences, packages = [map(str, model.licences), ((name, str(path)) for name, path in model.packages)]
+    about = [str(model.path), model.kind.name, model.reference, model.package, model.version]
+    return [*about, list(licences), list(packages), model.origin.id if model.origin else None]
+
+
+def _values(node: Node, file: str) -> Iterator[object]:
+    from composer.document.node import Mapping, Scalar, Sequence  # a model that is known has no use for it
+
+    if node.span.file != file:
+        file = node.span.file
+        yield ["in", file]
+    if isinstance(node, Scalar):
+        yield [node.text, node.plain, repr(node.value)]
+        return
+    yield "{" if isinstance(node, Mapping) else "["
+    if isinstance(node, Sequence):
+        for item in node.items:
+            yield from _values(item, file)
+    else:
+        for name, (_, value) in node.entries.items():
+            yield name
+            yield from _values(value, file)
+    yield "."

@@ -1,0 +1,84 @@
+"""A recipe file and values to a concrete, valid recipe: each pair is expanded and validated once in a run.
+
+A plan, the matrix, its samples and a recipe that is nested twice ask for the same pairs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple, TypeVar
+
+from composer.context import Context
+from composer.diagnostics.sink import Sink
+from composer.document.node import Mapping as Located
+from composer.document.node import Node
+from composer.expand.expand import Concrete, expand
+from composer.plan.read import read_recipe
+from composer.recipe.recipe import Recipe
+from composer.recipe.validate import validate_what_remains
+
+Given = Mapping[str, Node]
+"""Values of parameters and variants by name, each with the place where it is given."""
+
+Result = TypeVar("Result")
+_KEPT = 256
+"""How many results a run remembers: a matrix may have many more cells."""
+
+
+class ValidRecipe(NamedTuple):
+    """A recipe without what is wrong in it, the tree that it was read from, and what it was expanded to.
+
+    `concrete` is None where the file is not a mapping. `lost` names what is left out.
+    """
+
+    recipe: Recipe
+    document: Located
+    concrete: Concrete | None
+    lost: frozenset[str]
+
+
+def expanded(path: Path, given: Given, context: Context) -> Concrete | None:
+    """The concrete recipe; None for what is not a mapping. What is wrong goes to the context's sink each time."""
+
+    def work(own: Context) -> Concrete | None:
+        node = read_recipe(path, own)
+        return expand(node, given, own.sink) if isinstance(node, Located) else None
+
+    return _once(("expanded", path, _values(given)), context, work)
+
+
+def validated(path: Path, given: Given, context: Context) -> ValidRecipe | None:
+    """The valid recipe; None where nothing can be read. What is wrong goes to the context's sink each time."""
+
+    def work(own: Context) -> ValidRecipe | None:
+        concrete = expanded(path, given, own)
+        node = read_recipe(path, replace(own, sink=Sink())) if concrete is None else concrete.document
+        found = None if node is None else validate_what_remains(node, own.sink)
+        if found is None:
+            return None
+        lost = found.lost | (concrete.lost if concrete else frozenset())
+        return ValidRecipe(found.recipe, found.document, concrete, lost)
+
+    return _once(("validated", path, _values(given)), context, work)
+
+
+def _values(given: Given) -> tuple[tuple[str, str], ...]:
+    return tuple(sorted((name, repr(node)) for name, node in given.items()))
+
+
+def _once(key: tuple[object, ...], context: Context, work: Callable[[Context], Result]) -> Result:
+    """What the work gives, done anew only if it was not done lately; what it found goes to the context's sink."""
+    known = context.concrete.pop(key, None)
+    if known is None:
+        own = replace(context, sink=Sink())
+        result = work(own)
+        known = result, tuple(own.sink.diagnostics)
+        while len(context.concrete) >= _KEPT:
+            del context.concrete[next(iter(context.concrete))]
+    context.concrete[key] = known
+    for diagnostic in known[1]:
+        context.sink.add(diagnostic)
+    value: Result = known[0]
+    return value

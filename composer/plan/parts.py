@@ -1,0 +1,199 @@
+"""The parts of a recipe: their copies, their order, what they hang on, and who names them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note
+from composer.document.node import Mapping as Located
+from composer.document.node import locate
+from composer.plan.plan import AttachPart, Plan, called
+from composer.recipe.attach import RESERVED, Attachment
+from composer.recipe.checks.unchanged import Unchanged
+from composer.recipe.keyframe import FROM
+from composer.recipe.replicate import Axis
+
+Copy = tuple[int, ...]
+"""The number of a copy on each axis, from 0."""
+
+
+def copies(axes: Sequence[Axis]) -> Iterator[tuple[str, Copy]]:
+    """What each copy has behind the prefix of the part, and its numbers; the last axis runs first.
+
+    >>> [suffix for suffix, _ in copies([Axis(2), Axis(11)])][9:12]
+    ['0_09', '0_10', '1_00']
+    """
+    widths = [len(str(axis.count - 1)) for axis in axes]
+    for copy in product(*(range(axis.count) for axis in axes)):
+        numbers = (str(number).zfill(width) for number, width in zip(copy, widths, strict=True))
+        yield "_".join(numbers), copy
+
+
+def in_order(parts: Mapping[str, Attachment], document: Located, sink: Sink) -> list[str]:
+    """The keys of the parts in their order.
+
+    A part that is moved stands right before, or right after, the other one and what was moved there earlier in the
+    file. What cannot be is told, and that part stays where it is written.
+    """
+    asked = {key: dict(_asked(key, parts, document, sink)) for key in parts}
+    order = [key for key in parts if not asked[key]]
+    waiting = [key for key in parts if asked[key]]
+    behind: dict[str, list[str]] = {key: [] for key in parts}
+    while waiting:
+        ready = next((key for key in waiting if all(other in order for other in asked[key].values())), None)
+        if ready is None:
+            _ring(waiting, asked, document, sink)
+            return list(parts)
+        waiting.remove(ready)
+        before, after = asked[ready].get("before"), asked[ready].get("after")
+        if after is not None:
+            last = after
+            while behind[last]:
+                last = behind[last][-1]
+            at = order.index(last) + 1
+            behind[after].append(ready)
+            if before is not None and order.index(before) < at:
+                _contradiction(ready, before, after, document, sink)
+        else:
+            assert before is not None
+            at = order.index(before)
+        order.insert(at, ready)
+    return order
+
+
+def _asked(
+    key: str, parts: Mapping[str, Attachment], document: Located, sink: Sink
+) -> Iterator[tuple[str, str]]:
+    for word in ("before", "after"):
+        other = getattr(parts[key], word)
+        if other in parts:
+            yield word, other
+        elif other is not None:
+            known = [each for each in parts if each != key]
+            help = did_you_mean(other, known, f"{word}: {{}}")
+            if other == RESERVED:
+                help = f"the {RESERVED} always comes first: leave `{word}` out"
+            sink.error(
+                "unknown-name",
+                f"there is no part `{other}` for `{key}` to stand {word}",
+                locate(document, ("attach", key, word)),
+                notes=(exists_note("part", known, other),),
+                help=help,
+                subjects=(other, key),
+            )
+
+
+def _ring(waiting: list[str], asked: Mapping[str, Mapping[str, str]], document: Located, sink: Sink) -> None:
+    ring = [waiting[0]]
+    while True:
+        word, other = next((word, each) for word, each in asked[ring[-1]].items() if each in waiting)
+        if other in ring:
+            break
+        ring.append(other)
+    ring = ring[ring.index(other) :]
+    steps = []
+    for key in ring:
+        word, other = next((word, each) for word, each in asked[key].items() if each in waiting)
+        steps.append(f"`{key}` {word} `{other}`")
+    first = ring[0]
+    word = next(word for word, each in asked[first].items() if each in waiting)
+    sink.error(
+        "part-order",
+        "parts shall stand in a ring: " + ", ".join(steps),
+        locate(document, ("attach", first, word)),
+        help="take one `before` or `after` out",
+    )
+
+
+def _contradiction(key: str, before: str, after: str, document: Located, sink: Sink) -> None:
+    sink.error(
+        "part-order",
+        f"`{key}` shall stand after `{after}` and before `{before}`, which comes earlier",
+        locate(document, ("attach", key, "before")),
+        notes=(Note("`after` is here", locate(document, ("attach", key, "after"))),),
+        help="leave one of the two out",
+        subjects=(key, after, before),
+    )
+
+
+def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:
+    """Tell parts that hang on one another in a ring, which hang on nothing; the others remain."""
+    hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
+    told: set[str] = set()
+    for part in parts:
+        ring = [part.prefix]
+        while (mount := hangs_on.get(ring[-1])) is not None and mount not in ring:
+            ring.append(mount)
+        if mount == part.prefix and part.prefix not in told:
+            told.update(ring)
+            names = ", which hangs on ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
+            alone = len(ring) == 1
+            sink.error(
+                "attach-cycle",
+                f"`{part.prefix}` hangs on itself" if alone else f"`{part.prefix}` hangs on {names}",
+                part.span,
+                help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
+                subjects=ring,
+            )
+    if told:
+        sink.suppress_about(called(part, separator) for part in parts if part.prefix in told)
+    return tuple(part for part in parts if part.prefix not in told)
+
+
+def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
+    """The prefix of the part that this one hangs on, the longest that fits; None for the base and the world."""
+    attachment = part.attachment
+    place = attachment.site or attachment.body or attachment.frame or ""
+    if not place:
+        return None
+    fitting = [other.prefix for other in parts if other.prefix and place.startswith(other.prefix)]
+    return max(fitting, key=len, default=None)
+
+
+def check_part_names(plan: Plan, sink: Sink) -> None:
+    """Tell those that are no parts of the recipe, or may be two."""
+    parts = list(plan.part_names)
+    _of_checks(plan, parts, sink)
+    _of_keys(plan, parts, sink)
+
+
+def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
+    """What a check is about must be a part."""
+    for check in plan.checks:
+        if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
+            continue
+        near = closest(check.part, parts)
+        sink.error(
+            "unknown-name",
+            f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
+            locate(plan.document, (*check.at, "unchanged", "part")),
+            notes=[exists_note("part", parts, check.part)],
+            help=f"write `part: {near[0]}`" if near else None,
+            subjects=(check.name, check.part),
+        )
+
+
+def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
+    """Tell parts that keys are to be made of and that are not there."""
+    for step in plan.keyframes:
+        for part in step.key.sources:
+            if parts.count(part) > 1:
+                sink.error(
+                    "name-clash",
+                    f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    help="give the one without a prefix another key",
+                    subjects=(part,),
+                )
+            elif part not in parts:
+                sink.error(
+                    "unknown-name",
+                    f"there is no part `{part}` to take a key from",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    notes=(exists_note("part", parts, part),),
+                    help=did_you_mean(part, parts),
+                    subjects=(part,),
+                )

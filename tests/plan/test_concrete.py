@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from composer.cache.cells import cells_of
+from composer.context import Context
+from composer.plan import concrete
+from composer.plan.planner import plan_what_remains
+
+CELL = """\
+recipe: 1
+params: {load: 1.0}
+attach:
+  a: {model: ./inner.yaml}
+  b: {model: ./inner.yaml}
+  c: {model: ./inner.yaml, with: {size: 2}}
+add:
+  - {geom: {type: sphere, size: ["${load}"]}}
+randomize: {seed: 1, samples: 2, fields: {}}
+matrix:
+  axes: {load: [1.0, 2.0]}
+"""
+
+
+def test_a_recipe_is_expanded_once_for_the_same_values(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "robot.xml").write_text("<mujoco/>")
+    (tmp_path / "inner.yaml").write_text("recipe: 1\nparams: {size: 1}\nbase: ./robot.xml\n")
+    (tmp_path / "cell.yaml").write_text(CELL)
+    expand, validate = concrete.expand, concrete.validate_what_remains
+    expanded: list[str] = []
+    validated: list[str] = []
+    monkeypatch.setattr(
+        concrete, "expand", lambda node, *rest: expanded.append(node.span.file) or expand(node, *rest)
+    )
+    monkeypatch.setattr(
+        concrete,
+        "validate_what_remains",
+        lambda node, sink: validated.append(node.span.file) or validate(node, sink),
+    )
+    context = Context(environment={}, folder=tmp_path)
+    cells = cells_of(Path("cell.yaml"), context, {})
+    assert len(cells) == 6  # two cells with three samples each
+    for cell in cells:
+        assert plan_what_remains(Path("cell.yaml"), context, cell.given, cell.name, cell.sample) is not None
+    assert sorted(expanded) == sorted(validated) == ["cell.yaml"] * 2 + ["inner.yaml"] * 2
+
+
+def test_what_is_wrong_is_found_each_time_in_its_own_sink(tmp_path: Path) -> None:
+    (tmp_path / "cell.yaml").write_text('recipe: 1\noption: {timestep: "${x}"}\nnobody: 1\n')
+    context = Context(environment={}, folder=tmp_path)
+    concrete.validated(tmp_path / "cell.yaml", {}, context)
+    again = Context(environment={}, folder=tmp_path, recipes=context.recipes, concrete=context.concrete)
+    concrete.validated(tmp_path / "cell.yaml", {}, again)
+    assert context.sink.diagnostics == again.sink.diagnostics
+    assert {each.code for each in again.sink.errors} == {"unknown-name", "unknown-key"}
