@@ -80,6 +80,13 @@ def run(package: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return done
 
 
+def imported(package: Path) -> subprocess.CompletedProcess[str]:
+    code = "import composer.stages, composer.compose.edit, composer.verify.checks"
+    environment = {**os.environ, "PYTHONPATH": str(package), "PYTHONSAFEPATH": "1"}
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, cwd=package, env=environment, capture_output=True, text=True)
+
+
 TITLES = ("Add a recipe section", "Add a verb of `edit`", "Add a check")
 
 
@@ -136,10 +143,14 @@ HALF_DONE = [(title, path) for title in TITLES for path in dict.fromkeys(path fo
 def test_half_of_it_fails_at_import(package: Path, title: str, path: str) -> None:
     """Any file whose rows are left out."""
     extend(package, title, but=path)
-    code = "import composer.stages, composer.compose.edit, composer.verify.checks"
-    environment = {**os.environ, "PYTHONPATH": str(package), "PYTHONSAFEPATH": "1"}
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=package, env=environment, capture_output=True, text=True
-    )
+    done = imported(package)
     assert done.returncode == 1
     assert re.search(r"^(TypeError|NameError|ImportError): ", done.stderr, re.MULTILINE), done.stderr
+
+
+def test_a_step_without_words_fails_at_import(package: Path) -> None:
+    extend(package, "Add a recipe section")
+    path = package / "composer" / "plan" / "steps" / "write_note.py"
+    path.write_text(path.read_text(encoding="utf-8").replace("def words", "def phrase"), encoding="utf-8")
+    done = imported(package)
+    assert "TypeError: the step WriteNote lacks words" in done.stderr
