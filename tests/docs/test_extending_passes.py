@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -37,6 +38,7 @@ def add_row(folder: Path, row: str, *, above: str = ABOVE) -> None:
     text = (ROOT / "composer/link/link.py").read_text(encoding="utf-8")
     text = text.replace("from composer.link.passthrough", f"{BLOCKS[1]}from composer.link.passthrough")
     assert text.count(above) == 1
+    row = textwrap.indent(row.rstrip(), "    ") + ",\n"
     (folder / "composer/link/link.py").write_text(text.replace(above, row + above), encoding="utf-8")
 
 
