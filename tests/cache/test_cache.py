@@ -451,6 +451,7 @@ def test_two_processes_at_once(store: Path, folder: Path) -> None:
     assert run("cache", "verify").stdout.startswith("looked at ")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no kill -9")
 def test_killed_at_any_moment(store: Path, folder: Path) -> None:
     """Whatever the kill left behind, what is told as known is whole: the bytes are those of a build without cache."""

@@ -12,7 +12,7 @@ WARNING = Diagnostic(
 )  # fmt: skip
 RECORD = Record(
     name="cell", model="model.xml", sha256="0" * 64, sizes=None, merged={}, files=(), text=None, mujoco=None, licences=(),
-    diagnostics=(WARNING,), checks=(Outcome("upright", "stable", SPAN, (WARNING,), {}),), draws=None, recipes={},
+    diagnostics=(WARNING,), checks=(Outcome("upright", "stable", SPAN, (WARNING,), {}),), draws=None, recipes=(),
     places="", tells_places=False, cells=0, cells_at=None,
 )  # fmt: skip
 

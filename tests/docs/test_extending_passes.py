@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/extending.md").read_text(encoding="utf-8").partition("## Add a linker pass")[2]
 BLOCKS = re.findall(r"^```(?:python|text)\n(.*?)^```", PAGE.partition("\n## ")[0], re.MULTILINE | re.DOTALL)

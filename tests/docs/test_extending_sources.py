@@ -15,6 +15,8 @@ import pytest
 
 from composer.sources.source_kind import SourceKind
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 SECTION = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8").partition("## Add a source kind")[2]
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", SECTION.partition("\n## ")[0], re.MULTILINE | re.DOTALL)

@@ -42,6 +42,7 @@ conflict: merge
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not FOLDER, reason="MJCOMPOSE_CORPUS names no corpus")
 @pytest.mark.parametrize(
     ("recipe", "members"), [(NESTED, 4), (COPIES, 4), (HANDS, 3)], ids=["nested", "copies", "hands"]
