@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from typing import TYPE_CHECKING, TypeAlias
 
 from composer.compiled.quantities import quantity
@@ -80,7 +80,7 @@ class Causes:
             content = self._content(change, before, after)
             if content is not None:
                 return content
-        for cause in self._around(before, after):
+        for cause in chain(self._around(before, after), self._naming(before, 0), self._naming(after, 1)):
             if (found := self._settled(cause)) is not None:
                 return found
         return self.written.only()
@@ -316,9 +316,31 @@ class Causes:
         yield _cause("element", span, None, side)
         yield from self._removed(node, 1 - side)
         yield from self._conditions(span)
-        # An element that only one side names is not found on the other: the reason may be the edit that names it.
-        for place in reversed(list(self._places(side, node, "name"))):
-            yield _cause("`name`", place, None, side)
+
+    def _naming(self, node: Node | None, side: int) -> Iterator[Cause]:
+        """What names the element, on this side or the other: by another name it is taken for another element."""
+        if node is None:
+            return
+        for at, each in ((side, node), (1 - side, self._of_the_same_line(node, side))):
+            for place in reversed(self._places(at, each, "name")):
+                yield _cause("`name`", place, None, at)
+
+    def _of_the_same_line(self, node: Node, side: int) -> Node | None:
+        """An element of the other side that was read from the same line of a model; None where nobody wrote it."""
+        here, there = self.sides[side].traced, self.sides[1 - side].traced
+        if here is None or there is None:
+            return None
+        mine = here.watch.life(node)
+        return next(
+            (
+                life.node
+                for life in there.watch.lives.values()
+                if (life.tag, life.line, life.attributes) == (mine.tag, mine.line, mine.attributes)
+                and life.made_by is None
+                and life.gone is None
+            ),
+            None,
+        )
 
     def _removed(self, node: Node, side: int) -> Iterator[Cause]:
         """What took the element away on a side that read it too."""
