@@ -188,6 +188,15 @@ def test_expected_and_actual_are_told(tmp_path: Path, run: Run) -> None:
     assert error.help == "if that is meant, write `except: [rgba, armature]`"
 
 
+def test_the_help_names_the_attribute_that_the_array_follows_from(tmp_path: Path, run: Run) -> None:
+    forces = "edit: [{select: {joint: part/j}, set: {actuatorfrcrange: [-1, 1], actuatorfrclimited: "true"}}]"
+    run(f"recipe: 1\nattach: {{part: {{model: ./cube.xml}}}}\n{forces}\ncheck: {{a: {{unchanged: {{}}}}}}\n")
+    context = Context(folder=tmp_path, environment={})
+    build(Request(tmp_path / "recipe.yaml"), context)
+    (error,) = context.sink.errors
+    assert error.help == "if that is meant, write `except: [actuatorfrclimited]`"
+
+
 def test_a_check_in_a_nested_recipe_is_told_there(tmp_path: Path, run: Run) -> None:
     inner = FILES["inner.yaml"].replace("check:", "default: {w/: {geom: {rgba: [1, 0, 0, 1]}}}\ncheck:")
     (tmp_path / "inner.yaml").write_text(inner.lstrip())

@@ -229,6 +229,17 @@ def test_a_key_that_the_recipe_does_not_write_is_still_compared(folder: Path, ch
     assert [each.partition(":")[0] for each in check()[1]] == ["error bundle-changed", "error part-changed"]
 
 
+def test_the_time_of_a_key_that_is_kept_apart_is_compared(folder: Path, check: Check) -> None:
+    timed = PART.replace('name="home"', 'name="home" time="1.5"')
+    (folder / "parts" / "part.xml").write_text(timed)
+    _again(folder, "recipe: 1\nattach: {one: {model: ./parts/part.xml, keyframes: prefix}}\n")
+    assert check()[1] == []
+    model = folder / "out" / "model.xml"
+    model.write_text(model.read_text().replace('time="1.5"', 'time="2.5"'))
+    changed = [each for each in check()[1] if each.startswith("error part-changed")]
+    assert len(changed) == 1 and "`key_time`" in changed[0]
+
+
 def test_what_a_part_edits_is_no_change_in_others(folder: Path, check: Check) -> None:
     _again(
         folder,
