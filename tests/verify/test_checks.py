@@ -189,7 +189,7 @@ def test_expected_and_actual_are_told(tmp_path: Path, run: Run) -> None:
 
 
 def test_the_help_names_the_attribute_that_the_array_follows_from(tmp_path: Path, run: Run) -> None:
-    forces = "edit: [{select: {joint: part/j}, set: {actuatorfrcrange: [-1, 1], actuatorfrclimited: "true"}}]"
+    forces = "edit: [{select: {joint: part/j}, set: {actuatorfrcrange: [-1, 1], actuatorfrclimited: 'true'}}]"
     run(f"recipe: 1\nattach: {{part: {{model: ./cube.xml}}}}\n{forces}\ncheck: {{a: {{unchanged: {{}}}}}}\n")
     context = Context(folder=tmp_path, environment={})
     build(Request(tmp_path / "recipe.yaml"), context)
