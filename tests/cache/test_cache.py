@@ -94,6 +94,7 @@ def test_warnings_are_told_again(store: Path, folder: Path) -> None:
     assert moved.stderr == run("build", "w.yaml", "-o", "w.zip", "--no-cache").stderr
 
 
+@pytest.mark.slow
 def test_check_tells_its_checks_again(store: Path, folder: Path) -> None:
     first = run("check", "matrix.yaml", "--junit", "-")
     assert 'name="heavy"' in first.stdout
@@ -189,6 +190,7 @@ def test_why_of_a_parameter(store: Path) -> None:
     assert built(*out, "--set", "load=3", "--variant", "tool=palm")[0] == ["variant `tool` is palm"]
 
 
+@pytest.mark.slow
 def test_why_of_a_file_of_values(store: Path, folder: Path) -> None:
     file = folder / "values.yaml"
     file.write_text("load: 2\n")
@@ -289,6 +291,7 @@ def test_a_known_model_takes_the_place_of_no_source(store: Path, folder: Path) -
 # -- cells ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_only_the_cells_that_a_change_concerns(store: Path, folder: Path) -> None:
     out = ("matrix.yaml", "--all", "-o", "b/{name}.zip")
     assert len(built(*out)[0]) == 4
@@ -430,6 +433,7 @@ def test_a_full_disk(store: Path, folder: Path) -> None:
     assert (folder / "a.zip").read_bytes() == (folder / "b.zip").read_bytes()
 
 
+@pytest.mark.slow
 def test_two_processes_at_once(store: Path, folder: Path) -> None:
     command = [sys.executable, "-m", "composer", "build", "matrix.yaml", "--all", "-o"]
     running = [

@@ -63,6 +63,7 @@ def recipes(store: Path, folder: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -106,6 +107,7 @@ def _touch(folder: Path) -> None:
     os.utime(folder / "cell.yaml", (0, 0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [
@@ -144,6 +146,7 @@ def test_a_change_that_keeps_size_and_time_is_seen(recipes: Path) -> None:
         assert b'model="bell"' in bundle.read("model.xml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("more", "how"),
     [

@@ -183,6 +183,7 @@ def test_what_mends_it_builds(code: str, text: str, tmp_path: Path, menagerie_ro
     assert codes(text, tmp_path, menagerie_root) == set()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="the sessions are of a POSIX shell")
 @pytest.mark.parametrize(("code", "text"), SESSIONS, ids=[code for code, _ in SESSIONS])
 def test_a_session_ends_with_the_error(code: str, text: str, tmp_path: Path) -> None:

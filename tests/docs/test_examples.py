@@ -36,6 +36,7 @@ def test_creatures() -> None:
     assert len(re.findall(r"\d\.\d+", told[1])) == 6
 
 
+@pytest.mark.slow
 def test_a_picture_of_the_creatures(tmp_path: Path) -> None:
     probe = subprocess.run(
         [sys.executable, "-c", PROBE], capture_output=True, env={**os.environ, "MUJOCO_GL": "egl"}
@@ -46,6 +47,7 @@ def test_a_picture_of_the_creatures(tmp_path: Path) -> None:
     assert (tmp_path / "creatures.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_an_arm_with_a_hand(tmp_path: Path, menagerie_root: Path) -> None:
     told = run("arm_and_hand.py", tmp_path / "cell.zip", MENAGERIE_ROOT=str(menagerie_root))
     assert told.startswith("prefix of the hand: ur5e/robotiq_2f85/\nkeyframes: ['ur5e/home']\n")

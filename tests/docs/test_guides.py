@@ -105,6 +105,7 @@ def test_the_fault_of_the_readme_is_told_as_it_shows(tmp_path: Path, menagerie_r
     assert render(fault, lambda file: FAULT) == shown.rstrip("\n")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="the commands are of a POSIX shell")
 def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
     commands = next(text for text in blocks("README.md", "sh") if "mjcompose new model.yaml" in text)
@@ -136,6 +137,7 @@ def test_the_diff_of_the_demo_is_what_its_edits_give(tmp_path: Path) -> None:
     assert render_diff(found) == expected.rstrip("\n")
 
 
+@pytest.mark.slow
 def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "recipes" / "models", tmp_path / "recipes" / "models")
     demo = build(Request(ROOT / "recipes" / "demo.yaml"), Context(folder=tmp_path))

@@ -15,7 +15,8 @@ from composer.cli.main import main
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 
 
-@pytest.mark.parametrize("recipe", ["cell", pytest.param("menagerie_cell", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("recipe", ["cell", "menagerie_cell"])
 def test_nothing_moves_in_any_of_its_models(
     recipe: str, tmp_path: Path, menagerie_root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
