@@ -101,23 +101,11 @@ class Values:
         if error.name == VALUE and needs_value:
             what = next(step for step in reversed(at) if isinstance(step, str))
             message = f"there is no `value`: {editing.called(self.node)} has no `{what}` yet"
-            editing.sink.error(
-                "expression",
-                message,
-                span,
-                notes=notes,
-                subjects=subjects,
-            )
+            editing.sink.error("expression", message, span, notes=notes, subjects=subjects)
             return
         if error.name in kind_of(self.node).attributes:
             message = f"{editing.called(self.node)} has no `{error.name}`: nothing gives it one"
-            editing.sink.error(
-                "expression",
-                message,
-                span,
-                notes=notes,
-                subjects=subjects,
-            )
+            editing.sink.error("expression", message, span, notes=notes, subjects=subjects)
             return
         editing.sink.error(
             "unknown-name",
