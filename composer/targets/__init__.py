@@ -1,0 +1,1 @@
+"""What a model is written as for the programs that read it: `build --target NAME`."""

@@ -1,0 +1,146 @@
+"""Stage: the bundle of a verified model as another program reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from composer import engine
+from composer.bundle.bundle import DRAWS, MANIFEST, WORLDS, Bundle
+from composer.bundle.licences import LICENCES
+from composer.bundle.manifest import Aimed, LeftOut, files_of, from_json, with_manifest
+from composer.bundle.manifest_index import index_of
+from composer.bundle.staging import write_files
+from composer.compiled.index import Index
+from composer.compiled.order import compiled_order
+from composer.context import Context
+from composer.diagnostics.diagnostic import Cause
+from composer.diagnostics.span import Span
+from composer.scratch import scratch
+from composer.targets.export import export
+from composer.targets.features import FEATURES
+from composer.targets.loss import Loss
+from composer.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from composer.engine import Session
+
+CANNOT, LOSS, FAILED = "target-cannot", "target-loss", "target-failed"
+
+
+def aimed(
+    bundle: Bundle, target: str, model: Unit, at: Span, context: Context, session: Session
+) -> Bundle | None:
+    """The bundle that `target` reads instead of a bundle that MuJoCo has verified; faults and losses go to the sink.
+
+    `model` is the composed model, in which elements have their places; `at` is the place of what is of no element. None
+    where the target cannot express the model, or MuJoCo does not read the plain text as the same model.
+    """
+    if DRAWS in bundle.files or WORLDS in bundle.files:
+        message = f"`{target}` has no room for a table of draws"
+        context.sink.error(CANNOT, message, at, help="write `emit: models` in `randomize`")
+        return None
+    with scratch("target") as folder:
+        source, out = Path(folder, "in"), Path(folder, "out")
+        source.mkdir()
+        out.mkdir()
+        write_files(bundle, source)
+        asked = {"name": target, "model": str(source / bundle.model), "out": str(out)}
+        answer = engine.call(session, export, (), asked)
+        wrong = answer.error if not answer.ok else answer.value["error"]
+        if wrong is not None:
+            said = engine.without_folder(engine.without_folder(wrong, out), source)
+            context.sink.error(FAILED, f"the model cannot be written for `{target}`: {said}", at)
+            return None
+        made = _files(out)
+    found: dict[str, Any] = answer.value
+    for each in found["differences"]:
+        context.sink.error(
+            FAILED, f"MuJoCo reads the plain text of the model back as another one: {each}", at,
+            cause=Cause(f"{FAILED} {target}", each),
+        )  # fmt: skip
+    losses = [Loss(**each) for each in found["losses"]]
+    places = _Places(model, found["names"])
+    refused = False
+    for loss in losses:
+        refused |= loss.refused
+        _report(loss, target, places.span(loss) or at, context)
+    if refused or found["differences"]:
+        return None
+    return _bundle(bundle, target, found, made, losses)
+
+
+def _report(loss: Loss, target: str, span: Span, context: Context) -> None:
+    cause = Cause(f"{loss.feature} {loss.message}", loss.shown)
+    add = context.sink.error if loss.refused else context.sink.warning
+    code = CANNOT if loss.refused else LOSS
+    add(code, f"{loss.shown}: {loss.message}", span, help=loss.help, cause=cause)
+
+
+def _files(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def _bundle(
+    bundle: Bundle, target: str, found: Mapping[str, Any], made: Mapping[str, bytes], losses: Sequence[Loss]
+) -> Bundle:
+    """The files with the licences and the manifest of the model that they are made of."""
+    licences = {path: text for path, text in bundle.files.items() if path.startswith(f"{LICENCES}/")}
+    aimed = Bundle({**made, **licences}, found["model"])
+    manifest = from_json(bundle.files[MANIFEST])
+    counted: dict[tuple[str, str, str], list[str]] = {}
+    for loss in losses:
+        counted.setdefault((loss.feature, loss.tag, loss.message), []).append(loss.name)
+    left_out = tuple(
+        LeftOut(
+            feature=FEATURES[feature], tag=tag, why=why, count=len(names), names=tuple(filter(None, names))
+        )
+        for (feature, tag, why), names in counted.items()
+    )
+    index = None if found["index"] is None else index_of(Index.from_data(found["index"]))
+    return with_manifest(
+        aimed,
+        manifest.model_copy(
+            update={
+                "model": aimed.model,
+                "target": Aimed(name=target, left_out=left_out),
+                "files": files_of(aimed),
+                "index": index,
+                "parts": (),
+            }
+        ),
+    )
+
+
+@dataclass(slots=True)
+class _Places:
+    """Where the elements of a compiled model are written."""
+
+    model: Unit
+    names: Mapping[str, Sequence[str]]
+    _order: Mapping[str, Sequence[Node | None]] = field(default_factory=dict)
+
+    def span(self, loss: Loss) -> Span | None:
+        """None for what MuJoCo has multiplied."""
+        node = self._node(loss) if loss.kind else None
+        return None if node is None else self.model.origins.span(node, self.model.file)
+
+    def _node(self, loss: Loss) -> Node | None:
+        self._order = self._order or compiled_order(self.model.root)
+        nodes = self._order.get(loss.kind, ())
+        if len(nodes) == len(self.names.get(loss.kind, ())) and None not in nodes:
+            return nodes[loss.number]
+        return next(self._called(nodes, loss.name), None)
+
+    def _called(self, nodes: Sequence[Node | None], name: str) -> Iterator[Node]:
+        for node in nodes:
+            if name and node is not None and node.get("name") == name:
+                yield node

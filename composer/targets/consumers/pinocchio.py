@@ -1,0 +1,35 @@
+"""Target: Pinocchio. It reads one body of the world, and a joint of each body."""
+
+from __future__ import annotations
+
+from composer.targets.mjcf import write_mjcf
+from composer.targets.restrictions.references import NO_REFERENCES
+from composer.targets.restrictions.roots import one_root
+from composer.targets.restrictions.servos import servos
+from composer.targets.restrictions.single_joints import SINGLE_JOINTS
+from composer.targets.restrictions.unread import (
+    NO_CAMERAS,
+    NO_CUSTOM,
+    NO_EQUALITY,
+    NO_EXCLUDES,
+    NO_KEYS,
+    NO_LIGHTS,
+    NO_PAIRS,
+    NO_PLUGINS,
+    NO_SENSORS,
+    NO_SOFT,
+    NO_SPRINGS,
+    NO_TENDONS,
+)
+from composer.targets.target import Target
+
+TARGET = Target(
+    "pinocchio",
+    "Pinocchio, by its parser of MJCF",
+    (
+        one_root(with_free=True), NO_REFERENCES, SINGLE_JOINTS, NO_KEYS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_TENDONS,
+        NO_EQUALITY, NO_PAIRS, NO_EXCLUDES, NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_SPRINGS, servos(),
+    ),
+    write_mjcf,
+    "pin",
+)  # fmt: skip

@@ -1,0 +1,14 @@
+"""Target: the plainest MJCF, for readers that are not listed."""
+
+from __future__ import annotations
+
+from composer.targets.mjcf import write_mjcf
+from composer.targets.target import Target
+
+TARGET = Target(
+    "plain",
+    "MJCF without frames, classes, replicates and flexcomps, with inertias and OBJ meshes",
+    (),
+    write_mjcf,
+    "mujoco",
+)

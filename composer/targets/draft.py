@@ -1,0 +1,71 @@
+"""A model while it is made into what a target reads. Only in MuJoCo's child process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.targets.loss import Loss
+
+
+@dataclass(slots=True)
+class Draft:
+    """The plain text of a model and its files, with the compiled model that it is of.
+
+    `elements` has the elements of the text by kind, in the order of the compiled model; `files` what the text names,
+    by path. Limits of a target change `root` and say so in `losses`.
+    """
+
+    mujoco: Any
+    model: Any
+    root: Node
+    files: dict[str, bytes]
+    elements: Mapping[str, Sequence[Node]]
+    losses: list[Loss] = field(default_factory=list)
+    output: str = "model.xml"
+    mujoco_reads: bool = True
+    _rows: dict[Node, tuple[str, int]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._rows = {
+            node: (kind, number) for kind, nodes in self.elements.items() for number, node in enumerate(nodes)
+        }
+
+    def lose(
+        self, feature: str, node: Node, message: str, *, refused: bool = False, help: str | None = None
+    ) -> None:
+        """Note what the target cannot express."""
+        kind, number = self._rows.get(node, ("", -1))
+        tag, name = str(node.tag), str(node.get("name") or "")
+        self.losses.append(Loss(feature, kind, number, tag, name, message, refused, help))
+
+    def remove(self, node: Node) -> None:
+        """Take an element away, and its section with the last one."""
+        holder = node.getparent()
+        if holder is not None:
+            holder.remove(node)
+            if not len(holder) and holder.tag in _SECTIONS and holder.getparent() is not None:
+                self.remove(holder)
+
+    def of(self, kind: str) -> Iterator[tuple[int, Node]]:
+        """The elements of a kind that the text still has, with their numbers in the compiled model."""
+        for number, node in enumerate(self.elements[kind]):
+            if any(above is self.root for above in node.iterancestors()):
+                yield number, node
+
+
+_SECTIONS = (
+    "actuator",
+    "sensor",
+    "equality",
+    "tendon",
+    "contact",
+    "keyframe",
+    "asset",
+    "custom",
+    "deformable",
+    "extension",
+)

@@ -1,0 +1,28 @@
+"""What a target cannot express, and what is done about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from composer.targets.draft import Draft
+
+
+class Outcome(StrEnum):
+    """What becomes of a feature."""
+
+    KEPT = "written"
+    WRITTEN = "written otherwise"
+    PARTLY = "partly"
+    LEFT_OUT = "left out"
+    REFUSED = "refused"
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A feature that a target lacks: `apply` changes the draft and notes what is lost."""
+
+    feature: str
+    outcome: Outcome
+    apply: Callable[[Draft], None]

@@ -1,0 +1,18 @@
+"""The names of the targets, for the command line; `table.py` says what each of them is."""
+
+from __future__ import annotations
+
+MUJOCO = "mujoco"
+"""The target that a bundle is for as it is composed."""
+NAMES = (
+    MUJOCO,
+    "plain",
+    "drake",
+    "pinocchio",
+    "pybullet",
+    "newton",
+    "genesis",
+    "mjx",
+    "isaac",
+    "urdf",
+)

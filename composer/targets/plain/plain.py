@@ -1,0 +1,86 @@
+"""The plain text of a model: the passes, in their order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.compiled.kinds import NameTable
+from composer.compiled.order import compiled_order
+from composer.targets.draft import Draft
+from composer.targets.plain.actuators import simple_actuators
+from composer.targets.plain.classes import without_classes
+from composer.targets.plain.files import keep_files
+from composer.targets.plain.frames import without_frames
+from composer.targets.plain.meshes import write_meshes
+from composer.targets.plain.saved import saved
+from composer.targets.plain.values import write_values
+
+_DONE = (
+    "boundmass", "boundinertia", "balanceinertia", "settotalmass", "fusestatic", "discardvisual", "alignfree",
+    "fitaabb", "inertiagrouprange", "saveinertial", "savecompiled", "savecanonical", "strippath", "meshdir",
+    "texturedir",
+    "assetdir", "eulerseq", "passthrough",
+)  # fmt: skip
+
+
+class CannotBePlain(Exception):
+    """MuJoCo makes more of a model, or less, than what it saves of it says."""
+
+
+def plain(mujoco: Any, path: Path) -> Draft:
+    """The draft of the model in a file. Raises ValueError for what MuJoCo refuses, and CannotBePlain."""
+    spec = mujoco.MjSpec.from_file(str(path))
+    model = spec.compile()
+    root = saved(mujoco, spec)
+    without_classes(root)
+    without_frames(root)
+    names = NameTable(model)
+    elements = {
+        kind: [each for each in nodes if each is not None] for kind, nodes in compiled_order(root).items()
+    }
+    for kind in (
+        "body",
+        "joint",
+        "geom",
+        "site",
+        "camera",
+        "light",
+        "actuator",
+        "equality",
+        "tendon",
+        "sensor",
+    ):
+        if len(elements[kind]) != names.count(kind):
+            count = f"{len(elements[kind])} of {names.count(kind)}"
+            raise CannotBePlain(f"MuJoCo {mujoco.__version__} saves {count} elements of the kind {kind}")
+    _compiler(root)
+    files = keep_files(root, path.parent, spec)
+    files |= write_meshes(root, model, names.names["mesh"])
+    write_values(mujoco, model, elements)
+    _materials(model, elements, names)
+    simple_actuators(root)
+    elements["actuator"] = list(root.iterfind("actuator/*"))
+    etree.indent(root)
+    return Draft(mujoco, model, root, files, elements)
+
+
+def _compiler(root: Node) -> None:
+    """What the compiler did is done."""
+    for compiler in root.iterchildren("compiler"):
+        for name in _DONE:
+            compiler.attrib.pop(name, "")
+        compiler.set("inertiafromgeom", "false")
+
+
+def _materials(model: Any, elements: dict[str, list[Node]], names: NameTable) -> None:
+    """MuJoCo 4.0 does not save `material=""`, which undoes that of a class."""
+    for kind in ("geom", "site"):
+        for number, element in enumerate(elements[kind]):
+            material = int(getattr(model, f"{kind}_matid")[number])
+            element.attrib.pop("material", "")
+            if material >= 0:
+                element.set("material", names.names["material"][material])

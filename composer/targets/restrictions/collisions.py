@@ -1,0 +1,59 @@
+"""For MJX: pairs of shapes of which it cannot compute contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from composer.compiled.enums import words
+from composer.targets.draft import Draft
+from composer.targets.limit import Limit, Outcome
+
+# Of `_COLLISION_FUNC` of MJX 3.17.
+_KNOWN = frozenset(
+    tuple(pair.split("-"))
+    for pair in (
+        "plane-sphere plane-capsule plane-box plane-ellipsoid plane-cylinder plane-mesh hfield-sphere hfield-capsule"
+        " hfield-box hfield-mesh sphere-sphere sphere-capsule sphere-cylinder sphere-ellipsoid sphere-box sphere-mesh"
+        " capsule-capsule capsule-box capsule-ellipsoid capsule-cylinder capsule-mesh ellipsoid-ellipsoid"
+        " ellipsoid-cylinder cylinder-cylinder box-box box-mesh mesh-mesh"
+    ).split()
+)
+
+
+def _unknown_pairs(draft: Draft) -> None:
+    geoms = dict(draft.of("geom"))
+    shapes = words(draft.mujoco, "geom_type")
+    told = set()
+    for first, second in _colliding(draft.model):
+        pair = sorted((first, second), key=lambda number: int(draft.model.geom_type[number]))
+        one, other = (shapes[int(draft.model.geom_type[number])] for number in pair)
+        if (one, other) not in _KNOWN and (first, one, other) not in told and pair[0] in geoms:
+            told.add((first, one, other))
+            draft.lose(
+                "collisions", geoms[pair[0]], f"MJX cannot compute contacts of a {one} with a {other}", refused=True,
+                help="edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`",
+            )  # fmt: skip
+
+
+def _colliding(model: Any) -> Iterator[tuple[int, int]]:
+    """The pairs of geoms that may touch, as MuJoCo filters them: by bits, bodies, parents and excludes."""
+    excluded = set(model.exclude_signature.tolist())
+    welded, parents = model.body_weldid.tolist(), model.body_parentid.tolist()
+    bodies, bits = model.geom_bodyid.tolist(), model.geom_contype.tolist()
+    others = model.geom_conaffinity.tolist()
+    for first in range(model.ngeom):
+        for second in range(first + 1, model.ngeom):
+            if not (bits[first] & others[second] or bits[second] & others[first]):
+                continue
+            one, other = bodies[first], bodies[second]
+            roots = welded[one], welded[other]
+            if roots[0] == roots[1] or (min(one, other) << 16) + max(one, other) in excluded:
+                continue
+            above = welded[parents[roots[0]]], welded[parents[roots[1]]]
+            if all(roots) and (roots[0] == above[1] or roots[1] == above[0]):
+                continue
+            yield first, second
+
+
+MJX_COLLISIONS = Limit("collisions", Outcome.REFUSED, _unknown_pairs)

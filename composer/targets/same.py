@@ -1,0 +1,142 @@
+"""Whether MuJoCo reads a model back as the one that was meant. Runs in MuJoCo's child process.
+
+Every array of `mjModel` is compared. The frame of a mesh is MuJoCo's own choice, made anew from the vertices that it
+reads: what has a mesh for its shape is compared by where its surface lies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from composer.compiled.identity import unequal_arrays
+from composer.compiled.kinds import NameTable
+
+TOLERANCE = 1e-6
+"""Relative to 1 or the largest value of an array, and to the size of a surface."""
+
+_OF_MESH_FRAMES = (
+    "mesh_",
+    "nmesh",
+    "npolygonmax",
+    "bvh_",
+    "nbvh",
+    "oct_",
+    "noct",
+    "geom_aabb",
+    "geom_rbound",
+    "body_bvh",
+    "site_size",
+)
+_POSES = ("geom_pos", "geom_quat", "geom_sameframe", "geom_size", "site_pos", "site_quat", "site_sameframe")
+_MESHES = (7, 8)  # mjGEOM_MESH, mjGEOM_SDF
+_SURFACE = "surface"
+_LOOKS = ("tendon_rgba", "tendon_width")  # a fixed tendon has no attributes for them, only its class
+_FIXED = 0  # mjTENDON_FIXED
+_OF_THE_TEXT = ("names_map", "signature", "tex_pathadr")
+
+
+def differences(model: Any, again: Any) -> Iterator[str]:
+    """What is another in the model that was read back, each in words that name arrays; nothing if it is the same."""
+    for name in unequal_arrays(model, again):
+        holder, _, inner = name.rpartition(".")
+        before, after = (_of(each, holder, inner) for each in (model, again))
+        if name.startswith(_OF_MESH_FRAMES) or name in _OF_THE_TEXT:
+            continue
+        rows = _rows(model, name)
+        if not _close(before, after, rows):
+            yield f"`{name}`{_where(model, name, before, after)}"
+    if model.ngeom == again.ngeom and model.nmesh == again.nmesh:
+        for kind in ("geom", "site"):
+            yield from _surfaces(kind, model, again)
+
+
+def _of(model: Any, holder: str, name: str) -> Any:
+    for each in holder.split(".") if holder else ():
+        model = getattr(model, each)
+    return getattr(model, name, None)
+
+
+def _close(before: Any, after: Any, rows: Any) -> bool:
+    if not isinstance(before, np.ndarray) or not isinstance(after, np.ndarray):
+        return (
+            isinstance(before, float)
+            and isinstance(after, float)
+            and bool(np.isclose(before, after, rtol=TOLERANCE, atol=0))
+        )
+    if before.shape != after.shape or not np.issubdtype(before.dtype, np.floating):
+        return before.shape == after.shape and bool((before[rows] == after[rows]).all())
+    before, after = before[rows].astype(float), after[rows].astype(float)
+    finite = before[np.isfinite(before)]
+    scale = max(1.0, float(np.abs(finite).max())) if finite.size else 1.0
+    return bool(np.isclose(before, after, rtol=0, atol=TOLERANCE * scale, equal_nan=True).all())
+
+
+def _rows(model: Any, name: str) -> Any:
+    """The rows that count: those of no mesh, and of tendons that are drawn."""
+    kind = name.partition("_")[0]
+    if name in _POSES:
+        return ~np.isin(getattr(model, f"{kind}_type"), _MESHES)
+    return model.tendon_type != _FIXED if name in _LOOKS else slice(None)
+
+
+def _where(model: Any, name: str, before: Any, after: Any) -> str:
+    """The first row that differs."""
+    if getattr(before, "shape", None) != getattr(after, "shape", None):
+        return f" has another length: {np.size(before)}, not {np.size(after)}"
+    if not np.shape(before):
+        return f": {after}, not {before}"
+    differ = before != after
+    if before.dtype.kind == "f":
+        differ &= ~np.isclose(before, after, rtol=0, atol=TOLERANCE)
+    differing = np.argwhere(differ)
+    row = int(differing[0][0]) if len(differing) else 0
+    return f", row {row}: {after[row]}, not {before[row]}"
+
+
+def _surfaces(kind: str, model: Any, again: Any) -> Iterator[str]:
+    table = NameTable(model)
+    for number in np.flatnonzero(np.isin(getattr(model, f"{kind}_type"), _MESHES)).tolist():
+        if getattr(model, f"{kind}_dataid")[number] < 0:
+            continue
+        read = _surface(kind, again, number)
+        for (what, tolerance), before in _surface(kind, model, number).items():
+            after = read.get((what, tolerance))
+            called = f"the {what} of {kind} {table.describe(kind, number)}"
+            if after is None or before.shape != after.shape:
+                yield f"{called} has another number of faces"
+                continue
+            size = max(float(np.ptp(before, axis=0).max(initial=0.0)), 1e-9) if what == _SURFACE else 1.0
+            if not np.isclose(before, after, rtol=0, atol=tolerance * size).all():
+                yield f"{called} is up to {float(np.abs(before - after).max()):g} off"
+
+
+def _surface(kind: str, model: Any, number: int) -> dict[tuple[str, float], Any]:
+    """What the corners of a mesh's faces have, in the frame of its body, with its tolerance: shape (n, 2) or (n, 3)."""
+    mesh = int(getattr(model, f"{kind}_dataid")[number])
+    quat, pos = (getattr(model, f"{kind}_{name}")[number] for name in ("quat", "pos"))
+    faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
+
+    def corners(values: Any, start: int, of_faces: Any) -> Any:
+        return values[start + of_faces[faces].ravel()]
+
+    vertices = corners(model.mesh_vert, int(model.mesh_vertadr[mesh]), model.mesh_face)
+    normals = corners(model.mesh_normal, int(model.mesh_normaladr[mesh]), model.mesh_facenormal)
+    found = {
+        (_SURFACE, 10 * TOLERANCE): rotated(quat, vertices) + pos,
+        ("normals", 1000 * TOLERANCE): rotated(quat, normals),
+    }
+    if (start := int(model.mesh_texcoordadr[mesh])) >= 0:
+        found["texture coordinates", 10 * TOLERANCE] = corners(
+            model.mesh_texcoord, start, model.mesh_facetexcoord
+        )
+    return found
+
+
+def rotated(quat: Any, points: Any) -> Any:
+    """Points turned by a quaternion w x y z, shape (n, 3)."""
+    w, axis = quat[0], np.asarray(quat[1:])
+    turned = 2 * np.cross(axis, points)
+    return points + w * turned + np.cross(axis, turned)

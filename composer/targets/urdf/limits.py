@@ -1,0 +1,17 @@
+"""What URDF lacks and `write.py` finds while it writes: rows of the table, which change nothing themselves."""
+
+from __future__ import annotations
+
+from composer.targets.draft import Draft
+from composer.targets.limit import Limit, Outcome
+
+
+def _found_in_writing(draft: Draft) -> None:
+    """The writer tells of each."""
+
+
+FLOATING = Limit("roots", Outcome.WRITTEN, _found_in_writing)
+SHAPES = Limit("shapes", Outcome.LEFT_OUT, _found_in_writing)
+ARMATURE = Limit("armature", Outcome.LEFT_OUT, _found_in_writing)
+MIMICS = Limit("equality", Outcome.PARTLY, _found_in_writing)
+CONTROL = Limit("actuators", Outcome.PARTLY, _found_in_writing)

@@ -1,0 +1,3 @@
+"""The readers run in environments of their own."""
+
+collect_ignore = ["readers"]

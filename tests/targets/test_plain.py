@@ -1,0 +1,98 @@
+"""The plain text: MuJoCo reads back the same model."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import mujoco
+import pytest
+from lxml import etree
+from sampling import rest_slow
+from targets.models import RECIPES, SELDOM
+from targets.writing import codes, compiled, written
+
+from composer.bundle.write import write
+from composer.context import Context
+from composer.stages import Request, build
+from composer.targets.plain.plain import plain
+from composer.targets.same import differences
+
+GONE = ("frame", "default", "replicate", "include", "attach", "flexcomp", "composite")
+# Worlds are one model and a table for batched simulation, which no other program reads.
+SHIPPED = sorted(
+    path.stem for path in RECIPES.glob("*.yaml") if "emit: worlds" not in path.read_text(encoding="utf-8")
+)
+CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
+MODELS = sorted(Path(CORPUS, "feature-cases").glob("*/*.xml")) if CORPUS else []
+OWN = sorted((Path(__file__).parents[1] / "feature_cases").glob("*/*.xml"))
+NOT_SAVED = ("32-odd-names/base",)
+"""MuJoCo 4.0 saves a tab in a name as it is, which is read as a space: an error of the build."""
+
+
+def test_nothing_is_left_to_expand(tmp_path: Path) -> None:
+    bundle, context = written(SELDOM, "plain", tmp_path)
+    assert bundle is not None and codes(context) == []
+    root = etree.fromstring(bundle.files["model.xml"])
+    assert not [each.tag for each in root.iter(*GONE)]
+    assert not root.xpath("//@class | //@childclass | //@fromto | //@euler")
+    assert all(body.find("inertial") is not None for body in root.iterfind(".//body"))
+    model = compiled(bundle, tmp_path / "out")
+    assert model.joint("turn").qpos0 == pytest.approx(0.349065850)
+    assert [model.actuator(n).name for n in range(model.nu)] == ["turn", "slide"]
+    assert [each.tag for each in root.find("actuator")] == ["position", "motor"]  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("name", rest_slow(SHIPPED, ("demo", "gantry", "soft_arm"), lambda name: name))
+def test_every_recipe(name: str, tmp_path: Path, menagerie_root: Path) -> None:
+    context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie_root)})
+    built = build(Request(RECIPES / f"{name}.yaml", target="plain"), context)
+    if built is None and any(each.code == "source-not-found" for each in context.sink.errors):
+        pytest.skip("a robot of this recipe is not installed")
+    assert built is not None, codes(context)
+    write(built.bundle, f"{tmp_path}/out/", environment={})
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).nbody > 1
+
+
+@pytest.mark.parametrize(
+    "path", rest_slow([*OWN, *MODELS], (), lambda path: f"{path.parent.name}/{path.stem}")
+)
+def test_every_feature(path: Path, tmp_path: Path) -> None:
+    try:
+        mujoco.MjSpec.from_file(str(path)).compile()
+    except ValueError:
+        pytest.skip("it is a part that does not compile alone")
+    if f"{path.parent.name}/{path.stem}" in NOT_SAVED:
+        pytest.skip("MuJoCo saves another model")
+    draft = plain(mujoco, path)
+    for name, content in draft.files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+    (tmp_path / "model.xml").write_bytes(etree.tostring(draft.root))
+    again = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    assert list(differences(draft.model, again)) == []
+
+
+def test_what_differs_is_told() -> None:
+    text = "<mujoco><worldbody><body><joint {}/><geom size='.1' pos='{} 0 0'/></body></worldbody></mujoco>"
+    one, other = (
+        mujoco.MjModel.from_xml_string(text.format(*each))
+        for each in (("damping='1'", 0), ("damping='2'", 0.5))
+    )
+    told = list(differences(one, other))
+    assert any(each.startswith("`dof_damping`, row 0: 2.0, not 1.0") for each in told)
+    assert any(each.startswith("`geom_pos`") for each in told)
+    assert list(differences(one, one)) == []
+
+
+QUAD = """<mujoco><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1" face="0 2 1 0 1 3 0 3 2 1 2 3"
+  texcoord="0 0 1 0 0 1 {}"/></asset><worldbody><body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>"""
+
+
+def test_meshes_are_compared_by_their_faces() -> None:
+    one, other = (mujoco.MjModel.from_xml_string(QUAD.format(each)) for each in ("1 1", "0.5 1"))
+    assert list(differences(one, other)) == [
+        "the texture coordinates of geom #0 of body `#1` is up to 0.5 off"
+    ]
+    turned = mujoco.MjModel.from_xml_string(QUAD.format("1 1").replace("0 2 1 0 1 3", "0 1 3 0 2 1"))
+    assert any(each.startswith("the surface of geom") for each in differences(one, turned))

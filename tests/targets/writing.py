@@ -1,0 +1,30 @@
+"""Builds a model for a target, as the command does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+
+from composer.bundle.bundle import Bundle
+from composer.bundle.folder import write_folder
+from composer.context import Context
+from composer.stages import Request, build
+
+
+def written(model: str, target: str | None, folder: Path) -> tuple[Bundle | None, Context]:
+    """The bundle of a model that is given as text, and what was reported."""
+    (folder / "model.xml").write_text(model)
+    (folder / "recipe.yaml").write_text("recipe: 1\nallow: [licence-missing]\nbase: ./model.xml\n")
+    context = Context(folder=folder)
+    built = build(Request(folder / "recipe.yaml", target=target), context)
+    return (None if built is None else built.bundle), context
+
+
+def codes(context: Context) -> list[str]:
+    return [each.code for each in context.sink.diagnostics]
+
+
+def compiled(bundle: Bundle, folder: Path) -> mujoco.MjModel:
+    write_folder(bundle, folder)
+    return mujoco.MjModel.from_xml_path(str(folder / bundle.model))
