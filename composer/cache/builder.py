@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING
 from composer.cache.cache_key import BuildOptions, CacheKey
 from composer.cache.files import now
 from composer.cache.result import Made, fresh, load_files, load_packed, recalled
+from composer.diagnostics.diagnostic import Severity
 from composer.sources.blobs import key_of
 
 if TYPE_CHECKING:
     from composer.bundle.bundle import Bundle
-    from composer.bundle.packing import Packed
+    from composer.bundle.packing import Packed, PackedAhead
+    from composer.bundle.place import Place
     from composer.cache.cache import Answer, Cache
     from composer.cache.entry import KeptFile, Record
     from composer.cache.inputs import Inputs
@@ -27,8 +29,13 @@ if TYPE_CHECKING:
     from composer.plan.plan import Plan
     from composer.verify.outcome import Outcome
 
-Place = Callable[[str, "str | None"], "Path | None"]
+Placing = Callable[[str, "str | None"], "Place | None"]
 """Where a model is to be written, by its name and the version of MuJoCo that compiled it; None for nowhere."""
+
+
+def nowhere(name: str, mujoco: str | None) -> None:
+    """The place of models that are not written."""
+
 
 _SETTLED = "the recipe changed, in nothing that this model is made of"
 
@@ -46,13 +53,14 @@ class Maker:
         cache: Cache | None,
         context: Context,
         form: str | None = None,
-        place: Place = lambda name, mujoco: None,
+        place: Placing = nowhere,
     ) -> None:
         self.recipe, self.options, self.cache, self.context = recipe, options, cache, context
         self.form, self.place = form, place
         self.library: Library = {}
         self._inputs: Inputs | None = None
         self._key: CacheKey | None = None
+        self._ahead: PackedAhead | None = None
         self._since = now()
 
     def key(self, cell: str | None = None, values: Mapping[str, str] | None = None) -> CacheKey | None:
@@ -70,19 +78,21 @@ class Maker:
     ) -> tuple[Made | None, tuple[str, ...]]:
         """The model if the cache knows it, before anything is read; or why it does not.
 
-        What was told of it goes to the context's sink once more, what came of its checks to `outcomes`.
+        What was reported of it goes to the context's sink once more, what came of its checks to `outcomes`.
         """
         if self.cache is None or key is None:
             return None, ("the cache is not used",)
         found = self.cache.find(key)
         if found.record is None:
             return None, found.why
+        if context.strict and _warns(found.record):
+            return None, ("it has warnings, which are errors now",)
         made = self._with_files(found.record, found.answer)
         if made is None:
             from composer.cache.cache import LOST
 
             return None, (LOST,)
-        _tell(found.record, context, outcomes)
+        _report(found.record, context, outcomes)
         return made, ()
 
     def make(
@@ -101,7 +111,14 @@ class Maker:
 
         outcomes = [] if outcomes is None else outcomes
         request = stages.Request(
-            self.recipe, given, name, sample, self.options.verified, self.options.deduplicated
+            self.recipe,
+            given,
+            name,
+            sample,
+            self.options.verified,
+            self.options.deduplicated,
+            self.options.pictured,
+            self.options.target,
         )
         plan = stages.planned(request, context)
         if plan is None:
@@ -110,7 +127,10 @@ class Maker:
             known = self._recall_planned(plan, name, context, key, outcomes)
             if known is not None:
                 return known
-        built = stages.built(plan, request, context, session, self.library, outcomes.append)
+        if self._ahead is not None:  # of the model before
+            self._ahead.end()
+            self._ahead = None
+        built = stages.built(plan, request, context, session, self.library, outcomes.append, self._pack_ahead)
         if built is None:
             return None
         from composer.bundle.licence_table import licence_rows
@@ -142,12 +162,23 @@ class Maker:
         from composer.bundle.packing import level_of, pack
 
         level, digest = level_of(path), bundle.digest(path)
-        packed = self.cache.packed(digest, level) if self.cache is not None and level else None
-        if packed is None:
-            packed = pack(bundle.files[path], level)
-            if self.cache is not None and level:
-                self.cache.keep_packed(digest, level, packed)
+        ahead = self._ahead.take(digest) if self._ahead is not None else None
+        packed = self._packed(digest, level) if ahead is None and level else None
+        is_new = ahead[1] if ahead is not None else packed is None
+        packed = ahead[0] if ahead is not None else packed or pack(bundle.files[path], level)
+        if is_new and self.cache is not None and level:
+            self.cache.keep_packed(digest, level, packed)
         return packed
+
+    def _packed(self, digest: str, level: int) -> Packed | None:
+        return None if self.cache is None else self.cache.packed(digest, level)
+
+    def _pack_ahead(self, bundle: Bundle) -> None:
+        """Pack what will be written, while MuJoCo is at work on it."""
+        from composer.bundle.packing import PackedAhead
+
+        if self.form == "archive":
+            self._ahead = PackedAhead(bundle, self._packed)
 
     def _with_files(self, record: Record, answer: Answer | None) -> Made | None:
         """What was built before with as much of it as its output needs; None where that is no longer whole."""
@@ -182,7 +213,7 @@ class Maker:
     def _recall_planned(
         self, plan: Plan, cell: str | None, context: Context, key: CacheKey, outcomes: list[Outcome]
     ) -> Made | None:
-        """A model that another state of the recipe file gave, told as this one gives it."""
+        """A model that another state of the recipe file gave, reported as this one gives it."""
         from composer.cache.inputs import may_move
         from composer.cache.places import places
         from composer.verify.checks import places as places_of_checks
@@ -190,7 +221,9 @@ class Maker:
         assert self.cache is not None
         found = self.cache.find(self._planned(plan, cell))
         record, answer = found.record, found.answer
-        if record is None or answer is None or (record.tells_places and record.places != places(plan)):
+        if record is None or (context.strict and _warns(record)):
+            return None
+        if answer is None or (record.names_places and record.places != places(plan)):
             return None
         written = places_of_checks(plan)
         record = replace(
@@ -204,7 +237,7 @@ class Maker:
         made = None if record is None else self._with_files(record, answer)
         if record is None or made is None:
             return None
-        _tell(record, context, outcomes)
+        _report(record, context, outcomes)
         if not may_move(context):
             self.cache.keep(key, record, [*recipes, *answer.inputs], answer.packages)
         return replace(made, why=(_SETTLED,))
@@ -240,7 +273,7 @@ class Maker:
         from composer.bundle.bundle import MANIFEST
         from composer.cache.entry import KeptRecipe, Record
         from composer.cache.inputs import may_move
-        from composer.cache.places import places, tells_places
+        from composer.cache.places import names_places, places
 
         cache, built, key = self.cache, made.built, made.key
         if cache is None or built is None or key is None:
@@ -268,9 +301,9 @@ class Maker:
             made.mujoco, made.licences, tuple(context.sink.diagnostics), tuple(outcomes), made.draws,
             tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
             places(built.plan), False,
-            built.plan.cells, built.plan.cells_at,
+            built.plan.cells, built.plan.cells_at, made.adopted, made.allowed,
         )  # fmt: skip
-        record = replace(record, tells_places=tells_places(built.plan, record, built.bundle.files[MANIFEST]))
+        record = replace(record, names_places=names_places(built.plan, record, built.bundle.files[MANIFEST]))
         packages = list(names.packages(built.plan))
         if not may_move(context):
             cache.keep(key, record, [*recipes, *others], packages)
@@ -298,7 +331,11 @@ class Maker:
         return self._inputs
 
 
-def _tell(record: Record, context: Context, outcomes: list[Outcome] | None) -> None:
+def _warns(record: Record) -> bool:
+    return any(each.severity is Severity.WARNING for each in record.diagnostics)
+
+
+def _report(record: Record, context: Context, outcomes: list[Outcome] | None) -> None:
     for diagnostic in record.diagnostics:
         context.sink.add(diagnostic)
     if outcomes is not None:

@@ -22,12 +22,15 @@ from composer.cache.entry import KeptFile, Record, from_json, to_json
 from composer.cache.files import Files, Seen, seen
 from composer.cache.outputs import is_written, note_written
 from composer.cache.reasons import differences
+from composer.reading.regular import read_regular
 from composer.sources import blobs
 from composer.sources.blobs import key_of
 from composer.sources.store import ENTRY, KINDS, Store
 
 if TYPE_CHECKING:
     from composer.bundle.packing import Packed
+    from composer.bundle.place import Place
+    from composer.diagnostics.sink import Sink
 
 _ANSWERS = 4
 """How many states of its files a key has an answer for: another branch of a repository, and back."""
@@ -58,13 +61,17 @@ class Found:
 
 @dataclass(slots=True)
 class Cache:
-    """The cache in a store. It never fails: what cannot be kept is told once through `warn`."""
+    """The cache in a store. It never fails: what cannot be kept is reported once through `warn`.
+
+    `on_keep` hears of everything that is kept.
+    """
 
     store: Store
     warn: Callable[[str], None]
     files: Files = field(default_factory=Files)
     broken: bool = False
     grown: bool = False
+    on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
 
     def find(self, key: CacheKey) -> Found:
         """The record of what is asked for; or why there is none."""
@@ -99,6 +106,8 @@ class Cache:
         digest = key_of([text.decode()])
         self._put("built", digest, text)
         answer = Answer(digest, tuple(inputs), tuple(packages))
+        if self.on_keep is not None:
+            self.on_keep(record, answer.inputs)
         self._write(key, [answer, *self._answers(key.digest)])
 
     def keep_raw(self, sha256: str, content: bytes) -> None:
@@ -112,7 +121,7 @@ class Cache:
         from hashlib import sha256
 
         with contextlib.suppress(OSError):
-            content = Path(file.source).read_bytes()
+            content = read_regular(file.source)
             if sha256(content).hexdigest() == file.sha256:
                 return content
         return None
@@ -129,11 +138,11 @@ class Cache:
 
         self._put("packed", packed_key(sha256, level), wrapped(packed))
 
-    def is_written(self, out: Path, content: str) -> bool:
-        """Whether an output is as it was when `note_written` was told that this is its content."""
+    def is_written(self, out: Place, content: str) -> bool:
+        """Whether an output is as it was when `note_written` noted that this is its content."""
         return is_written(self.store.folder, os.fspath(out), content)
 
-    def note_written(self, out: Path, content: str, beside: Iterable[Path] = ()) -> None:
+    def note_written(self, out: Place, content: str, beside: Iterable[Path] = ()) -> None:
         """`beside` are files that belong to the output and stand elsewhere."""
         self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside))
 
@@ -181,8 +190,8 @@ class Cache:
         if not isinstance(before, dict):
             return ("it was not built before, or nothing of that was kept",)
         with contextlib.suppress(TypeError, AttributeError):
-            if told := differences(before, key.parts):
-                return told
+            if found := differences(before, key.parts):
+                return found
         return ("nothing was kept of its last build",)
 
     def _refresh(self, key: CacheKey, answer: Answer, answers: Sequence[Answer]) -> None:
@@ -226,6 +235,16 @@ class Cache:
             self.warn(
                 f"what was built is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}"
             )
+
+
+def opened_cache(store: Store, sink: Sink) -> Cache:
+    """The cache in a store; what it cannot keep is a warning, reported once."""
+
+    def warn(message: str) -> None:
+        help = "make room, name another folder in `MJCOMPOSE_CACHE`, or build with `--no-cache`"
+        sink.warning("store-unusable", message, help=help)
+
+    return Cache(store, warn)
 
 
 def packed_key(sha256: str, level: int) -> str:

@@ -14,9 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.cache.environment import environment_parts, python_version, tool_version
 from composer.cache.reasons import GIVEN
-from composer.cache.surroundings import environment_parts, python_version
-from composer.cache.tool import tool_version
 from composer.sources.blobs import key_of
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class CacheKey:
-    """`subject` is what is built, whatever of: the last build of it tells why another one is needed.
+    """`subject` is what is built, whatever of: the last build of it shows why another one is needed.
 
     `parts` has all values that count by what a person calls them.
     """
@@ -69,6 +68,8 @@ class BuildOptions:
     choices: Mapping[str, str] = field(default_factory=dict)
     locked: bool = False
     offline: bool = False
+    pictured: bool = False
+    target: str | None = None
 
     def key(self, recipe: Path, folder: Path, environment: Mapping[str, str], store: Path) -> CacheKey:
         """The key of the model of a recipe file, as the user asks for it in a folder."""
@@ -77,8 +78,11 @@ class BuildOptions:
             "`--dedup`": self.deduplicated,
             "`--locked`": self.locked,
             "`--offline`": self.offline,
+            "`--picture`": self.pictured,
         }
         parts = {name: GIVEN for name, given in flags.items() if given}
+        if self.target is not None:
+            parts["`--target`"] = self.target
         if self.text_beside is not None:
             parts["the folder of the text"] = os.fspath(self.text_beside)
         parts |= {
@@ -98,11 +102,11 @@ def concrete(plan: Plan) -> list[object]:
     """
     found: list[object] = []
     for each in plan.plans():
-        told = [[name, repr(value)] for name, value in sorted(each.scope.items())]
+        scope = [[name, repr(value)] for name, value in sorted(each.scope.items())]
         values = list(_values(each.document, ""))
         read = [[file, reading.angle, reading.eulerseq] for file, reading in each.readings.others.items()]
         sources = [_source(each.base.model), *(_source(part.model) for part in each.parts)]
-        found.append([each.name, str(each.path), told, values, read, sources])
+        found.append([each.name, str(each.path), scope, values, read, sources])
     return found
 
 
@@ -113,7 +117,8 @@ def _source(model: Plan | Source | None) -> object:
         return model is None
     licences, packages = [map(str, model.licences), ((name, str(path)) for name, path in model.packages)]
     about = [str(model.path), model.kind.name, model.reference, model.package, model.version]
-    return [*about, list(licences), list(packages), model.origin.id if model.origin else None]
+    origin = model.origin.id if model.origin else None
+    return [*about, list(licences), list(packages), origin, list(model.door.roots)]
 
 
 def _values(node: Node, file: str) -> Iterator[object]:

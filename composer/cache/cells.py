@@ -1,15 +1,11 @@
-"""The cells of a recipe's matrix, made one after another: each source file is read once for all of them."""
+"""Which cells of a recipe's matrix, and which samples of what it draws, are meant."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from composer import engine
-from composer.cache.builder import Maker
-from composer.cache.result import Made
 from composer.cache.samples import with_samples
 from composer.context import Context
 from composer.diagnostics.sink import Sink
@@ -18,21 +14,6 @@ from composer.document.node import Node, Scalar, to_python
 from composer.expand.matrix import Cell
 from composer.plan.locked import use_lock
 from composer.plan.matrix import read_matrix
-from composer.verify.outcome import Outcome
-
-
-@dataclass(frozen=True, slots=True)
-class MadeCell:
-    """What came of a cell: `made` is None where it failed, `context` has its faults, `outcomes` are its checks."""
-
-    cell: Cell
-    context: Context
-    made: Made | None
-    outcomes: list[Outcome] = field(default_factory=list)
-
-    @property
-    def failed(self) -> bool:
-        return self.made is None or self.context.sink.has_errors
 
 
 def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = None) -> list[Cell]:
@@ -59,7 +40,7 @@ def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str)
         chosen = [each for each in every if pick in (each.name, each.cell)] or _with_values(every, pick)
         found.update((each.name, each) for each in chosen)
         if not chosen:
-            _tell_none(every, pick, sink, recipe)
+            _report_none(every, pick, sink, recipe)
     return list(found.values())
 
 
@@ -71,7 +52,7 @@ def of_samples(cells: Iterable[Cell], samples: Iterable[int], sink: Sink) -> lis
     for sample in wanted:
         if cells and sample not in known:
             there = f"has the samples 0 to {known[-1]}" if known else "draws nothing"
-            sink.error("unknown-name", f"there is no sample {sample}: the recipe {there}")
+            sink.error("unknown-name", f"sample {sample} does not exist: the recipe {there}")
     return [cell for cell in cells if cell.is_sample and cell.sample in wanted]
 
 
@@ -100,23 +81,6 @@ def check_axes_are_free(chosen: Iterable[Cell], given: Iterable[str], sink: Sink
                        help=f"do not set it, or {instead}")  # fmt: skip
 
 
-def made_cells(
-    maker: Maker, chosen: Iterable[Cell], context: Context, given: dict[str, Node], session: engine.Session
-) -> Iterator[MadeCell]:
-    """Each cell with a context of its own, in which its faults are, and what came of it."""
-    for cell in chosen:
-        own = replace(context, sink=Sink())
-        outcomes: list[Outcome] = []
-        values = {f"`{name}`": _text(node) for name, node in cell.given.items()}
-        key = maker.key(cell.name, {**values, "the sample": str(cell.sample)})
-        made, why = maker.recall(key, own, outcomes)
-        if made is None:
-            made = maker.make(
-                own, session, {**given, **cell.given}, cell.name, cell.sample, key, why, outcomes
-            )
-        yield MadeCell(cell, own, made, outcomes)
-
-
 def _with_values(every: Sequence[Cell], pick: str) -> list[Cell]:
     wanted = [item.partition("=") for item in pick.split(",")]
     if not all(equals for _, equals, _ in wanted):
@@ -124,13 +88,13 @@ def _with_values(every: Sequence[Cell], pick: str) -> list[Cell]:
     return [
         cell
         for cell in every
-        if all(axis in cell.given and _text(cell.given[axis]) == value for axis, _, value in wanted)
+        if all(axis in cell.given and text_of(cell.given[axis]) == value for axis, _, value in wanted)
     ]
 
 
-def _tell_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> None:
+def _report_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> None:
     axis, equals, value = pick.partition("=")
-    values = list(dict.fromkeys(_text(cell.given[axis]) for cell in every if axis in cell.given))
+    values = list(dict.fromkeys(text_of(cell.given[axis]) for cell in every if axis in cell.given))
     if equals and values and "," not in value:
         sink.error("unknown-name", f"no cell of `{recipe}` has `{axis}` = `{value}`",
                    notes=(exists_note("value", values, value),),
@@ -141,5 +105,6 @@ def _tell_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> Non
                notes=(exists_note("cell", names, pick),), help=did_you_mean(pick, names, "--pick {}"))  # fmt: skip
 
 
-def _text(node: Node) -> str:
+def text_of(node: Node) -> str:
+    """A value as a pick writes it."""
     return node.text if isinstance(node, Scalar) else json.dumps(to_python(node))

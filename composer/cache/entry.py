@@ -1,16 +1,19 @@
-"""What is kept of a build: all that is told of it, and of every file its hash and where its bytes are."""
+"""What is kept of a build: all that is reported of it, and of every file its hash and where its bytes are."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 from composer.bundle.licence_table import Row
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
+from composer.diagnostics.fix import Fix
 from composer.diagnostics.span import Span
 from composer.expr.value import Value
+from composer.tree.adopted import Adopted, known
 from composer.verify.outcome import Outcome
 
 
@@ -38,10 +41,11 @@ class Record:
     """A build that went well. `text` is the hash of the model's text alone, where that was asked for; `mujoco` is
     the version that compiled it.
 
-    `draws` are the numbers that a sample has drawn, by their columns in a table; None for what is no sample.
+    `draws` are the numbers that a sample has drawn, by their columns in a table; None for what is not a sample.
     `recipes` are the recipe files, the one that is built first. `places` is a hash of where everything stands in them,
-    and `tells_places` says that something of this would be wrong if it stood elsewhere. `cells` is how many cells the
+    and `names_places` says that something of this would be wrong if it stood elsewhere. `cells` is how many cells the
     recipe's matrix has, where this is the model of none of them, and `cells_at` the place of the first.
+    `adopted` are the settings that the model takes from its parts.
     """
 
     name: str
@@ -58,14 +62,18 @@ class Record:
     draws: Mapping[str, Value] | None
     recipes: tuple[KeptRecipe, ...]
     places: str
-    tells_places: bool
+    names_places: bool
     cells: int
     cells_at: Span | None
+    adopted: tuple[Adopted, ...] = ()
+    allowed: tuple[str, ...] = ()
 
 
 def to_json(record: Record) -> bytes:
+    data = asdict(replace(record, adopted=()))
+    data["adopted"] = [(*each[:3], asdict(each.span), each.is_written) for each in record.adopted]
     # `default` is for sets.
-    return json.dumps(asdict(record), ensure_ascii=True, default=sorted).encode()
+    return json.dumps(data, ensure_ascii=True, default=sorted).encode()
 
 
 def from_json(text: bytes) -> Record:
@@ -80,12 +88,17 @@ def from_json(text: bytes) -> Record:
             each["name"],
             each["kind"],
             Span(**each["span"]),
-            tuple(map(_diagnostic, each["told"])),
+            tuple(map(_diagnostic, each["diagnostics"])),
             each["values"],
         )
         for each in data["checks"]
     )
     data["cells_at"] = _span(data["cells_at"])
+    data["adopted"] = tuple(
+        Adopted(path, value, tuple(parts), partial(known, Span(**span)), is_written)
+        for path, value, parts, span, is_written in data["adopted"]
+    )
+    data["allowed"] = tuple(data["allowed"])
     return Record(**data)
 
 
@@ -103,7 +116,12 @@ def _diagnostic(data: dict[str, Any]) -> Diagnostic:
         data["help"],
         others,
         subjects=frozenset(data["subjects"]),
+        fix=_fix(data["fix"]),
     )
+
+
+def _fix(data: dict[str, Any] | None) -> Fix | None:
+    return None if data is None else Fix(data["replacement"], data["replaces"], _span(data["span"]))
 
 
 def _span(data: dict[str, Any] | None) -> Span | None:

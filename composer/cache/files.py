@@ -9,10 +9,11 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from composer.reading.regular import is_irregular
 from composer.sources.licence import licence_names
 
 Stamp = tuple[int, int, int, int]
-"""What changes when a file does, as far as one can tell without reading it: size, times of the last change of content
+"""What changes when a file does, as far as one can know without reading it: size, times of the last change of content
 and of the inode in ns, and inode."""
 
 ABSENT = ""
@@ -42,7 +43,7 @@ def seen(data: list[object]) -> Seen:
 
 @dataclass(slots=True)
 class Files:
-    """Looks at every file once, until told to look anew; reads one again only if its stamp is another."""
+    """Looks at every file once, until asked to look anew; reads one again only if its stamp is another."""
 
     _stamps: dict[str, tuple[Stamp, bool] | None] = field(default_factory=dict)
     _states: dict[tuple[str, Stamp], str] = field(default_factory=dict)
@@ -99,6 +100,8 @@ def now() -> int:
 
 def _sha256(path: str) -> str:
     try:
+        if is_irregular(path):
+            return ABSENT
         with Path(path).open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError:

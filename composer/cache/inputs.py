@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from importlib import metadata
 from pathlib import Path
 
-from composer.cache.packages import PACKAGES, installed
 from composer.context import Context
 from composer.plan.plan import Plan
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.licence import licence_folders
 from composer.sources.source import Source
 from composer.stages import Built
+
+PACKAGES = ("mujoco", "lxml", "numpy", "pydantic", "pyyaml")
+"""What the bytes of a model, or the verdict on it, may depend on."""
 
 
 @dataclass(slots=True)
@@ -31,19 +34,28 @@ class Inputs:
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
         """All other files: models, what they include, assets, licences and where these are looked for, the lock."""
-        found: dict[str, None] = {}
-        for each in built.plan.plans():
-            found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each, context.folder))))
-        for source in built.plan.sources():
-            found.update(dict.fromkeys(self._of(source)))
+        found = self._planned(built.plan, built.plan.sources(), context)
         model = built.composed.model
         found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))
-        used = [use.source for use in built.composed.files if use.content is None]
+        used: list[str] = [use.source for use in built.composed.files if use.content is None]
         found.update(dict.fromkeys(map(os.path.abspath, used)))
-        if context.fetching is not None and context.fetching.lock_file is not None:
-            found[os.path.abspath(context.fetching.lock_file)] = None
         recipes = self.recipes(built.plan)
         return tuple(path for path in found if path not in recipes)
+
+    def planned(self, plan: Plan, context: Context) -> tuple[str, ...]:
+        """What is known of all these before anything is composed, without what belongs to an installed package."""
+        own = (each for each in plan.sources() if each.package is None or each.version is None)
+        return tuple(dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context))))
+
+    def _planned(self, plan: Plan, sources: Iterable[Source], context: Context) -> dict[str, None]:
+        found: dict[str, None] = {}
+        for each in plan.plans():
+            found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each, context))))
+        for source in sources:
+            found.update(dict.fromkeys(self._of(source)))
+        if context.fetching is not None and context.fetching.lock_file is not None:
+            found[os.path.abspath(context.fetching.lock_file)] = None
+        return found
 
     def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
         """The packages that decide what comes out, and those that sources are in."""
@@ -52,7 +64,7 @@ class Inputs:
         named += [library.name for each in known for library in each.kind.libraries]
         for name in dict.fromkeys([*PACKAGES, *named]):
             if name not in self._packages:
-                self._packages[name] = tuple(installed((name,)))
+                self._packages[name] = tuple(_installed(name))
             yield from self._packages[name]
 
     def _of(self, source: Source) -> tuple[str, ...]:
@@ -72,3 +84,14 @@ def may_move(context: Context) -> bool:
         return False
     fetched = [each for each in fetching.origins.values() if each.is_fetched]
     return any(fetching.pin(each.id) is None and (each.pin or "?") not in each.id for each in fetched)
+
+
+def _installed(package: str) -> Iterator[tuple[str, str, str]]:
+    """Name, version, and a file that is another one in another version; nothing if the package is not installed."""
+    try:
+        found = metadata.distribution(package)
+    except metadata.PackageNotFoundError:
+        return
+    folder = getattr(found, "_path", None)
+    if folder is not None:
+        yield package, found.version, str(Path(folder) / "METADATA")

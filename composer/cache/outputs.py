@@ -6,6 +6,7 @@ import json
 import os
 from typing import TYPE_CHECKING
 
+from composer.bundle.place import is_address
 from composer.cache.files import stamp_of
 from composer.sources import blobs
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def is_written(store: str | PathLike[str], out: str, content: str) -> bool:
-    """Whether an output is as it was when `note_written` was told that this is its content."""
+    """Whether an output is as it was when `note_written` noted that this is its content."""
     text = blobs.get(store, "asked", _key(out))
     try:
         known: object = None if text is None else json.loads(text)
@@ -41,10 +42,15 @@ def _key(out: str) -> str:
 
 
 def _stamps(outputs: Iterable[str]) -> list[list[object]]:
-    """Of all files of outputs; none where one is not there."""
+    """Of all files of outputs; none where one does not exist."""
     found: list[list[object]] = []
     paths: list[str] = []
     for out in outputs:
+        if is_address(out):
+            from composer.bundle.remote import stamps
+
+            found += stamps(out)
+            continue
         below = os.path.isdir(out)
         paths += (
             [os.path.join(at, name) for at, _, names in os.walk(out) for name in names] if below else [out]

@@ -23,13 +23,13 @@ def places(plan: Plan) -> str:
     return whole.hexdigest()
 
 
-def tells_places(plan: Plan, record: Record, manifest: bytes) -> bool:
-    """Whether what was told, or a manifest, names lines of the plan's recipes. No I/O."""
+def names_places(plan: Plan, record: Record, manifest: bytes) -> bool:
+    """Whether what was reported, or a manifest, names lines of the plan's recipes. No I/O."""
     files = {span.file for each in plan.plans() for span in spans(each.document)}
     files |= {each.file for each in plan.plans()}
-    told = [span for each in record.diagnostics for span in _spans_of(each)]
-    told += [span for check in record.checks for each in check.told for span in _spans_of(each)]
-    if any(span.file in files for span in told):
+    reported = [span for each in record.diagnostics for span in _spans_of(each)]
+    reported += [span for check in record.checks for each in check.diagnostics for span in _spans_of(each)]
+    if any(span.file in files for span in reported):
         return True
     names = "|".join(re.escape(name.replace("\\", "/").rpartition("/")[2]) for name in files)
     return re.search(rf"(?:{names}):\d".encode("utf-8", "surrogateescape"), manifest) is not None

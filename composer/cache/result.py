@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from composer.tree.adopted import Adopted
 
 if TYPE_CHECKING:
     from composer.bundle.bundle import Bundle
@@ -13,6 +16,7 @@ if TYPE_CHECKING:
     from composer.cache.cache import Cache
     from composer.cache.cache_key import CacheKey
     from composer.cache.entry import Record
+    from composer.context import Context
     from composer.diagnostics.span import Span
     from composer.expr.value import Value
     from composer.stages import Built
@@ -22,11 +26,12 @@ if TYPE_CHECKING:
 class Made:
     """`built` is there for one that was built now, `record` for one that the cache knew.
 
-    Of the latter there is what the form of its output needs: `packed` for archives, `text` for text alone, `bundle` for
-    folders and MuJoCo's binary form, and nothing where the output `is_written` already. `inputs` are the files that it
-    was made of. `why` says in words why the cache did not know it. `replaced` is what the output before was made of, as
-    far as that differs. `draws` are the numbers that a sample has drawn, by their columns in a table; None for what is
-    no sample. `cells` and `cells_at` are as in a plan.
+    Of the latter there is what the form of its output needs: `packed` for archives, `text` for text alone, `bundle`
+    for folders and MuJoCo's binary form, and nothing where the output `is_written` already. `inputs` are the files
+    that it was made of. `why` says in words why the cache did not know it. `replaced` is what the output before was
+    made of, as far as that differs. `allowed` are the codes of warnings that the recipe allows at its top. `draws`
+    are the numbers that a sample has drawn, by their columns in a table; None for what is not a sample. `cells` and
+    `cells_at` are as in a plan, `adopted` are the settings that the model takes from its parts.
     """
 
     name: str
@@ -48,22 +53,33 @@ class Made:
     cells: int = 0
     cells_at: Span | None = None
     replaced: Mapping[str, Any] = field(default_factory=dict)
+    adopted: tuple[Adopted, ...] = ()
+    allowed: tuple[str, ...] = ()
+    is_new: bool = False
+
+    def summary(self) -> Made:
+        """Without what is needed to write it: small, and picklable."""
+        return replace(self, built=None, record=None, bundle=None, packed={}, text=None, key=None, inputs=())
 
 
 def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], key: CacheKey | None) -> Made:
     """A model that was built now."""
+    from composer.plan.allowed import allowed_everywhere
+
     sizes = built.compiled.sizes if built.compiled else None
     mujoco = built.compiled.mujoco_version if built.compiled else None
+    adopted = tuple(each.located() for each in built.composed.model.adopted)
     return Made(
         built.plan.name, built.bundle.sha256, sizes, built.merged, built, bundle=built.bundle, why=why,
         mujoco=mujoco, licences=tuple(licences), key=key, draws=_draws(built),
-        cells=built.plan.cells, cells_at=built.plan.cells_at,
+        cells=built.plan.cells, cells_at=built.plan.cells_at, adopted=adopted,
+        allowed=allowed_everywhere(built.plan), is_new=True,
     )  # fmt: skip
 
 
 def _draws(built: Built) -> dict[str, Value] | None:
     wanted = built.plan.randomize
-    if wanted is None or wanted.emit != "models":
+    if wanted is None or wanted.at_run_time:
         return None
     return dict(column for each in built.composed.drawn for column in each.columns())
 
@@ -72,7 +88,21 @@ def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
     """A model that was built before, without any of its files."""
     return Made(record.name, record.sha256, record.sizes, record.merged, record=record, inputs=inputs,
                 mujoco=record.mujoco, licences=record.licences, draws=record.draws,
-                cells=record.cells, cells_at=record.cells_at)  # fmt: skip
+                cells=record.cells, cells_at=record.cells_at, adopted=record.adopted,
+                allowed=record.allowed)  # fmt: skip
+
+
+def files_of(made: Made | None, context: Context) -> set[str]:
+    """The files that a model was made of, as messages name them."""
+    if made is None:
+        return set()
+    read: Iterator[Path] = map(Path, made.inputs)
+    if made.built is not None:
+        from composer.bundle.overwriting import files_read
+
+        built = made.built
+        read = files_read(built.plan, built.composed.model, built.composed.files)
+    return {context.shown(path) for path in read if (context.folder / path).is_file()}
 
 
 def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:

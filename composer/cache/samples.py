@@ -10,11 +10,9 @@ from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.document.node import Mapping, Node, Scalar, find, locate
 from composer.expand.matrix import Cell
+from composer.limits import advice, in_force
 from composer.plan.concrete import expanded
 from composer.plan.matrix import Matrix
-from composer.recipe.randomize import MAX_SAMPLES
-
-MAX_MODELS = 1_000_000
 
 
 def sample_name(name: str, sample: int) -> str:
@@ -47,11 +45,12 @@ def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Co
             found += _samples(concrete, cell)
         elif cells:
             found.append(cell)
-        if len(found) > MAX_MODELS:
+        if len(found) > in_force().models:
             sink.error(
-                "out-of-range",
-                f"there are more than {MAX_MODELS} models in all",
+                "limit-exceeded",
+                f"there are more than {in_force().models} models in all",
                 locate(concrete, ("randomize",)),
+                help=advice("models"),
             )
             break
     _check_names(found, sink)
@@ -61,9 +60,9 @@ def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Co
 def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
     written, emit = find(concrete, ("randomize", "samples")), find(concrete, ("randomize", "emit"))
     count = written.value if isinstance(written, Scalar) else None
-    whole = isinstance(count, int | float) and not isinstance(count, bool) and 0 < count <= MAX_SAMPLES
-    if not whole or (isinstance(emit, Scalar) and emit.value == "table"):
-        yield cell  # what is wrong with it is told when it is planned
+    whole = isinstance(count, int | float) and not isinstance(count, bool) and 0 < count <= in_force().samples
+    if not whole or (isinstance(emit, Scalar) and emit.value in ("table", "worlds")):
+        yield cell  # what is wrong with it is reported when it is planned
         return
     assert isinstance(count, int | float)
     for sample in range(int(count) + 1):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,18 +11,22 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
+from composer.bundle.admitted import outside
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.integrity import check_files, check_index, manifest_of
 from composer.bundle.manifest import Manifest
 from composer.bundle.manifest_index import index_of
 from composer.bundle.mjb import manifest_beside
-from composer.bundle.read import ReadError, named_model, read
+from composer.bundle.place import is_address
+from composer.bundle.read import ReadError, ReadLimits, named_model, read
 from composer.bundle.staging import write_files
 from composer.compiled import index as compiled_index
 from composer.compiled.kinds import names
+from composer.diagnostics.secret import hide
 from composer.diagnostics.sink import Sink
 from composer.loading.errors import BundleWarning, LoadError
 from composer.loading.index import Index
+from composer.scratch import scratch
 
 Model: TypeAlias = Any
 """A `mujoco.MjModel`, which has no types of its own."""
@@ -43,6 +46,8 @@ class Loaded(NamedTuple):
 def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
     """Load what `mjcompose build` wrote: a folder, a `.zip`, an `.mjz`, or an `.mjb` with the manifest beside it.
 
+    It may be at an address, such as `s3://bucket/cell.zip`, but for an `.mjb`.
+
         model, manifest, index = composer.load("build/cell.zip")
         data = mujoco.MjData(model)
         data.qpos[index.qpos["left/elbow"]] = 0.5
@@ -53,9 +58,27 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
 
     Raises LoadError; warns with BundleWarning.
     """
+    shown = os.fspath(bundle)
+    if is_address(shown):
+        with scratch("download") as folder:
+            return _load(_downloaded(shown, folder), shown, allow_changes=allow_changes)
+    return _load(Path(bundle), shown, allow_changes=allow_changes)
+
+
+def _downloaded(address: str, folder: Path) -> Path:
+    from composer.bundle.remote import RemoteError, download
+
+    limits = ReadLimits()
+    try:
+        return download(address, folder, limits.files, limits.bytes)
+    except RemoteError as error:
+        raise _failure("file-unreadable", f"cannot read `{hide(address)}`: {error}") from error
+
+
+def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
     import mujoco
 
-    path, shown, sink = Path(bundle), os.fspath(bundle), Sink()
+    sink = Sink()
     is_binary = path.suffix.lower() == ".mjb" and not path.is_dir()
     read_bundle = _read_binary(path) if is_binary else _read(path)
     manifest = manifest_of(read_bundle.files.get(MANIFEST), shown, sink)
@@ -65,6 +88,8 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
     _raise_or_warn(sink, allow_changes)
     _check_version(manifest, mujoco.__version__, shown, is_binary)
     with _on_disk(read_bundle) as file:
+        if found := outside(file.parent, file.name, shown):
+            raise LoadError(found)
         model = _compiled(mujoco, file, shown)
     listed = _listed(mujoco, model)
     if manifest.index is not None:
@@ -78,7 +103,7 @@ def _read(path: Path) -> Bundle:
     try:
         return read(path)
     except ReadError as error:
-        raise _failure(error.code, error.message) from error
+        raise _failure(error.code, error.message, error.help) from error
 
 
 def _read_binary(path: Path) -> Bundle:
@@ -89,8 +114,8 @@ def _read_binary(path: Path) -> Bundle:
         manifest = beside.read_bytes()
     except FileNotFoundError as error:
         if not path.exists():
-            raise _failure("file-not-found", f"there is no file `{path}`") from error
-        message = f"there is no `{beside}`, the manifest of `{path.name}`"
+            raise _failure("file-not-found", f"the file `{path}` does not exist") from error
+        message = f"`{beside}`, the manifest of `{path.name}`, does not exist"
         raise _failure("bundle-manifest", message, "keep the two together") from error
     except OSError as error:
         shown = error.filename or path
@@ -103,7 +128,7 @@ def _read_binary(path: Path) -> Bundle:
 @contextmanager
 def _on_disk(bundle: Bundle) -> Iterator[Path]:
     """The model's file in a folder with the others: the bytes that were checked, wherever they came from."""
-    with tempfile.TemporaryDirectory(prefix="mjcompose-", ignore_cleanup_errors=True) as folder:
+    with scratch("bundle") as folder:
         write_files(bundle, Path(folder))
         yield Path(folder) / bundle.model
 
@@ -132,7 +157,7 @@ def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool
         )
     said = "was verified by no MuJoCo" if made_with is None else f"was verified by MuJoCo {made_with}"
     message = f"`{shown}` {said}, and this is {running}"
-    warnings.warn(message, BundleWarning, stacklevel=3)
+    warnings.warn(message, BundleWarning, stacklevel=4)
 
 
 def _listed(mujoco: Any, model: Model) -> Any:
@@ -158,7 +183,7 @@ def _raise_or_warn(sink: Sink, allowed: bool) -> None:
     if not allowed:
         raise LoadError(sink.errors)
     for each in sink.errors:
-        warnings.warn(each.message, BundleWarning, stacklevel=3)
+        warnings.warn(each.message, BundleWarning, stacklevel=4)
 
 
 def _failure(code: str, message: str, help: str | None = None) -> LoadError:

@@ -10,10 +10,12 @@ import subprocess
 import sys
 import time
 import zipfile
+from itertools import product
 from pathlib import Path
 
 import pytest
 from cli.shell import environment, process, run, snapshot
+from sampling import rest_slow
 
 
 def built(*arguments: str) -> tuple[list[str], list[str]]:
@@ -158,6 +160,7 @@ def test_why_of_the_first_licence_of_a_folder(store: Path, folder: Path) -> None
     assert built(*out)[0][1:] == ["the licences in `here` are others", "the licences in `.` are others"]
 
 
+@pytest.mark.slow
 def test_why_of_a_licence_in_a_folder_of_licences(store: Path, folder: Path) -> None:
     (folder / "models" / "LICENSES" / "arm").mkdir(parents=True)
     (folder / "models" / "LICENSES" / "MIT.txt").write_text("free\n")
@@ -172,6 +175,7 @@ def test_why_of_a_licence_in_a_folder_of_licences(store: Path, folder: Path) -> 
     assert built(*out)[0] == ["`models/LICENSES/MIT.txt` changed"]
 
 
+@pytest.mark.slow
 def test_files_of_values_in_another_order_are_another_model(store: Path, folder: Path) -> None:
     (folder / "two.yaml").write_text("load: 2\n")
     (folder / "three.yaml").write_text("load: 3\n")
@@ -235,6 +239,7 @@ def test_an_included_file_counts(store: Path, folder: Path) -> None:
     assert built("cell.yaml", "-o", "a.zip")[0] == ["`models/inner.xml` changed"]
 
 
+@pytest.mark.slow
 def test_an_extended_and_a_nested_recipe_count(store: Path, folder: Path) -> None:
     (folder / "upper.yaml").write_text("extends: ./cell.yaml\nname: upper\n")
     (folder / "outer.yaml").write_text("recipe: 1\nattach:\n  a: {model: ./upper.yaml}\n")
@@ -327,25 +332,28 @@ def test_an_interruption_leaves_whole_models_and_says_how_to_go_on(
 
     put = build_cells.put
 
-    def interrupted(made: object, *rest: object) -> object:
+    def interrupted(made: object, *rest: object, **named: object) -> object:
         if getattr(made, "name", "") == "cell-palm-1.0":
             raise KeyboardInterrupt
-        return put(made, *rest)  # type: ignore[arg-type]
+        return put(made, *rest, **named)  # type: ignore[arg-type]
 
     monkeypatch.setattr(build_cells, "put", interrupted)
     result = run("build", "matrix.yaml", "--all", "-o", "b/{name}.zip")
     assert result.exit_code == 130
     assert "2 of 4 are written and whole" in result.stderr
     assert "`mjcompose build matrix.yaml --all -o 'b/{name}.zip'` builds the rest" in result.stderr
-    assert sorted(os.listdir(folder / "b")) == ["cell-none-1.0.zip", "cell-none-2.0.zip"]
+    assert sorted(os.listdir(folder / "b")) == ["cell-none-1.0.zip", "cell-none-2.0.zip", "models.csv"]
 
 
 # -- a store that is damaged, full, of somebody else, or in use ----------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["asked", "built", "raw", "packed"])
-@pytest.mark.parametrize("damage", ["cut", "flipped", "gone"])
-def test_what_is_damaged_is_built_again(store: Path, folder: Path, kind: str, damage: str) -> None:
+DAMAGES = list(product(["cut", "flipped", "gone"], ["asked", "built", "raw", "packed"]))
+
+
+@pytest.mark.parametrize("harm", rest_slow(DAMAGES, ["cut-asked", "flipped-built", "gone-packed"], "-".join))
+def test_what_is_damaged_is_built_again(store: Path, folder: Path, harm: tuple[str, str]) -> None:
+    damage, kind = harm
     run("build", "cell.yaml", "-o", "a.zip")
     for path in (store / kind).iterdir():
         content = path.read_bytes()
@@ -388,7 +396,7 @@ def test_a_store_that_cannot_be_written(store: Path, folder: Path, monkeypatch: 
     result = run("build", "matrix.yaml", "--all", "-o", "b/{name}.zip")
     assert result.exit_code == 0
     assert result.stderr.count("warning[store-unusable]: what was built is not kept in") == 1
-    assert len(os.listdir(folder / "b")) == 4
+    assert len(list((folder / "b").glob("*.zip"))) == 4
 
 
 @pytest.mark.skipif(
@@ -402,6 +410,7 @@ def test_a_store_that_may_only_be_read(store: Path, folder: Path) -> None:
     assert run("build", "matrix.yaml", "-o", "b.zip").stderr.count("store-unusable") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no limits of resources")
 def test_a_full_disk(store: Path, folder: Path) -> None:
     """No file may be larger than what the output needs: what is kept in the store for it is refused, and told once."""

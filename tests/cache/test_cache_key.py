@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from composer.cache.cache_key import CacheKey
+from composer.cache.environment import environment_parts
 from composer.cache.reasons import GIVEN, differences
-from composer.cache.surroundings import environment_parts
 from composer.sources.kinds import KINDS
 from composer.sources.source_kind import SourceKind
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from cli.shell import RECIPE, environment
+from sampling import rest_slow
 
 from composer.sources.store import store_folder
 
@@ -86,7 +87,7 @@ def test_what_is_known_is_reported_as_when_it_was_built(recipes: Path, arguments
         assert anew[1:] == again[1:]
 
 
-@pytest.mark.parametrize("out", ["build/a.zip", "build/deeper/a.xml"])
+@pytest.mark.parametrize("out", rest_slow(["build/a.zip", "build/deeper/a.xml"], ["build/a.zip"]))
 def test_what_is_gone_or_another_is_written_from_the_store(recipes: Path, out: str) -> None:
     build = ("build", "cell.yaml", "-o", out, "--no-verify")
     first = command(*build)
@@ -169,6 +170,7 @@ def test_the_same_recipe_in_other_words_is_known(recipes: Path) -> None:
     assert command("build", "./cell.yaml", *BUILD[2:])[0] == "known"
 
 
+@pytest.mark.slow
 def test_values_of_a_file_count(recipes: Path) -> None:
     (recipes / "cell.yaml").write_text(RECIPE + "params: {x: 1}\noption: {gravity: [0, 0, '${x}']}\n")
     build = (*BUILD, "--set-file", "values.yaml")
@@ -183,6 +185,7 @@ def test_a_file_that_was_just_written_is_known_by_its_content(recipes: Path) -> 
     assert command(*BUILD, wait=10**15)[0] == "known"
 
 
+@pytest.mark.slow
 def test_a_link_to_a_source_in_the_place_of_the_output(recipes: Path) -> None:
     command(*BUILD)
     (recipes / "out.zip").unlink()
@@ -196,6 +199,7 @@ def test_a_link_to_a_source_in_the_place_of_the_output(recipes: Path) -> None:
     assert (recipes / "cell.yaml").read_text() == RECIPE
 
 
+@pytest.mark.slow
 def test_an_output_that_cannot_be_written_is_an_error_as_ever(recipes: Path) -> None:
     build = ("build", "cell.yaml", "-o", "build/out.zip", "--no-verify")
     command(*build)
@@ -207,6 +211,7 @@ def test_an_output_that_cannot_be_written_is_an_error_as_ever(recipes: Path) -> 
     assert "error[output-unwritable]" in err
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is full")
 def test_a_stream_that_is_full_is_told(recipes: Path) -> None:
     command(*BUILD)
@@ -224,6 +229,7 @@ def test_the_folder_of_the_store_is_the_systems(tmp_path: Path, monkeypatch: pyt
         assert store_folder({"XDG_CACHE_HOME": caches}) == user_cache_dir("mjcompose", appauthor=False)
 
 
+@pytest.mark.slow
 def test_what_is_known_keeps_what_it_was_fetched_with(recipes: Path, store: Path) -> None:
     git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
     for words in (["init", "-q"], ["add", "models"], ["commit", "-q", "-m", "first"]):
@@ -243,6 +249,7 @@ def test_what_is_known_keeps_what_it_was_fetched_with(recipes: Path, store: Path
     assert how == "known"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="names are text here")
 def test_names_that_are_no_text(recipes: Path) -> None:
     (recipes / "cell.yaml").rename(os.fsdecode(os.fsencode(recipes) + b"/caf\xe9.yaml"))
@@ -260,6 +267,7 @@ def test_names_that_are_no_text(recipes: Path) -> None:
     assert subprocess.run(words, env=environment(), capture_output=True).returncode == 0
 
 
+@pytest.mark.slow
 def test_a_model_of_other_values_is_replaced_and_reported(recipes: Path) -> None:
     (recipes / "cell.yaml").write_text(RECIPE + "params: {x: 1}\noption: {gravity: [0, 0, '${x}']}\n")
     one, two = (("build", "cell.yaml", "--no-verify", "--set", f"x={x}") for x in (1, 2))

@@ -1,23 +1,25 @@
-"""What builds: this very code."""
+"""What a build depends on where it runs: this very code, the interpreter, and variables that lead to models."""
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
 import os
+import sys
 from typing import TYPE_CHECKING
 
 from composer.sources import blobs
+from composer.sources.kinds import KINDS
 from composer.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
 
 _PACKAGE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 
 
-def tool_stamp() -> str:
+def _stamp() -> str:
     """A hash of the sizes and times of all files of the package, for reading all of them takes longer than to ask."""
     return hashlib.sha256(repr(list(_files())).encode()).hexdigest()
 
@@ -27,7 +29,7 @@ def tool_version(store: Path) -> str:
 
     The hash is kept in the store by the files' sizes and times.
     """
-    stamp = tool_stamp()
+    stamp = _stamp()
     known = blobs.get(store, "asked", stamp)
     if known is not None:
         return known.decode()
@@ -37,9 +39,20 @@ def tool_version(store: Path) -> str:
         with open(path, "rb") as stream:
             whole.update(hashlib.sha256(stream.read()).digest())
     version = f"{__version__} ({whole.hexdigest()[:16]})"
-    with contextlib.suppress(OSError):  # told when a model is kept
+    with contextlib.suppress(OSError):  # reported when a model is stored
         blobs.put(store, "asked", stamp, version.encode())
     return version
+
+
+def python_version() -> str:
+    """The interpreter, and where its packages are."""
+    return f"{sys.version.split()[0]} in {sys.prefix}"
+
+
+def environment_parts(environment: Mapping[str, str]) -> dict[str, str]:
+    """The variables that decide which file a model reference stands for, by what a person calls them."""
+    names = sorted({name for kind in KINDS for name in kind.variables})
+    return {f"the variable `{name}`": environment[name] for name in names if name in environment}
 
 
 def _files() -> Iterator[tuple[str, int, int]]:

@@ -1,45 +1,55 @@
-"""The table of all that was drawn: a row for each model, a column for each number, as CSV or Parquet."""
+"""A table of the models of a run, a row for each, as CSV or Parquet: what was drawn for them, or the index of all."""
 
 from __future__ import annotations
 
 import json
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from importlib.util import find_spec
+from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
 from composer.bundle.output_error import OutputError
+from composer.bundle.place import Place
 from composer.bundle.rows import write_rows
 from composer.bundle.staging import staged_file
 from composer.expr.value import Value
+from composer.scratch import scratch
 
-FILE = "samples.csv"
-_FIRST = ("model", "sample")
 _BATCH = 1000
 
 
-class SampleTable:
+class RunTable:
     """Rows are kept in a temporary file until all columns are known, so that memory does not grow with them.
 
-    Sample 0 has no draws: its cells are empty, as are those of what a model does not have.
+    `first` are the columns that every row has, with what they hold. What a row does not have is empty.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, first: Mapping[str, type]) -> None:
+        self._first = dict(first)
         self._rows: IO[str] = tempfile.TemporaryFile("w+", encoding="utf-8")  # noqa: SIM115  (closed by `close`)
         self._columns: dict[str, type] = {}
         self.count = 0
 
-    def add(self, model: str, sample: int, row: Mapping[str, Value]) -> None:
-        """The row of a model: its numbers by their columns."""
+    def add(self, first: Sequence[Value | None], row: Mapping[str, Value]) -> None:
+        """A row: what stands in the first columns, and what else there is by its column."""
         for name, value in row.items():
             if self._columns.setdefault(name, _kind(value)) is not _kind(value):
                 self._columns[name] = str
-        self._rows.write(json.dumps([model, sample, dict(row)]) + "\n")
+        self._rows.write(json.dumps([*first, dict(row)]) + "\n")
         self.count += 1
 
-    def write(self, path: Path) -> None:
+    def write(self, path: Place) -> None:
         """Write all rows, as Parquet where the name ends so. Raises OutputError; either whole or not at all."""
-        columns = [*_FIRST, *self._columns]
+        if not isinstance(path, Path):
+            from composer.bundle.remote import deliver_file
+
+            with scratch("table") as folder:
+                table = folder / PurePosixPath(path).name
+                self.write(table)
+                deliver_file(table, path)
+            return
+        columns = [*self._first, *self._columns]
         with staged_file(path) as stage:
             if path.suffix.lower() == ".parquet":
                 self._write_parquet(stage, columns)
@@ -54,18 +64,16 @@ class SampleTable:
     def _read(self) -> Iterator[list[Any]]:
         self._rows.seek(0)
         for line in self._rows:
-            model, sample, row = json.loads(line)
-            yield [model, sample, *(row.get(name) for name in self._columns)]
+            *first, row = json.loads(line)
+            yield [*first, *(row.get(name) for name in self._columns)]
 
     def _write_parquet(self, stage: Path, columns: Sequence[str]) -> None:
-        try:
-            import pyarrow
-            from pyarrow import parquet
-        except ImportError:
-            help = "`pip install pyarrow`, or end its name in `.csv`"
-            raise OutputError("output-kind", "a Parquet table needs the package `pyarrow`", help) from None
+        check_parquet()
+        import pyarrow
+        from pyarrow import parquet
+
         types = {str: pyarrow.string(), float: pyarrow.float64()}
-        kinds: list[type] = [str, int, *self._columns.values()]
+        kinds: list[type] = [*self._first.values(), *self._columns.values()]
         schema = pyarrow.schema(
             [(name, types.get(kind, pyarrow.int64())) for name, kind in zip(columns, kinds, strict=True)]
         )
@@ -76,6 +84,13 @@ class SampleTable:
                     for kind, column in zip(kinds, zip(*rows, strict=True), strict=True)
                 ]
                 writer.write_table(pyarrow.table(filled, schema=schema))
+
+
+def check_parquet() -> None:
+    """Raise OutputError where no Parquet can be written."""
+    if find_spec("pyarrow") is None:
+        help = 'run `pip install "mjcompose[parquet]"`, or write a `.csv`'
+        raise OutputError("output-kind", "a Parquet table needs the package `pyarrow`", help)
 
 
 def _kind(value: Value) -> type:

@@ -1,0 +1,150 @@
+"""A cell of a recipe's matrix, made in this process or in another: what comes of it is the same, as small data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from composer.cache.builder import Maker, Placing
+from composer.cache.cache import Package, opened_cache
+from composer.cache.cache_key import BuildOptions, CacheKey
+from composer.cache.cells import text_of
+from composer.cache.entry import Record
+from composer.cache.files import Seen
+from composer.cache.result import Made, files_of
+from composer.context import Context
+from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.sink import Sink
+from composer.document.node import Node
+from composer.engine import Session
+from composer.expand.matrix import Cell
+from composer.limits import Limits, allow, in_force
+from composer.sources.fetching import quiet
+from composer.sources.store import Store
+from composer.verify.outcome import Outcome
+
+Finish = Callable[[Made, Maker, Context, Session], "Made | None"]
+"""What is done with each model that is made, such as to write it; None where that fails, which it reports."""
+
+
+@dataclass(frozen=True, slots=True)
+class MadeCell:
+    """What came of a cell: `made` is None where it failed.
+
+    `found` is what is to be reported of it, `of_run` what is of the run as a whole; `outcomes` are its checks, `files`
+    those that it was made of, and `timings` how long each stage took. Can be pickled.
+    """
+
+    cell: Cell
+    made: Made | None
+    failed: bool
+    found: tuple[Diagnostic, ...]
+    outcomes: tuple[Outcome, ...] = ()
+    files: frozenset[str] = frozenset()
+    timings: tuple[tuple[str, float], ...] = ()
+    of_run: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(slots=True)
+class CellMaker:
+    """Makes one cell after another, with one session: each source file is read once for all of them."""
+
+    maker: Maker
+    given: dict[str, Node]
+    session: Session
+    finish: Finish | None = None
+
+    def make(self, cell: Cell) -> MadeCell:
+        """The cell, from the cache or built; what went wrong is in what it gives."""
+        return self._made(cell, *self._recalled(cell))
+
+    def known(self, cell: Cell) -> MadeCell | None:
+        """The cell if the cache knows it."""
+        own, made, outcomes, why = self._recalled(cell)
+        return None if made is None else self._made(cell, own, made, outcomes, why)
+
+    def _recalled(self, cell: Cell) -> tuple[Context, Made | None, list[Outcome], tuple[str, ...]]:
+        own = replace(self.maker.context, sink=Sink(), timings=[])
+        outcomes: list[Outcome] = []
+        made, why = self.maker.recall(self._key(cell), own, outcomes)
+        return own, made, outcomes, why
+
+    def _made(
+        self, cell: Cell, own: Context, made: Made | None, outcomes: list[Outcome], why: tuple[str, ...]
+    ) -> MadeCell:
+        if made is None:
+            values = {**self.given, **cell.given}
+            made = self.maker.make(
+                own, self.session, values, cell.name, cell.sample, self._key(cell), why, outcomes
+            )
+        files = files_of(made, own)
+        if made is not None and self.finish is not None:
+            made = self.finish(made, self.maker, own, self.session)
+        return MadeCell(
+            cell, None if made is None else made.summary(), made is None or own.sink.has_errors,
+            tuple(own.sink.diagnostics), tuple(outcomes), frozenset(files), tuple(own.timings),
+        )  # fmt: skip
+
+    def keep(
+        self, made: MadeCell, record: Record, inputs: Sequence[Seen], packages: Iterable[Package]
+    ) -> None:
+        """Remember what others made, as long as what it was made of is the same here, and that it is written."""
+        cache, key = self.maker.cache, self._key(made.cell)
+        if cache is None or key is None or made.made is None:
+            return
+        here = [cache.files.look(each.path) for each in inputs]
+        if all(mine.state == each.state for mine, each in zip(here, inputs, strict=True)):
+            cache.keep(key, record, here, packages)
+            self.maker.note_written(made.made)
+
+    def _key(self, cell: Cell) -> CacheKey | None:
+        values = {f"`{name}`": text_of(node) for name, node in cell.given.items()}
+        return self.maker.key(cell.name, {**values, "the sample": str(cell.sample)})
+
+
+def handed_over(context: Context) -> Context:
+    """A context for another process, which knows what was read and fetched here, and reports on its own."""
+    how = context.fetching
+    return replace(
+        context, sink=Sink(), timings=[], concrete={},
+        fetching=None if how is None else replace(how, progress=quiet),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What a worker needs to make cells as this process would: `CellMaker` as data. Can be pickled."""
+
+    recipe: Path
+    options: BuildOptions
+    store: Store | None
+    form: str | None
+    place: Placing
+    given: dict[str, Node]
+    finish: Finish | None
+    context: Context
+    limits: Limits
+
+    @classmethod
+    def of(cls, making: CellMaker) -> Job:
+        maker, context = making.maker, handed_over(making.maker.context)
+        return cls(
+            maker.recipe, maker.options, None if maker.cache is None else maker.cache.store, maker.form, maker.place,
+            making.given, making.finish, context, in_force(),
+        )  # fmt: skip
+
+    @contextmanager
+    def opened(
+        self, on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
+    ) -> Iterator[Callable[[Cell], MadeCell]]:
+        """In a worker: what makes a cell; `on_keep` hears of what the cache keeps."""
+        sink = self.context.sink
+        cache = None if self.store is None else opened_cache(self.store, sink)
+        if cache is not None:
+            cache.on_keep = on_keep
+        maker = Maker(self.recipe, self.options, cache, self.context, self.form, self.place)
+        with allow(**asdict(self.limits)), Session(remembers=True) as session:
+            making = CellMaker(maker, self.given, session, self.finish)
+            yield lambda cell: replace(making.make(cell), of_run=tuple(sink.diagnostics))

@@ -1,0 +1,9 @@
+"""A cluster that cannot do the work."""
+
+from __future__ import annotations
+
+from composer.diagnostics.error import DiagnosticError
+
+
+class ClusterError(DiagnosticError):
+    """There is no cluster, it was lost, or a worker of it would make other models."""

@@ -1,0 +1,53 @@
+"""In the process that a worker keeps for models: what the work is opened with."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from composer.cache.entry import Record
+from composer.cache.files import Seen
+from composer.cluster.mirror import loaded, without_root
+from composer.cluster.order import Away, Canary
+from composer.processes.guard import limit
+from composer.sources.kinds import KINDS
+from composer.sources.store import Store
+
+
+@contextmanager
+def opened(memory: int, job: bytes) -> Iterator[Callable[[Any], Any]]:
+    """The work of a pickled Job, in a process that may take so many bytes: a child of Dask's, which nobody bounds."""
+    limit(memory, 0)
+    with pickle.loads(job).opened() as make:
+        yield make
+
+
+@contextmanager
+def opened_away(memory: int, job: bytes, root: str, store: str) -> Iterator[Callable[[Any], Any]]:
+    """The same where the files of the run are a mirror below `root`; what is kept goes to a store of this worker."""
+    limit(memory, 0)
+    here = loaded(job, root)
+    context = here.context
+    environment = dict(context.environment)
+    for name in ("MJCOMPOSE_CACHE", *(each for kind in KINDS for each in kind.variables)):
+        path = f"{root}{environment.get(name, '')}"
+        if environment.get(name, "").startswith("/") and Path(path).is_dir():
+            environment[name] = path
+    here = replace(here, context=replace(context, environment=environment), store=Store(Path(store)))
+    kept: list[tuple[Record, tuple[Seen, ...]]] = []
+    with here.opened(lambda *each: kept.append(each)) as make, replace(here, finish=None).opened() as try_out:
+
+        def made(task: Any) -> Any:
+            if isinstance(task, Canary):
+                found = try_out(task.cell)
+                return None if found.made is None else found.made.sha256
+            kept.clear()
+            cell = without_root(make(task), root)
+            record, inputs = kept[-1] if kept else (None, ())
+            return Away(cell, without_root(record, root), without_root(inputs, root))
+
+        yield made

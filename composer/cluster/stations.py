@@ -1,0 +1,116 @@
+"""The stations of a run, seen from the machine that asks: opened before a worker gets a cell, closed at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from composer.bundle.output_error import unwritable
+from composer.bundle.place import Place
+from composer.bundle.staging import stage_beside
+from composer.cache.making import CellMaker, Finish, Job, MadeCell
+from composer.cluster import station
+from composer.cluster.address import Client
+from composer.cluster.error import ClusterError
+from composer.cluster.freight import away_job, batches, freight_of
+from composer.cluster.order import Away, Canary, Lacks, Order, Refused
+from composer.cluster.versions import check_versions
+from composer.expand.matrix import Cell
+from composer.limits import in_force
+from composer.processes.helper import Died, Undone
+
+Tell = Callable[[str], None]
+
+
+class Stations:
+    """What the workers are told of a run of cells, and what comes home of it; raises ClusterError and OutputError.
+
+    `out` is the folder or address in which all models go, None for a run that writes none; `away` finishes a model on a
+    machine that has other folders. What is held for the run ends with `held`.
+    """
+
+    def __init__(
+        self,
+        making: CellMaker,
+        cells: Sequence[Cell],
+        out: Place | None,
+        away: Finish | None,
+        held: ExitStack,
+    ) -> None:
+        self._making, self._first = making, cells[0]
+        store = making.maker.cache.store.folder if making.maker.cache is not None else None
+        freight = freight_of(making, cells)
+        self._packages = freight.packages
+        seen = None
+        with contextlib.suppress(OSError):  # one that cannot be written, which is reported where it is needed
+            seen = None if store is None else _token(store, held)
+        try:
+            out_seen = _token(out, held) if isinstance(out, Path) else None
+        except OSError as error:
+            raise unwritable(str(out), error) from error
+        self.order = Order(
+            os.urandom(8).hex(), pickle.dumps(Job.of(making)), away_job(making, away),
+            os.fspath(making.maker.context.folder), int(in_force().memory), freight.files, freight.layout,
+            seen, out_seen, out if isinstance(out, str) else None,
+        )  # fmt: skip
+
+    def begin(self, client: Client, workers: list[str]) -> None:
+        """Have workers get ready: each gets the files that it lacks, before it gets a cell."""
+        check_versions(client, workers, tuple(name for name, *_ in self._packages))
+        while workers:
+            answers = client.run(station.begin, self.order, workers=workers, on_error="return")
+            workers = []
+            for worker, answer in answers.items():
+                if isinstance(answer, Refused):
+                    message = f"the worker `{worker}` {answer.message}"
+                    raise ClusterError("cluster-worker", message, answer.help)
+                if isinstance(answer, Lacks):
+                    self._send(client, worker, answer)
+                    workers.append(worker)
+                elif answer is not None and not isinstance(answer, OSError):  # which says that it has gone
+                    raise ClusterError("cluster-worker", f"the worker `{worker}` cannot begin: {answer}")
+
+    def close(self, client: Client) -> None:
+        """Have all workers end what they do for the run."""
+        with contextlib.suppress(Exception):  # who is gone has nothing left to close
+            client.run(station.close, self.order.run, on_error="ignore")
+
+    def home(self, result: Any, tell: Tell) -> MadeCell | Died:
+        """What came of a cell, done here where no worker could; what is made elsewhere is remembered here."""
+        if isinstance(result, Undone):
+            return self._making.make(result.task)
+        if not isinstance(result, Away):
+            assert isinstance(result, MadeCell | Died)
+            return result
+        if result.cell.made is None:  # which may be for the lack of a file that only this machine has
+            made = self._making.make(result.cell.cell)
+            if made.made is not None:
+                tell(f"`{made.cell.name}` was made here: its worker does not have all files of this machine")
+            return made
+        if result.record is not None:
+            self._making.keep(result.cell, result.record, result.inputs, self._packages)
+        return result.cell
+
+    def _send(self, client: Client, worker: str, lacks: Lacks) -> None:
+        """Send contents to a worker, some at a time; and see to the canary."""
+        paths = {digest: path for path, digest in self.order.layout.files.items()}
+        for contents in batches({digest: paths[digest] for digest in lacks.contents}):
+            client.run(station.receive, contents, workers=[worker])
+        if not self.order.is_tried:
+            made = replace(self._making, finish=None).make(self._first).made
+            canary = None if made is None else Canary(self._first, made.sha256)
+            self.order = replace(self.order, canary=canary, is_tried=True)
+
+
+def _token(folder: Path, held: ExitStack) -> str:
+    """A file in a folder that is there as long as the run: who sees it has the same disk. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    token = held.enter_context(stage_beside(folder / "cluster"))
+    token.touch()
+    return os.fspath(token)

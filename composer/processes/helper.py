@@ -1,0 +1,142 @@
+"""A warm process that does tasks of one kind, one after another, for the process that started it."""
+
+from __future__ import annotations
+
+import contextlib
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from composer.processes.process import Process, module_path
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+Opening = Callable[[], AbstractContextManager[Callable[[Task], Result]]]
+"""What a process calls once, for the function that does its tasks. It is pickled, as are tasks and results."""
+
+_SCRIPT = str(Path(__file__).with_name("worker.py"))
+_TRIES = 2
+_SECONDS_TO_END = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Died:
+    """There is no result: `how` the two processes ended that had the task, one after the other."""
+
+    how: str
+
+
+@dataclass(frozen=True, slots=True)
+class Undone:
+    """A task that could not be done: there is no process to do it, or it raised an exception there."""
+
+    task: Any
+
+
+class Helper:
+    """Starts a process where there is none, which imports `modules`, and tries a task of which it dies once more.
+
+    `folder` is where it runs. One thread at a time has tasks done; any other may end it.
+    """
+
+    def __init__(self, modules: Sequence[str] = (), folder: str | None = None) -> None:
+        self._modules, self._folder = tuple(modules), folder
+        self._process: Process | None = None
+        self._is_open = False
+        self._lock = threading.Lock()
+        self.ends = False
+
+    def start(self) -> None:
+        """See that there is a process. Raises OSError."""
+        with self._lock:
+            if self._process is not None or self.ends:
+                return
+            self._process = Process(
+                [sys.executable, "-I", "-X", f"utf8={sys.flags.utf8_mode}", _SCRIPT],
+                watches=True,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                cwd=self._folder,
+            )
+            self._is_open = False
+        assert self._process.stdin is not None
+        self._process.stdin.write(pickle.dumps((module_path(), self._modules)))
+        self._process.stdin.flush()
+
+    def result(self, opening: bytes, task: Any) -> Any:
+        """What comes of a task, Died or Undone; `opening` is the pickled Opening of all tasks."""
+        content = pickle.dumps(task)
+        died: list[str] = []
+        while len(died) < _TRIES and not self.ends:
+            try:
+                is_done, answer = self._asked(opening, content)
+                return answer if is_done else Undone(task)
+            except (OSError, EOFError, pickle.UnpicklingError):
+                died.append(self._buried())
+        ways = list(dict.fromkeys(each for each in died if each))
+        return Died(" and then ".join(ways)) if ways else Undone(task)
+
+    def ask_to_end(self) -> None:
+        """Have it remove what it has begun, and end."""
+        with self._lock:
+            self.ends = True
+            if self._process is not None:
+                with contextlib.suppress(OSError):
+                    self._process.send_signal(signal.SIGTERM)
+
+    def end(self) -> None:
+        """End it, now or a little later."""
+        if self._process is not None:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(_SECONDS_TO_END)
+            self._process.end()
+
+    def close(self) -> None:
+        """Once nobody waits for a result any more: let go of what led to the process."""
+        if self._process is not None:
+            _close(self._process)
+
+    def _asked(self, opening: bytes, task: bytes) -> tuple[bool, Any]:
+        """Whether the task was done, and the result. Raises OSError, EOFError and UnpicklingError."""
+        self.start()
+        process = self._process
+        assert process is not None and process.stdin is not None and process.stdout is not None
+        if not self._is_open:
+            process.stdin.write(opening)
+            self._is_open = True
+        process.stdin.write(task)
+        process.stdin.flush()
+        answer: tuple[bool, Any] = pickle.load(process.stdout)
+        return answer
+
+    def _buried(self) -> str:
+        """How the process ended, in words, empty if it never began; the next task starts another."""
+        with self._lock:
+            process = self._process
+            if process is None:
+                return ""
+            process.end()
+            if not self.ends:
+                _close(process)
+                self._process = None
+        status = process.returncode
+        names = {-entry.value: f" ({entry.name})" for entry in signal.Signals}
+        return (
+            f"ended with signal {-status}{names.get(status, '')}"
+            if status < 0
+            else f"ended with status {status}"
+        )
+
+
+def _close(process: Process) -> None:
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            with contextlib.suppress(OSError):  # what was not yet sent has no receiver any more
+                pipe.close()

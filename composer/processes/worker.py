@@ -1,0 +1,56 @@
+"""A helper process: `python worker.py LIFE PARENT`, run by its path by `helper.py`.
+
+It reads pickled objects from standard input, which only `helper.py` writes: the module path with what to import, what
+opens the work, and tasks. It answers each task with whether it could be done, and with the result. What is printed
+meanwhile goes to standard error.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+
+def main() -> None:
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    sys.path[:], modules = pickle.load(sys.stdin.buffer)
+    if os.name == "posix":  # elsewhere a job does it
+        from composer.processes.guard import end_with
+
+        end_with(*map(int, sys.argv[1:]))
+    from composer.processes.collecting import rarely_collecting
+
+    signal.signal(signal.SIGTERM, _end)
+    rarely_collecting()
+    for each in modules:
+        import_module(each)
+    with contextlib.suppress(EOFError):
+        opening = pickle.load(sys.stdin.buffer)
+        with opening() as do:
+            while True:
+                task = pickle.load(sys.stdin.buffer)
+                answers.write(_answer(do, task))
+                answers.flush()
+
+
+def _answer(do: Callable[[Any], Any], task: Any) -> bytes:
+    try:
+        return pickle.dumps((True, do(task)))
+    except Exception:  # which the process that asks meets when it does the task itself
+        return pickle.dumps((False, None))
+
+
+def _end(signum: int, frame: object) -> None:
+    """In order: what was begun is removed again."""
+    sys.exit(128 + signum)
+
+
+if __name__ == "__main__":
+    main()

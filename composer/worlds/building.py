@@ -1,0 +1,66 @@
+"""All models of a recipe as worlds of the first one: each is built, as `build --all` does, and then taken apart."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from composer.bundle.bundle import DRAWS, WORLDS, Bundle
+from composer.bundle.folder import write_folder
+from composer.cache.builder import Maker
+from composer.cache.result import Made
+from composer.context import Context
+from composer.diagnostics.sink import Sink
+from composer.document.node import Scalar, find
+from composer.engine import Session
+from composer.expand.matrix import Cell
+from composer.loading.load import load
+from composer.plan.read import read_recipe
+from composer.reading.regular import read_regular
+from composer.worlds.errors import failure
+from composer.worlds.joining import Joined
+from composer.worlds.parts import CODE
+from composer.worlds.table import read
+
+
+@dataclass(frozen=True, slots=True)
+class Shelf:
+    """A folder in which models stand that were built, until they are taken. Can be pickled."""
+
+    folder: Path
+
+    def place(self, name: str, mujoco: str | None) -> Path:
+        """For `Maker`: where a model goes."""
+        return self.folder / name.replace("/", "_")
+
+    def put(self, made: Made, maker: Maker, context: Context, session: Session | None) -> Made | None:
+        """For `CellMaker`: write a model."""
+        bundle = made.bundle
+        assert isinstance(bundle, Bundle)
+        write_folder(bundle, self.place(made.name, made.mujoco))
+        return made
+
+    def take(self, made: Made, cell: Cell) -> Joined:
+        """A model, with its worlds where it has some. Raises LoadError."""
+        folder = self.place(made.name, made.mujoco)
+        loaded, table = load(folder), None
+        if (folder / WORLDS).exists():
+            table = read(read_regular(folder / WORLDS))
+        elif (folder / DRAWS).exists():
+            help = "write `emit: worlds`, or `emit: models`, which builds each sample"
+            raise failure(CODE, f"`{made.name}` has a table of its draws, not worlds", help)
+        named = {"name": cell.cell or loaded.manifest.name}
+        return Joined(loaded, made.name, {**named, **cell.values()}, cell.sample, table, folder)
+
+    def clear(self, each: Joined) -> None:
+        """Remove the files of a model that is not needed any more."""
+        assert each.folder is not None
+        shutil.rmtree(each.folder, ignore_errors=True)
+
+
+def is_united(recipe: Path, context: Context) -> bool:
+    """Whether a recipe wants one model with the parts of all: `emit: union` of its `matrix` or its `randomize`."""
+    document = read_recipe(context.folder / recipe, replace(context, sink=Sink()))
+    found = [find(document, (section, "emit")) for section in ("matrix", "randomize")] if document else []
+    return any(isinstance(each, Scalar) and each.value == "union" for each in found)

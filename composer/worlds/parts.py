@@ -1,0 +1,137 @@
+"""Which bodies models have in common, and which stand in some of them alone: the parts of a union."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
+
+import numpy as np
+
+from composer.compiled.kinds import ON_BODIES, Model, NameTable
+from composer.worlds.errors import failure
+
+CODE = "not-a-world"
+_HFIELD, _MESH = 1, 7
+_NOT_UNITED = ("flex", "skin", "plugin")
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A body that not all models have, with all that stands on it: where it hangs, and what it is made of."""
+
+    parent: str
+    body: str
+    shape: Hashable
+
+
+@dataclass(slots=True)
+class Tree:
+    """A model as bodies with names; `own` is what stands on each, `children` what hangs on it."""
+
+    model: Model
+    name: str
+    table: NameTable = field(init=False)
+    own: dict[str, Hashable] = field(init=False, default_factory=dict)
+    children: dict[str, list[str]] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.table = NameTable(self.model)
+        for kind in _NOT_UNITED:
+            if self.table.count(kind):
+                message = f"`{self.name}` has the {kind} `{self.table.describe(kind, 0)}`, which no union takes over"
+                raise failure(CODE, message, "build these cells by themselves with `--pick`")
+        bodies = self.table.names["body"]
+        if "" in bodies:
+            help = "give it a name in its source"
+            raise failure(
+                CODE, f"`{self.name}` has a body without a name, which a union cannot tell from others", help
+            )
+        for number, name in enumerate(bodies):
+            self.own[name] = tuple(
+                (kind, *self._about(kind, each))
+                for kind, bodies_of in ON_BODIES.items()
+                for each in np.flatnonzero(getattr(self.model, bodies_of) == number).tolist()
+            )
+            self.children[name] = []
+            if number:
+                self.children[bodies[self.model.body_parentid[number]]].append(name)
+
+    def _about(self, kind: str, each: int) -> tuple[Hashable, ...]:
+        """What an element is, without its numbers."""
+        model, name = self.model, self.table.names[kind][each]
+        if kind == "joint":
+            return name, int(model.jnt_type[each])
+        if kind == "geom":
+            mesh, shape = int(model.geom_dataid[each]), int(model.geom_type[each])
+            material = int(model.geom_matid[each])
+            looks = self.table.names["material"][material] if material >= 0 else ""
+            return name, shape, looks, self._surface(shape, mesh) if mesh >= 0 else ""
+        if kind == "camera":
+            return name, int(model.cam_mode[each]), int(model.cam_targetbodyid[each]) >= 0
+        return (name,)
+
+    def _surface(self, shape: int, asset: int) -> str:
+        """What a mesh or a height field is made of; a geom of another shape only was fitted to its mesh."""
+        model = self.model
+        if shape == _HFIELD:
+            first, count = (
+                int(model.hfield_adr[asset]),
+                int(model.hfield_nrow[asset] * model.hfield_ncol[asset]),
+            )
+            return sha256(model.hfield_data[first : first + count].tobytes()).hexdigest()
+        if shape != _MESH:
+            return ""
+        first, count = int(model.mesh_vertadr[asset]), int(model.mesh_vertnum[asset])
+        return sha256(model.mesh_vert[first : first + count].tobytes()).hexdigest()
+
+    def shape(self, body: str) -> Hashable:
+        """A body and all below it, without numbers."""
+        return body, self.own[body], tuple(self.shape(each) for each in self.children[body])
+
+    def below(self, body: str) -> Iterator[str]:
+        """A body and all bodies below it."""
+        yield body
+        for each in self.children[body]:
+            yield from self.below(each)
+
+
+def shape_of(model: Model, name: str) -> Hashable:
+    """All bodies of a model, without numbers. Raises LoadError for one without a name."""
+    return Tree(model, name).shape("world")
+
+
+def common(trees: Sequence[Tree]) -> set[str]:
+    """The bodies that all models have: with the same elements on them, on the same body, down from the world.
+
+    Raises LoadError where something else than bodies stands on the world in some models alone.
+    """
+    first, *others = trees
+    for each in others:
+        if each.own["world"] != first.own["world"]:
+            ours, theirs = set(first.own["world"]), set(each.own["world"])  # type: ignore[call-overload]
+            kind, name, *_ = min(ours ^ theirs, key=str)
+            message = f"`{each.name}` and `{first.name}` have not both the {kind} `{name}` on the world"
+            raise failure(CODE, message, "put it into a body of its own: a union is of whole bodies")
+    found: set[str] = set()
+    waiting = ["world"]
+    while waiting:
+        body = waiting.pop()
+        found.add(body)
+        waiting += [
+            child
+            for child in first.children[body]
+            if all(child in each.children[body] and each.own[child] == first.own[child] for each in others)
+        ]
+    return found
+
+
+def parts(tree: Tree, shared: set[str]) -> list[Part]:
+    """The topmost bodies of a model that are not shared."""
+    return [
+        Part(parent, child, tree.shape(child))
+        for parent in tree.children
+        if parent in shared
+        for child in tree.children[parent]
+        if child not in shared
+    ]

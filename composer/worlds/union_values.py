@@ -1,0 +1,222 @@
+"""What a union is in a world: the numbers of the model that it stands for, and parts that play no role.
+
+A part that a world does not have stays in the tree. Its bodies have no mass and its joints an armature of 1, so that it
+exerts no force on what carries it, and what moves it moves nothing else; its actuators give no force. Margins of
+contact are summed, so that a margin far below zero keeps its geoms from touching anything: MuJoCo, MuJoCo Warp and MJX
+have that number for each world, and of `contype` the latter two have one for all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from composer.compiled.fields import Treatment, rule
+from composer.compiled.kinds import KINDS, Model, NameTable
+from composer.compiled.whose import Rows, owners, rows_of_size
+from composer.worlds.errors import failure
+from composer.worlds.parts import CODE
+from composer.worlds.union_references import ACTING, words
+from composer.worlds.union_references import bodies as bodies_of
+
+_KEYS = {
+    "key_qpos": ("joint", "nq"), "key_qvel": ("joint", "nv"), "key_ctrl": ("actuator", "nu"),
+    "key_act": ("actuator", "na"),
+    "key_mpos": ("body", "nmocap"), "key_mquat": ("body", "nmocap"),
+}  # fmt: skip
+_APART = -1e4
+_TREE = ("body", "joint", "geom", "site", "camera", "light")
+_NEEDED = (*_TREE, *ACTING, "numeric", "tuple", "material", "key")
+_NOT_NUMBERS = {Treatment.SKIPPED, Treatment.PRESENT, Treatment.LINKED, Treatment.SUBTREE, Treatment.DERIVED}
+
+
+class Mapped:
+    """Where the numbers of a model are in a union; `prefix_of` has the prefix of each body of its parts."""
+
+    def __init__(self, union: Model, model: Model, name: str, prefix_of: Mapping[str, str]) -> None:
+        self.union, self.model = union, model
+        self.name, self.prefix_of = name, prefix_of
+        self.theirs, self.ours = NameTable(model), NameTable(union)
+        self._pairs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        self.places: dict[str, list[list[int]]] = {}
+        for kind in KINDS:  # those on bodies first, and tendons before what refers to them
+            ids = {self._here(kind, n): n for n in range(self.ours.count(kind))}
+            found = []
+            for number in range(self.theirs.count(kind)):
+                at = [ids[label] for label in self._labels(kind, number) if label in ids]
+                if not at and kind in _NEEDED:
+                    self._fail(kind, number)
+                found.append(at)
+            self.places[kind] = found
+
+    def _fail(self, kind: str, number: int) -> None:
+        shown = self.theirs.describe(kind, number)
+        help = "refer in it to bodies of one part alone, or to what all models have"
+        raise failure(
+            CODE, f"`{self.name}` has the {kind} `{shown}`, which belongs to no part of a union", help
+        )
+
+    def check_no_more_acts(self, unused: Collection[str]) -> None:
+        """That nothing acts in the union that the model lacks, but on parts without a role. Raises LoadError."""
+        for kind in ACTING:
+            known = {at for places in self.places[kind] for at in places}
+            for number in range(self.ours.count(kind)):
+                on = {self.ours.names["body"][body] for body in bodies_of(self.union, kind, number)}
+                if kind != "sensor" and number not in known and not on & set(unused):
+                    shown = self.ours.describe(kind, number)
+                    message = f"`{self.name}` lacks the {kind} `{shown}`, which would act in its world"
+                    raise failure(CODE, message, "let it act on one part alone, or have it in all models")
+
+    def _here(self, kind: str, number: int) -> str:
+        """What an element of the union is called: unnamed ones go by what they refer to."""
+        name = self.ours.names[kind][number]
+        if name or kind not in ACTING:
+            return self.ours.describe(kind, number)
+        return words(self.union, kind, number, self.ours.describe)
+
+    def _labels(self, kind: str, number: int) -> list[str]:
+        """What an element of the model may be called in the union."""
+        if kind in _TREE:
+            return [self._label(self.theirs, kind, number, self.prefix_of)]
+        if name := self.theirs.names[kind][number]:
+            return [prefix + name for prefix in dict.fromkeys(["", *self.prefix_of.values()])
+                    if kind not in ACTING or self._acts_alike(kind, number, prefix + name)]  # fmt: skip
+        if kind in ACTING:
+            return [words(self.model, kind, number, self._there)]
+        return [self.theirs.describe(kind, number)]
+
+    def _acts_alike(self, kind: str, number: int, name: str) -> bool:
+        """Whether the element of the union with this name refers to what that of the model does."""
+        at = self.ours.ids[kind].get(name)
+        return at is not None and words(self.union, kind, at, self.ours.describe) == words(
+            self.model, kind, number, self._there
+        )
+
+    def _there(self, kind: str, number: int) -> str:
+        """What the union calls an element that one of the model refers to."""
+        if kind in _TREE:
+            return self._label(self.theirs, kind, number, self.prefix_of)
+        at = self.places[kind][number]
+        return self.ours.describe(kind, at[0]) if at else ""
+
+    def _label(self, table: NameTable, kind: str, number: int, prefix_of: Mapping[str, str]) -> str:
+        model = table.model
+        body = number if kind == "body" else int(getattr(model, f"{KINDS[kind].arrays}_bodyid")[number])
+        prefix = prefix_of.get(table.names["body"][body], "")
+        if name := table.names[kind][number]:
+            return prefix + name
+        return table.describe(kind, number).replace("of body `", f"of body `{prefix}")
+
+    def pairs(self, array: str) -> tuple[np.ndarray, np.ndarray]:
+        """The flat indices of an array's numbers in the union, and in the model."""
+        if array not in self._pairs:
+            (kind, rows), (_, others) = owners(self.union, array), owners(self.model, array)
+            to, of = self._matched(kind, rows, others)
+            width, other = (
+                int(np.prod(np.shape(getattr(each, array))[1:], dtype=int))
+                for each in (self.union, self.model)
+            )
+            columns = np.arange(min(width, other))
+            self._pairs[array] = (
+                (to[:, None] * width + columns).ravel(), (of[:, None] * other + columns).ravel()
+            )  # fmt: skip
+        return self._pairs[array]
+
+    def put_keys(self, made: Model, model: Model) -> None:
+        """Write the keys of a model into those of the union that have their names. Raises LoadError for others."""
+        for number, places in enumerate(self.places["key"]):
+            for array, (kind, size) in _KEYS.items():
+                mine, other = getattr(self.union, size), getattr(self.model, size)
+                if not other:
+                    continue
+                to, of = self._matched(
+                    kind, rows_of_size(self.union, kind, mine), rows_of_size(self.model, kind, other)
+                )
+                for key in places:
+                    rows = getattr(made, array)[key].reshape(mine, -1)
+                    rows[to] = getattr(model, array)[number].reshape(other, -1)[of]
+
+    def _matched(self, kind: str, rows: Rows, others: Rows) -> tuple[np.ndarray, np.ndarray]:
+        """The rows of the union's elements, and those of the model's."""
+        row_at = {(element, place): row for row, (element, place, _) in rows.items()}
+        found = [
+            (row_at[element_there, place], row)
+            for row, (element, place, _) in others.items()
+            for element_there in self.places[kind][element]
+            if (element_there, place) in row_at
+        ]
+        pairs = np.array(found, np.int64).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
+
+
+def numbers(model: Model) -> Iterator[str]:
+    """The arrays that say what an element is like, not where it is in the model or what it refers to."""
+    for name in dir(model):
+        array = getattr(model, name) if not name.startswith("_") else None
+        if (
+            not isinstance(array, np.ndarray)
+            or not array.ndim
+            or name.startswith(("name", "key_", "tex_", "mesh_"))
+        ):
+            continue
+        how = rule(name)
+        if how is None or how.treatment not in _NOT_NUMBERS:
+            yield name
+
+
+def derived(model: Model) -> Iterator[str]:
+    """The arrays that mj_setConst computes; lengths of dofs are those of all that hangs on them, for sleep."""
+    for name in dir(model):
+        how = rule(name)
+        if (
+            how is not None
+            and how.treatment in (Treatment.SUBTREE, Treatment.DERIVED)
+            and name != "dof_length"
+        ):
+            yield name
+
+
+def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray, Any]]:
+    """What to write into a union so that these bodies play no role: array, flat indices, value."""
+    table = NameTable(union)
+    at = np.array(sorted(table.ids["body"][name] for name in bodies), np.int64)
+    if not at.size:
+        return []
+    joints = np.flatnonzero(np.isin(union.jnt_bodyid, at))
+    dofs = np.flatnonzero(np.isin(union.dof_bodyid, at))
+    geoms = np.flatnonzero(np.isin(union.geom_bodyid, at))
+    tendons = np.array(
+        [n for n in range(union.ntendon) if np.isin(list(bodies_of(union, "tendon", n)), at).any()], int
+    )
+    found: list[tuple[str, np.ndarray, Any]] = [
+        ("body_mass", at, 0.0), ("body_inertia", _all(union.body_inertia, at), 0.0),
+        ("dof_armature", dofs, 1.0), ("dof_damping", dofs, 0.0), ("dof_frictionloss", dofs, 0.0),
+        ("jnt_stiffness", joints, 0.0), ("geom_margin", geoms, _APART), ("geom_gap", geoms, 0.0),
+        ("tendon_stiffness", tendons, 0.0), ("tendon_damping", tendons, 0.0), ("tendon_frictionloss", tendons, 0.0),
+        ("tendon_armature", tendons, 0.0),
+    ]  # fmt: skip
+    for name, rows in (("dof_dampingpoly", dofs), ("jnt_stiffnesspoly", joints), ("tendon_dampingpoly", tendons),
+                       ("tendon_stiffnesspoly", tendons)):  # fmt: skip
+        if hasattr(union, name):
+            found.append((name, _all(getattr(union, name), rows), 0.0))
+    pairs = np.flatnonzero(np.isin(union.pair_geom1, geoms) | np.isin(union.pair_geom2, geoms))
+    found += [("pair_margin", pairs, _APART), ("pair_gap", pairs, 0.0)]
+    acting = np.array(
+        [
+            n
+            for n in range(len(union.actuator_trntype))
+            if np.isin(list(bodies_of(union, "actuator", n)), at).any()
+        ],
+        int,
+    )
+    found += [
+        (name, _all(getattr(union, name), acting), 0.0) for name in ("actuator_gainprm", "actuator_biasprm")
+    ]
+    return [each for each in found if each[1].size]
+
+
+def _all(array: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    width = int(np.prod(array.shape[1:], dtype=int))
+    return (rows[:, None] * width + np.arange(width)).ravel()
