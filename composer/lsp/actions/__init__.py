@@ -1,0 +1,1 @@
+"""Changes that are offered: one file a kind, one row in `table`."""

@@ -1,0 +1,1 @@
+"""What is shown of what stands under the cursor: one file a kind, one row in `table`."""

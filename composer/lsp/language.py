@@ -1,0 +1,204 @@
+"""What the language has at a place of a recipe: the JSON Schema of recipes, walked along a path."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from composer.grammar import GRAMMAR, ElementType
+from composer.lsp.cursor import Path
+from composer.recipe.schema import recipe_schema
+
+Schema = dict[str, Any]
+_ELEMENT = re.compile(r"(?:element|named|variant|settable|scalable)\.(.+)")
+_TYPES: dict[str, tuple[type, ...]] = {
+    "object": (dict,), "array": (list,), "string": (str,), "boolean": (bool,), "number": (int, float),
+    "integer": (int,),
+}  # fmt: skip
+_MOST = 400
+"""How many schemas are looked at for one place: they refer to one another."""
+
+
+@cache
+def whole() -> Schema:
+    """The schema of a recipe; it takes a moment to make."""
+    return recipe_schema()
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """One way in which a value may be written. `role` is what the schema calls it, such as `element.geom`."""
+
+    schema: Schema
+    role: str = ""
+
+    @property
+    def doc(self) -> str:
+        return str(self.schema.get("markdownDescription") or self.schema.get("description") or "")
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key that a mapping may have."""
+
+    name: str
+    doc: str
+    forms: tuple[Form, ...]
+    required: bool = False
+
+
+def forms_at(path: Path, data: Any = None) -> list[Form]:
+    """The ways in which the value at a path may be written, in a recipe with this data.
+
+    >>> [key.name for key in keys_of(forms_at(("attach", "arm"))) if key.required]
+    ['model']
+    """
+    forms = list(_spread(Form(whole()), data))
+    for step in path:
+        data = _inside(data, step)
+        forms = forms_below(forms, step, data)
+    return forms
+
+
+def forms_below(forms: list[Form], step: str | int, data: Any) -> list[Form]:
+    """The ways in which a value may be written that stands in one of these forms; `data` is what stands there."""
+    below = [found for form in forms for found in _step(form, step)]
+    return [each for found in below for each in _spread(found, data)]
+
+
+def keys_of(forms: list[Form]) -> list[Key]:
+    """The keys that a mapping of these forms may have, in the order of the language."""
+    found: dict[str, Key] = {}
+    required = {name for form in forms for name in form.schema.get("required", ())}
+    for form in forms:
+        for name, schema in form.schema.get("properties", {}).items():
+            if schema is not False and (name not in found or not found[name].doc):
+                inner = list(_spread(Form(schema), None))
+                doc = Form(schema).doc or next((each.doc for each in inner if each.doc), "")
+                found[name] = Key(name, doc, tuple(inner), name in required)
+        for name in form.schema.get("propertyNames", {}).get("enum", ()):
+            found.setdefault(name, Key(name, "", ()))
+    return list(found.values())
+
+
+def words_of(forms: list[Form]) -> dict[str, str]:
+    """The words that a value of these forms may be, each with what it means."""
+    found: dict[str, str] = {}
+    for form in forms:
+        schema = form.schema
+        docs = schema.get("markdownEnumDescriptions") or schema.get("enumDescriptions") or []
+        for at, word in enumerate(schema.get("enum", [schema["const"]] if "const" in schema else [])):
+            if word is not None:
+                found.setdefault(_written(word), docs[at] if at < len(docs) else form.doc)
+        if schema.get("type") == "boolean" or form.role.endswith("boolean"):
+            found.setdefault("true", "")
+            found.setdefault("false", "")
+    return found
+
+
+def doc_of(path: Path, data: Any = None) -> str:
+    """What the language says of the key that a path ends with."""
+    for key in keys_of(forms_at(path[:-1], data)):
+        if key.name == path[-1]:
+            return key.doc
+    return next((form.doc for form in forms_at(path, data) if form.doc), "")
+
+
+def kinds_of(forms: list[Form]) -> list[ElementType]:
+    """The elements of MJCF that a mapping of these forms is."""
+    found: dict[str, ElementType] = {}
+    for form in forms:
+        match = _ELEMENT.fullmatch(form.role)
+        path = "" if match is None else match[1].replace(".", "/")
+        if path in GRAMMAR.paths:
+            found[path] = GRAMMAR.element(path)
+    return list(found.values())
+
+
+def _written(word: Any) -> str:
+    return {True: "true", False: "false"}.get(word, str(word)) if isinstance(word, bool) else str(word)
+
+
+def _inside(data: Any, step: str | int) -> Any:
+    if isinstance(data, dict) and isinstance(step, str):
+        return data.get(step)
+    if isinstance(data, list) and isinstance(step, int):
+        return data[step] if 0 <= step < len(data) else None
+    return None
+
+
+def _step(form: Form, step: str | int) -> Iterator[Form]:
+    schema = form.schema
+    if isinstance(step, int):
+        if isinstance(items := schema.get("items"), dict):
+            yield Form(items)
+        return
+    if isinstance(found := schema.get("properties", {}).get(step), dict):
+        yield Form(found, _carried(form, step))
+        return
+    for pattern, found in schema.get("patternProperties", {}).items():
+        if re.search(pattern, step):
+            yield Form(found)
+    if isinstance(found := schema.get("additionalProperties"), dict):
+        yield Form(found)
+
+
+def _carried(form: Form, step: str) -> str:
+    """The role of what has no name of its own in the schema: an attribute of an element."""
+    return f"{form.role}@{step}" if form.role else ""
+
+
+def _spread(form: Form, data: Any) -> Iterator[Form]:
+    """A form with all that it refers to, without what the data rules out."""
+    waiting, count = [form], 0
+    while waiting and count < _MOST:
+        each, count = waiting.pop(0), count + 1
+        yield each
+        schema = each.schema
+        if (target := schema.get("$ref")) is not None:
+            name = target.removeprefix("#/$defs/")
+            plain = name.removeprefix("piece.")
+            kept = each.role if "@" in each.role and not _ELEMENT.fullmatch(plain) else plain
+            waiting.append(Form(whole()["$defs"][name], kept or plain))
+        for branch in (*schema.get("allOf", ()), *(b for b in schema.get("anyOf", ()) if _may_be(b, data))):
+            waiting.append(Form(branch, each.role))
+        if (condition := schema.get("if")) is not None:
+            holds = None if data is None else _holds(condition, data)
+            for word, wanted in (("then", True), ("else", False)):
+                if word in schema and (holds is None or holds is wanted):
+                    waiting.append(Form(schema[word], each.role))
+
+
+def _may_be(schema: Schema, data: Any) -> bool:
+    return data is None or "type" not in schema or _is_type(schema["type"], data)
+
+
+def _is_type(types: str | list[str], data: Any) -> bool:
+    return any(
+        isinstance(data, _TYPES.get(each, ())) for each in ([types] if isinstance(types, str) else types)
+    )
+
+
+def _holds(condition: Schema, data: Any) -> bool:
+    """Whether data fulfils the condition of an `if`, of which the schema has three kinds."""
+    if "type" in condition and not _is_type(condition["type"], data):
+        return False
+    if "const" in condition and data != condition["const"]:
+        return False
+    if "enum" in condition and data not in condition["enum"]:
+        return False
+    if not isinstance(data, dict):
+        return True
+    if any(name not in data for name in condition.get("required", ())):
+        return False
+    if "not" in condition and _holds(condition["not"], data):
+        return False
+    if "anyOf" in condition and not any(_holds(each, data) for each in condition["anyOf"]):
+        return False
+    inner = condition.get("properties", {})
+    return all(
+        _holds(each, data[name]) for name, each in inner.items() if name in data and isinstance(each, dict)
+    )

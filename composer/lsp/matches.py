@@ -1,0 +1,80 @@
+"""What a selector matches, in the model as it was composed last."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from composer.lsp.cursor import Path
+from composer.lsp.places import own_part, part_called, without_variant
+from composer.lsp.question import Question
+from composer.recipe.select import NARROWING, read_selector
+from composer.tree.pattern import BadPattern
+from composer.tree.select import Selection, name_of
+from composer.tree.selector import Selector, paths_of
+from composer.tree.unit import Unit
+from composer.tree.xpath import BadXPath
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from composer.lsp.analysis import Analysis
+
+
+def selector_around(question: Question) -> tuple[Path, dict[str, Any]] | None:
+    """The selector that a cursor is in, the innermost one: its path and what is written there."""
+    path = question.path
+    for length in range(len(path), 0, -1):
+        written = question.at(path[:length])
+        if isinstance(written, dict) and is_selector(path[:length], written):
+            return path[:length], written
+    return None
+
+
+def is_selector(path: Path, written: dict[str, Any]) -> bool:
+    if not path:
+        return False
+    is_place = path[-1] in ("select", "parent", "in") or (len(path) > 1 and path[-2] in ("drop", "exists"))
+    tags = [name for name in written if name not in NARROWING]
+    return is_place and len(tags) == 1 and (bool(paths_of(tags[0])) or tags[0] == "xpath")
+
+
+def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Node] | None:
+    """The elements that a selector means; None where that is not known. Conditions of `where` are not looked at."""
+    selector = read_selector({**written, **({"where": {}} if "where" in written else {})}, path, "", [])
+    if selector is None:
+        return None
+    own = own_part(without_variant(path))
+    try:
+        if own:
+            unit = analysis.names.sources.get(part_called(own, analysis.plan))
+            return None if unit is None else _selected(unit, selector, "/")
+        if analysis.traced is None:
+            return None
+        return _selected(analysis.traced.model, selector, analysis.separator, _parts(analysis))
+    except (BadPattern, BadXPath):
+        return None
+
+
+def _selected(
+    unit: Unit, selector: Selector, separator: str, parts: dict[Node, str] | None = None
+) -> list[Node]:
+    return Selection(unit.root, unit.classes, separator, parts or {}).of(selector)
+
+
+def _parts(analysis: Analysis) -> dict[Node, str]:
+    """The part that each element came from, with the innermost last."""
+    traced = analysis.traced
+    if traced is None:
+        return {}
+    found = {}
+    for node in traced.model.root.iter("*"):
+        life = traced.watch.lives.get(node)
+        if life is not None and life.parts:
+            found[node] = "/".join(part.called for part in reversed(life.parts))
+    return found
+
+
+def label(node: Node) -> str:
+    """What a list calls an element."""
+    name = name_of(node)
+    return f"`{name}`" if name else f"an unnamed `<{node.tag}>`"

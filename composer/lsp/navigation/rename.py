@@ -1,0 +1,206 @@
+"""Another name for a part or a parameter, at every place that uses it: in this recipe and in those that include it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.document import load
+from composer.document.node import Mapping, Scalar, find, locate
+from composer.document.quote import quoted, word
+from composer.lsp.analysis import Analysis
+from composer.lsp.answers import Change, Rename
+from composer.lsp.cursor import Path
+from composer.lsp.navigation.prefixes import NotSure, renamed
+from composer.lsp.parameters import parameter_at, parameter_uses, settables
+from composer.lsp.places import PART, part_called
+from composer.lsp.question import Question
+from composer.lsp.subject import part_named_at
+from composer.lsp.uses import Use, scalars, uses_in
+from composer.plan.plan import Plan
+from composer.reading.regular import read_regular
+from composer.recipe.attach import RESERVED
+
+
+class NotReadable(Exception):
+    """A recipe that may include the one at hand, of which nobody knows."""
+
+
+_USABLE = re.compile(r"[A-Za-z_]\w*")
+
+
+def renameable(question: Question) -> Span | None:
+    """The word that can be renamed at the cursor: a part, or a parameter of this recipe."""
+    at, parameter = part_named_at(question), parameter_at(question)
+    if not question.analysis.is_current:
+        return None
+    if at is not None and len(at) == 2:
+        return question.word
+    if parameter is None or parameter[1] is not None or parameter[0] not in settables(question.data):
+        return None
+    for span in parameter_uses(parameter[0], question.analysis.tree):
+        if (
+            span.line == question.line + 1
+            and span.column - 1 <= question.column <= (span.end_column or 0) - 1
+        ):
+            return span
+    return None
+
+
+def rename(question: Question, new: str, others: Iterable[Analysis]) -> Rename:
+    """All that follows from a new name. `others` are the recipes that may include this one."""
+    at, parameter = part_named_at(question), parameter_at(question)
+    if renameable(question) is None:
+        return Rename(
+            refusal="only parts, parameters and variants of a recipe without faults of YAML can be renamed"
+        )
+    try:
+        if at is not None and len(at) == 2:
+            return _rename_part(str(at[1]), new, question.analysis, others)
+        assert parameter is not None
+        return _rename_parameter(parameter[0], new, question, others)
+    except NotSure as pattern:
+        return Rename(refusal=f"`{pattern}` would mean other names afterwards: change it first")
+    except NotReadable as file:
+        return Rename(refusal=f"`{file}` may use it and cannot be read as it is: put that right first")
+
+
+# -- parts -----------------------------------------------------------------------------------------------------
+
+
+def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> Rename:
+    if (lower := _extended_with(("attach", old), analysis)) is not None:
+        return Rename(refusal=f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
+    tree = analysis.mapping
+    attach = None if tree is None else find(tree, ("attach",))
+    if not new or new == RESERVED or any(each.isspace() for each in new) or analysis.separator in new:
+        return Rename(refusal=f"`{new}` cannot be the key of a part")
+    if isinstance(attach, Mapping) and new in attach.entries:
+        return Rename(refusal=f"there is a part `{new}` already")
+    changes = list(_in_recipe(analysis, "", "", old, new))
+    for other in others:
+        for outer, prefix in _inclusions(other, analysis):
+            changes += _in_recipe(other, outer, prefix, old, new)
+    return Rename(tuple(dict.fromkeys(changes)))
+
+
+def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]]:
+    """The parts of another recipe that are this one, each with its prefix; itself where it extends this one."""
+    plan = other.plan
+    if other.path == analysis.path:
+        return
+    if plan is None or not other.is_current or other.plan_of != other.text:
+        raise NotReadable(other.file)
+    if any(source.path == analysis.path for source, _ in plan.extended):
+        yield "", ""
+    for place in plan.walk():
+        if (
+            isinstance(place.model, Plan)
+            and place.part
+            and place.model.path == analysis.path
+            and not place.model.at
+        ):
+            yield place.part, place.prefix
+
+
+def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) -> Iterator[Change]:
+    """The changes in one recipe, in which the one with the part is the part `outer`, its names behind `prefix`."""
+    tree, separator = analysis.mapping, analysis.separator
+    if tree is None:
+        return
+    has_names = True
+    if not outer:
+        part = find(tree, ("attach", old))
+        if part is not None:
+            yield _written(locate(tree, ("attach", old), key=True), new, analysis)
+        has_names = not (isinstance(part, Mapping) and "prefix" in part.entries)
+    for use in uses_in(tree):
+        found = _of_use(use, analysis, outer, prefix, old, new, has_names)
+        if found is not None:
+            yield _written(use.span, found, analysis)
+    if has_names:
+        for path, node in scalars(tree):
+            if path[-1:] == ("xml",):
+                yield from _in_fragment(node, prefix + old + separator, prefix + new + separator)
+
+
+def _of_use(
+    use: Use, analysis: Analysis, outer: str, prefix: str, old: str, new: str, has_names: bool
+) -> str | None:
+    separator = analysis.separator
+    if PART in use.wanted.namespaces:
+        above = f"{outer}/" if outer else ""
+        return renamed(use.text, above + old, above + new, "/", use.wanted.pattern)
+    own = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan)) if use.wanted.of else ""
+    if not has_names or own is None or not prefix.startswith(own):
+        return None
+    inner = prefix[len(own) :]
+    return renamed(use.text, inner + old, inner + new, separator, use.wanted.pattern)
+
+
+def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
+    """The names in a fragment of MJCF, which are final ones."""
+    for number, line in enumerate(node.text.split("\n")):
+        for found in re.finditer(rf"""(?<=["'\s]){re.escape(old)}""", line):
+            if node.block is not None:
+                row, column = node.block[0] + number, node.block[1] + found.start()
+            elif number == 0 and node.span.end_line == node.span.line:
+                row, column = node.span.line, node.span.column + (0 if node.plain else 1) + found.start()
+            else:
+                raise NotSure(old)
+            yield Change(Span(node.span.file, row, column, row, column + len(old)), new)
+
+
+def _written(span: Span, text: str, analysis: Analysis) -> Change:
+    """A name in place of another, in the quotes that are there or that it needs."""
+    lines = analysis.lines if span.file == analysis.file else []
+    before = lines[span.line - 1][span.column - 1 :] if span.line <= len(lines) else ""
+    return Change(span, quoted(text) if before[:1] in ("'", '"') else word(text))
+
+
+# -- parameters ------------------------------------------------------------------------------------------------
+
+
+def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> Rename:
+    analysis = question.analysis
+    for section in ("params", "variants"):
+        if (lower := _extended_with((section, old), analysis)) is not None:
+            return Rename(refusal=f"`{old}` is set in `{lower}`, which this recipe extends: rename it there")
+    if not _USABLE.fullmatch(new):
+        return Rename(refusal=f"`{new}` cannot be the name of a parameter")
+    if new in settables(question.data):
+        return Rename(refusal=f"there is a parameter or variant `{new}` already")
+    changes = [Change(span, new) for span in parameter_uses(old, analysis.tree)]
+    for other in others:
+        for part, _ in _inclusions(other, analysis):
+            if not part:
+                changes += [Change(span, new) for span in parameter_uses(old, other.tree)]
+            elif (at := _path_of(part, other)) is not None and other.mapping is not None:
+                path = (*at, "with", old)
+                if find(other.mapping, path) is not None:
+                    changes.append(Change(locate(other.mapping, path, key=True), new))
+    return Rename(tuple(dict.fromkeys(changes)))
+
+
+def _extended_with(path: Path, analysis: Analysis) -> str | None:
+    """The recipe that this one extends and that has something at a path."""
+    for source, _ in analysis.plan.extended if analysis.plan is not None else ():
+        try:
+            tree = load(read_regular(source.path), source.path.name, Sink())
+        except OSError:
+            continue
+        if tree is not None and find(tree, path) is not None:
+            return source.path.name
+    return None
+
+
+def _path_of(part: str, analysis: Analysis) -> Path | None:
+    """Where a recipe itself writes a part; None for a part of a part."""
+    plan = analysis.plan
+    if part == RESERVED:
+        return (RESERVED,)
+    return next(
+        (step.at for step in (plan.parts if plan else ()) if part_called(step.at, plan) == part), None
+    )

@@ -1,0 +1,235 @@
+"""Which names fit a place of a recipe: of what namespaces, and whether in the words of a part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from composer.grammar import GRAMMAR
+from composer.lsp.cursor import Path
+from composer.lsp.language import Form, kinds_of
+from composer.lsp.names import Known, Names
+from composer.plan.plan import BASE, AttachPart, Plan, called
+from composer.recipe.keyframe import FROM, VECTORS
+from composer.recipe.select import NARROWING
+from composer.tree.names import WORLD
+from composer.tree.selector import paths_of
+
+ANY = "*"
+PART, KEY = "part", "key"
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """The names that fit: of these namespaces, the best one first, and of these tags where not of all.
+
+    `of` leads to the part in whose own words they are, `not_of` to the part that is itself out of the question. `part`
+    is what the part is called of which they are. A `pattern` may stand for several.
+    """
+
+    namespaces: tuple[str, ...]
+    tags: frozenset[str] = frozenset()
+    of: Path = ()
+    not_of: Path = ()
+    part: str | None = None
+    pattern: bool = False
+
+
+_ROWS: tuple[tuple[Path, Wanted], ...] = (
+    (("attach", ANY, "site"), Wanted(("site",))),
+    (("attach", ANY, "body"), Wanted(("body",))),
+    (("attach", ANY, "frame"), Wanted(("frame",))),
+    (("attach", ANY, "mate"), Wanted(("site", "body", "frame"))),
+    (("attach", ANY, "subtree"), Wanted(("body",))),
+    (("attach", ANY, "before"), Wanted((PART,))),
+    (("attach", ANY, "after"), Wanted((PART,))),
+    (("base", "subtree"), Wanted(("body",))),
+    (("add", ANY, "to"), Wanted(("body",))),
+    (("add", ANY, "to", "frame"), Wanted(("frame",))),
+    (("edit", ANY, "move", "to"), Wanted(("body", "frame"))),
+    (("attach", ANY, "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
+    (("base", "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
+    (("check", ANY, "mass", "subtree"), Wanted(("body",))),
+    (("check", ANY, "mass", "body"), Wanted(("body",))),
+    (("check", ANY, "reachable", "site"), Wanted(("site",))),
+    (("check", ANY, "unchanged", "part"), Wanted((PART,))),
+    (("check", ANY, ANY, "key"), Wanted((KEY,))),
+    (("check", ANY, ANY, "keys", ANY), Wanted((KEY,), pattern=True)),
+    (("contact", "collide", "between", ANY), Wanted((PART,))),
+    (("contact", "exclude", ANY, "between", ANY), Wanted((PART,))),
+)
+"""The keys of recipes themselves that take names; what MJCF has is in its grammar."""
+_OWN = (("attach", ANY, "mate"), ("attach", ANY, "subtree"), ("attach", ANY, "edit"), ("attach", ANY, "drop"),
+        ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
+_PLACES = ("site", "body", "frame", "before", "after")
+
+
+def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
+    """The names that a value at a path may be; `forms` are those of the mapping around it, `around` its data."""
+    path = without_variant(path)
+    if not path:
+        return None
+    if (inner := _in_place(path)) is not None:
+        at, rest = inner
+        found = wanted_value(rest, forms, around)
+        return None if found is None or found.of else replace(found, of=at, not_of=())
+    found = next((wanted for row, wanted in _ROWS if _fits(row, path)), None)
+    if found is None and len(path) > 2 and path[-2] == FROM and path[0] == "keyframe":
+        return Wanted((KEY,), part=str(path[-1]))
+    found = found or _selector(path, forms) or _of_mjcf(path, forms, around)
+    if found is None:
+        return None
+    return replace(found, of=own_part(path), not_of=_itself(path))
+
+
+def wanted_key(path: Path) -> Wanted | None:
+    """The names that the keys of the mapping at a path may be."""
+    path = without_variant(path)
+    if (inner := _in_place(path)) is not None:
+        found = wanted_key(inner[1])
+        return None if found is None else replace(found, of=inner[0])
+    if len(path) == 3 and path[0] == "keyframe":
+        if path[2] == FROM:
+            return Wanted((PART,))
+        kind = VECTORS.get(str(path[2]))
+        return None if kind is None else Wanted((kind.removeprefix("mocap "),))
+    if len(path) == 4 and path[0] == "keyframe" and path[3] == "joint":
+        return Wanted(("joint",))
+    return None
+
+
+def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[int, Known]]:
+    """The names that fit, each with a rank, the best first."""
+    if wanted.of or wanted.part is not None:
+        names = names.own(part_called(wanted.of, plan) if wanted.part is None else wanted.part)
+    itself = prefix_of(wanted.not_of, plan) if wanted.not_of else None
+    for rank, namespace in enumerate(wanted.namespaces):
+        if namespace == PART:
+            yield from ((rank, Known(part, PART, PART)) for part in names.parts)
+            continue
+        for each in names.known.get(namespace, {}).items():
+            name, known = each
+            if itself and name.startswith(itself):
+                continue
+            if wanted.tags and known.tag not in wanted.tags and known.name != WORLD:
+                continue
+            yield rank, replace(known, name=name)
+
+
+def without_variant(path: Path) -> Path:
+    """The path inside a piece of recipe, where it is in one."""
+    return path[3:] if path[:1] == ("variants",) and len(path) > 3 else path
+
+
+def _in_place(path: Path) -> tuple[Path, Path] | None:
+    """The part whose recipe is written in place around a path, and the path in that recipe."""
+    length = (
+        2
+        if path[:2] == ("base", "model")
+        else 3
+        if path[:1] == ("attach",) and path[2:3] == ("model",)
+        else 0
+    )
+    return (path[: length - 1], path[length:]) if length and len(path) > length else None
+
+
+def own_part(path: Path) -> Path:
+    """The part whose own names a place takes; none where it takes final ones."""
+    row = next((row for row in _OWN if _fits(row, path[: len(row)])), None)
+    return () if row is None else path[: len(row) - 1]
+
+
+def prefix_of(at: Path, plan: Plan | None) -> str | None:
+    """What stands before the names of the part at a path."""
+    step = part_at(at, plan)
+    return None if step is None else step.prefix
+
+
+def part_called(at: Path, plan: Plan | None) -> str:
+    """The path of the part at a path of the recipe, as keyframes and selectors have it."""
+    step = part_at(at, plan)
+    return called(step, plan.separator) if step is not None and plan is not None else str(at[-1])
+
+
+def part_of_reference(path: Path, plan: Plan) -> str | None:
+    """The path of the part whose model is named at a path of the recipe; None for any other place."""
+    path = without_variant(path)
+    if path in (("base",), ("base", "model")):
+        return BASE
+    if len(path) == 3 and path[0] == "attach" and path[2] == "model" and part_at(path[:2], plan) is not None:
+        return part_called(path[:2], plan)
+    return None
+
+
+def part_at(at: Path, plan: Plan | None) -> AttachPart | None:
+    parts = plan.parts if plan is not None else ()
+    return next((step for step in parts if step.at == at), None)
+
+
+def namespaces_of(tag: str) -> tuple[str, ...]:
+    """The namespaces of the elements that a tag of a selector means."""
+    found = {GRAMMAR.element(path).family for path in paths_of(tag)}
+    return tuple(sorted(name for name in found if name))
+
+
+def tags_of(tag: str) -> frozenset[str]:
+    return frozenset(path.rpartition("/")[2] for path in paths_of(tag))
+
+
+def is_selector(forms: list[Form]) -> bool:
+    return any(form.role in ("selector", "dropped") or form.role.endswith("@select") for form in forms)
+
+
+def _itself(path: Path) -> Path:
+    """The part that cannot hang on itself."""
+    return path[:2] if len(path) == 3 and path[0] == "attach" and path[2] in _PLACES else ()
+
+
+def _fits(row: Path, path: Path) -> bool:
+    return len(row) == len(path) and all(a in (ANY, b) for a, b in zip(row, path, strict=True))
+
+
+def _selector(path: Path, forms: list[Form]) -> Wanted | None:
+    """The names for a tag in a selector, and what narrows it down."""
+    last = str(path[-1])
+    if not is_selector(forms):
+        return None
+    if last == "part":
+        return Wanted((PART,), pattern=True)
+    if last == "class":
+        return Wanted(("default",), pattern=True)
+    if last in NARROWING or not paths_of(last):
+        return None
+    return Wanted(namespaces_of(last), tags_of(last), pattern=True)
+
+
+def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
+    """What the grammar says of an attribute that refers to something."""
+    name = str(path[-2]) if isinstance(path[-1], int) and len(path) > 1 else str(path[-1])
+    for kind in kinds_of(forms):
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            continue
+        if attribute.refers_by:
+            return _by_type(attribute.refers_by, around)
+        if attribute.refers and not attribute.refers.startswith("attached:"):
+            return Wanted((attribute.refers,))
+    if name in ("site", "geom", "sidesite") and any(
+        form.role.startswith("step.tendon.spatial") for form in forms
+    ):
+        return Wanted(("geom",) if name == "geom" else ("site",))
+    if name == "joint" and any(form.role.startswith("step.tendon.fixed") for form in forms):
+        return Wanted(("joint",))
+    if name == "parent" and len(path) == 3 and path[0] == "default":
+        return Wanted(("default",))
+    return None
+
+
+def _by_type(attribute: str, around: Any) -> Wanted | None:
+    """The namespace that a sibling, such as `objtype`, names; all of them where it does not."""
+    said = around.get(attribute) if isinstance(around, dict) else None
+    namespace = GRAMMAR.objtypes.get(str(said or ""))
+    if namespace is not None:
+        return Wanted((namespace,))
+    return Wanted(tuple(dict.fromkeys(GRAMMAR.objtypes.values())))

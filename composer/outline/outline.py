@@ -1,0 +1,79 @@
+"""A model at a glance, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from composer.numerics.pose import Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint; `range` is None without limits, in radians for a hinge or ball joint and in metres for a slide."""
+
+    name: str | None
+    type: str
+    range: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What a part may be attached to: `kind` is `site`, `body` or `frame`.
+
+    `pose` is in the body that it belongs to, `world` in the world with all joints at their reference; metres.
+    """
+
+    kind: str
+    name: str
+    pose: Pose
+    world: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A body or the world. `part` is what the recipe calls the part that it came from; None for what the recipe adds.
+
+    `copies` is how often MuJoCo's `<replicate>` multiplies it. `places` has the body itself first.
+    """
+
+    name: str | None
+    part: str | None
+    joints: tuple[Joint, ...] = ()
+    places: tuple[Place, ...] = ()
+    children: tuple[Body, ...] = ()
+    copies: int = 1
+
+    def walk(self) -> Iterator[Body]:
+        """The body and all below it, depth first."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part: what the recipe calls it, where its model is from, and the body that it is fixed to."""
+
+    name: str
+    model: str
+    body: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """A model: `name` is its own, `label` what the user asked for."""
+
+    name: str
+    label: str
+    world: Body
+    parts: tuple[Part, ...] = field(default=())
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All bodies, without the world."""
+        return tuple(self.world.walk())[1:]
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        return tuple(joint for body in self.world.walk() for joint in body.joints)

@@ -1,0 +1,50 @@
+// Where mjcompose may be, in the order in which it is looked for.
+import * as path from "node:path";
+
+/** The words of a command, and where they come from, for messages. */
+export interface Candidate { words: string[]; from: string }
+
+export interface Places {
+  setting: string[];
+  /** The interpreter that the Python extension has chosen. */
+  interpreter?: string;
+  folders: string[];
+  windows: boolean;
+}
+
+/** The commands to try. With the setting there is no other: what somebody chose is not replaced by something else. */
+export function candidates({ setting, interpreter, folders, windows }: Places): Candidate[] {
+  if (setting.length) return [{ words: setting, from: "the setting mjcompose.command" }];
+  const at = windows ? path.win32 : path.posix;
+  const program = windows ? at.join("Scripts", "mjcompose.exe") : at.join("bin", "mjcompose");
+  const found: Candidate[] = [];
+  // -P: a folder called `composer` in the workspace is not the package.
+  if (interpreter) found.push({ words: [interpreter, "-P", "-m", "composer"], from: `Python ${interpreter}` });
+  for (const folder of folders)
+    for (const name of [".venv", "venv"]) found.push({ words: [at.join(folder, name, program)], from: at.join(folder, name) });
+  found.push({ words: ["mjcompose"], from: "the PATH" });
+  return found;
+}
+
+export const INSTALL = 'python -m pip install "mjcompose[lsp]"';
+
+/** What to say where none of the candidates is mjcompose. */
+export function missing(tried: Candidate[], interpreter?: string): { message: string; run: string } {
+  const from = tried.map((each) => each.from).join(", ");
+  if (tried.length === 1 && tried[0].words[0] !== "mjcompose") return { message: `${from} does not start mjcompose: ${tried[0].words.join(" ")}`, run: INSTALL };
+  const run = interpreter ? `${quoted(interpreter)} -m pip install "mjcompose[lsp]"` : INSTALL;
+  return { message: `mjcompose was not found (${from}). Install it with: ${run}`, run };
+}
+
+const quoted = (word: string): string => (/[^\w./\\:-]/.test(word) ? `"${word}"` : word);
+
+/** The version that `mjcompose --version` prints; null for the words of another program. */
+export function versionIn(output: string): string | null {
+  return /^mjcompose, version (\S+)/m.exec(output)?.[1] ?? null;
+}
+
+/** What a server that ended at once says on its standard error, as a line to show. */
+export function reason(said: string): string {
+  const lines = said.trim().split(/\r?\n/);
+  return (lines.find((each) => /^Error: /.test(each))?.slice(7) ?? lines.at(-1) ?? "").trim();
+}

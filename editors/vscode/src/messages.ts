@@ -1,0 +1,16 @@
+// What the page beside the text and the extension say to each other.
+import type { Place } from "./surroundings";
+
+export type FromPage =
+  | { kind: "get"; id: number; path: string }
+  | { kind: "post"; path: string; data: unknown }
+  | { kind: "listen" }
+  | { kind: "open"; file: string; line: number; column: number };
+
+export type ToPage =
+  | { kind: "got"; id: number; bytes: ArrayBuffer }
+  | { kind: "failed"; id: number; words: string }
+  | { kind: "event"; name: string; data: unknown }
+  | { kind: "lost" }
+  | { kind: "theme"; name: string }
+  | { kind: "reveal"; files: string[]; places: Place[] };

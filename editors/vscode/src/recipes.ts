@@ -1,0 +1,16 @@
+// Which texts are recipes.
+
+export const LANGUAGE = "mjcompose-recipe";
+/** As many lines may stand above `recipe:`. */
+export const MOST_LINES_ABOVE = 50;
+
+const NOTHING = /^\s*(#.*)?$|^---\s*(#.*)?$|^%\w+/;
+// With its number: other formats begin with `recipe:` too.
+const VERSION = /^(["']?)recipe\1\s*:\s+\d+\s*(#.*)?$/;
+
+/** Whether the first key of a YAML text is `recipe`, with a number. */
+export function isRecipe(text: string): boolean {
+  const lines = text.replace(/^\uFEFF/, "").split(/\r?\n/, MOST_LINES_ABOVE + 1);
+  const first = lines.find((line) => !NOTHING.test(line));
+  return first !== undefined && VERSION.test(first);
+}

@@ -1,0 +1,87 @@
+// `mjcompose view` as a process, and the requests to it. The extension carries those of the page: the server answers only
+// who knows its address, no other page may show it in a frame, and over SSH it needs no forwarded port.
+import { spawn, type ChildProcess } from "node:child_process";
+import * as http from "node:http";
+import { Events, type Event } from "./events";
+
+const GETS = /^(model\/-?\d+|blob\/[\w.-]+|page\.(js|css)|events)$/, POSTS = /^(play|pose|choose|shown)$/;
+const PATIENCE = 3000;
+
+export class Service {
+  private readonly streams = new Set<http.ClientRequest>();
+
+  private constructor(private readonly child: ChildProcess, readonly address: string) {}
+
+  /** Start; resolves once the page is served. Rejects with what the command said where it ends before. */
+  static start([program, ...words]: string[], cwd: string, ended: (said: string) => void, began: (stop: () => void) => void): Promise<Service> {
+    return new Promise((done, failed) => {
+      const child = spawn(program, words, { cwd, stdio: ["ignore", "pipe", "pipe"], windowsHide: true });
+      let out = "", said = "", serves = false;
+      began(() => stop(child));
+      child.stderr!.setEncoding("utf8").on("data", (piece: string) => { said = (said + piece).slice(-20_000); });
+      child.stdout!.setEncoding("utf8").on("data", (piece: string) => {
+        if (serves) return;
+        out += piece;
+        const address = /^http:\/\/\S+\/$/m.exec(out)?.[0];
+        if (!address) return;
+        serves = true;
+        done(new Service(child, address));
+      });
+      child.on("error", (error) => failed(error));
+      child.on("exit", () => {
+        if (serves) ended(said.trim());
+        else failed(new Error(said.trim() || `${program} ended`));
+      });
+    });
+  }
+
+  get(path: string): Promise<Buffer> {
+    if (!GETS.test(path)) return Promise.reject(new Error(`no such path: ${path}`));
+    return this.request(path, "GET");
+  }
+
+  async post(path: string, data: unknown): Promise<void> {
+    if (!POSTS.test(path)) throw new Error(`no such path: ${path}`);
+    await this.request(path, "POST", JSON.stringify(data));
+  }
+
+  /** Calls `take` with each event until the server is gone, and then `lost`. */
+  listen(take: (event: Event) => void, lost: () => void): void {
+    const asked = http.get(new URL("events", this.address), (answer) => {
+      const events = new Events();
+      answer.setEncoding("utf8").on("data", (piece: string) => events.take(piece).forEach(take)).on("close", lost).on("error", () => {});
+    });
+    asked.on("error", lost);
+    this.streams.add(asked);
+  }
+
+  close(): void {
+    for (const each of this.streams) each.destroy();
+    stop(this.child);
+  }
+
+  private request(path: string, method: string, body?: string): Promise<Buffer> {
+    return new Promise((done, failed) => {
+      const headers = body === undefined ? {} : { "content-type": "application/json", "content-length": Buffer.byteLength(body) };
+      const asked = http.request(new URL(path, this.address), { method, headers }, (answer) => {
+        const pieces: Buffer[] = [];
+        answer.on("data", (piece: Buffer) => pieces.push(piece));
+        answer.on("error", failed);
+        answer.on("end", () => {
+          if (answer.statusCode! < 300) done(Buffer.concat(pieces));
+          else failed(new Error(`${path}: ${answer.statusCode} ${answer.statusMessage}`));
+        });
+      });
+      asked.on("error", failed);
+      asked.end(body);
+    });
+  }
+}
+
+/** As Ctrl-C ends it; what does not listen is killed. */
+function stop(child: ChildProcess): void {
+  if (child.exitCode !== null || child.signalCode !== null) return;
+  child.kill("SIGINT");
+  const killing = setTimeout(() => child.kill("SIGKILL"), PATIENCE);
+  child.once("exit", () => clearTimeout(killing));
+}

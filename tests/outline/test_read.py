@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from composer.context import Context
+from composer.engine import Limits
+from composer.outline.outline import Outline
+from composer.outline.read import outline
+from composer.stages import Request, build
+
+ROOT = Path(__file__).resolve().parents[2]
+MODEL = """\
+<mujoco model="m">
+  <compiler angle="{angle}" eulerseq="zyx"/>
+  <default><default class="high"><site pos="0 0 0.5" euler="10 0 0"/></default><joint range="{range}"/></default>
+  <worldbody>
+    <site name="on_the_world" class="high"/>
+    <frame name="turned" euler="{turn} 0 0" pos="1 0 0">
+      <body name="a" pos="0 2 0">
+        <joint name="hinge"/>
+        <joint name="open" limited="false"/>
+        <joint name="rail" type="slide" range="-0.1 0.2"/>
+        <geom size="0.1"/>
+        <frame pos="0 0 3"><site name="rod" type="capsule" size="0.01" fromto="0 0 0 0 1 1"/></frame>
+        <replicate count="3"><body name="leaf"><geom size="0.1"/></body></replicate>
+        <body><geom size="0.1"/></body>
+      </body>
+    </frame>
+    <body name="loose"><freejoint/><geom size="0.1"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def read(text: str, folder: Path = ROOT) -> Outline:
+    context = Context(folder=folder)
+    found = outline(text, context)
+    assert found is not None and not context.sink.diagnostics, context.sink.diagnostics
+    return found
+
+
+@pytest.mark.parametrize("recipe", ["two_arms", "gantry"])
+def test_places_are_where_mujoco_has_them(recipe: str, tmp_path: Path) -> None:
+    context = Context(folder=ROOT)
+    built = build(Request(ROOT / "recipes" / f"{recipe}.yaml"), context, limits=Limits(seconds=60))
+    assert built is not None
+    for path, content in built.bundle.files.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_bytes(content)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / built.bundle.model))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    found = read(f"recipes/{recipe}.yaml")
+    seen = 0
+    for body in found.world.walk():
+        for place in body.places:
+            if place.kind != "frame":
+                there = data.site(place.name) if place.kind == "site" else data.body(place.name)
+                np.testing.assert_allclose(place.world.pos, there.xpos, atol=1e-9)
+                turned = np.zeros(9)
+                mujoco.mju_quat2Mat(turned, np.array(place.world.quat))
+                np.testing.assert_allclose(turned, there.xmat, atol=1e-9)
+                seen += 1
+    assert seen > 5
+    assert {body.name for body in found.bodies} == {model.body(i).name for i in range(1, model.nbody)}
+    of_bundle = read(str(tmp_path))
+    assert of_bundle.world.places == found.world.places
+    assert [each.joints for each in of_bundle.bodies] == [each.joints for each in found.bodies]
+    assert [each.name for each in of_bundle.parts] == [each.name for each in found.parts]
+
+
+@pytest.mark.parametrize(
+    ("angle", "range", "turn"),
+    [("degree", "-90 45", "90"), ("radian", "-1.5707963267948966 0.7853981633974483", "1.5707963267948966")],
+)
+def test_a_model_by_itself(tmp_path: Path, angle: str, range: str, turn: str) -> None:
+    (tmp_path / "m.xml").write_text(MODEL.format(angle=angle, range=range, turn=turn))
+    found = read("m.xml", tmp_path)
+    names = [(body.name, body.part, body.copies) for body in found.world.walk()]
+    assert names == [
+        ("world", None, 1),
+        ("a", None, 1),
+        ("leaf", None, 3),
+        (None, None, 1),
+        ("loose", None, 1),
+    ]
+    a = found.bodies[0]
+    hinge, open_, rail = a.joints
+    assert hinge.range == pytest.approx((-np.pi / 2, np.pi / 4)) and open_.range is None
+    assert (rail.type, rail.range) == ("slide", (-0.1, 0.2))
+    assert [joint.type for joint in found.bodies[-1].joints] == ["free"]
+    assert [(place.kind, place.name) for place in a.places] == [("body", "a"), ("site", "rod")]
+    assert [(place.kind, place.name) for place in found.world.places] == [
+        ("site", "on_the_world"),
+        ("frame", "turned"),
+    ]
+    assert found.world.places[0].pose.pos == (0, 0, 0.5)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "m.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    np.testing.assert_allclose(a.places[0].world.pos, data.body("a").xpos, atol=1e-12)
+    np.testing.assert_allclose(a.places[1].world.pos, data.site("rod").xpos, atol=1e-12)
+
+
+def test_parts() -> None:
+    found = read("recipes/two_arms.yaml")
+    parts = {body.name: body.part for body in found.bodies}
+    assert parts["left/base"] == "left" and parts["left/gripper/base"] == "left/gripper"
+    listed = {each.name: each for each in found.parts}
+    assert listed["left/gripper"].model == "recipes/models/gripper2/gripper2.xml"
+    assert listed["left/gripper"].body == "left/flange"
+
+
+def test_what_the_recipe_adds_and_what_the_linker_makes(tmp_path: Path) -> None:
+    (tmp_path / "cube.xml").write_text(
+        '<mujoco><worldbody><body name="c"><geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    (tmp_path / "r.yaml").write_text(
+        "recipe: 1\nbase: ./cube.xml\nattach: {cube: {model: ./cube.xml, joint: free}}\n"
+        "add: [{to: world, body: {name: box, geom: {size: [0.1]}}}]\n"
+    )
+    found = read("r.yaml", tmp_path)
+    parts = [(body.name, body.part) for body in found.bodies]
+    assert parts == [("c", "base"), ("cube/", "cube"), ("cube/c", "cube"), ("box", None)]
