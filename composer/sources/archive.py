@@ -14,8 +14,9 @@ from composer.sources.kind import Form
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference, check_secrets, malformed
 from composer.sources.source import Source
-from composer.sources.source_kind import SourceKind
+from composer.sources.source_kind import SourceKind, never
 from composer.sources.store import Entry, Store, name_of
+from composer.sources.url import take_apart
 
 _FORM = Form(
     "https://host/archive.zip#path/model.xml", "a file in a zip or tar (plain, gz, bz2, xz) on the web"
@@ -33,11 +34,17 @@ def _parse(text: str) -> Reference:
     archive, _, sha256 = archive.partition("@sha256:")
     if not host or not archive:
         raise malformed(text, _FORM, "does not say the archive")
+    if take_apart(f"{scheme}://{host}/") is None:
+        raise malformed(text, _FORM, "names a host that cannot be one")
     if not path:
         raise malformed(text, _FORM, "does not say the file inside the archive")
     if "@sha256:" in location and not re.fullmatch("[0-9a-f]{64}", sha256):
         raise malformed(text, _FORM, "has a sha256 that is not 64 digits of 0-9 and a-f")
     return Reference(text, KIND, f"{scheme}://{host}/{archive}", path, sha256)
+
+
+def _host(reference: Reference) -> str | None:
+    return reference.name.partition("://")[2].partition("/")[0]
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
@@ -48,7 +55,9 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
-        entry = _Archive(reference, id, store, lookup.environment, lookup.fetching).entry()
+        entry = _Archive(
+            reference, id, store, lookup.environment, lookup.fetching, lookup.is_confined
+        ).entry()
         known[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
     return source_in(known[id], reference)
 
@@ -60,6 +69,7 @@ class _Archive:
     store: Store
     environment: Mapping[str, str]
     fetching: Fetching
+    is_confined: bool
 
     def entry(self) -> Entry:
         written = self.reference.revision
@@ -97,8 +107,9 @@ class _Archive:
         self.fetching.progress(f"fetching {url}")
         known = Version(seen.get("etag", ""), seen.get("modified", "")) if had is not None else Version()
         version = download(
-            url, partial, environment=self.environment, progress=self.fetching.progress, known=known
-        )
+            url, partial, environment=self.environment, progress=self.fetching.progress, known=known,
+            is_confined=self.is_confined,
+        )  # fmt: skip
         if version is None:
             assert had is not None, "only what is at hand is asked about"
             return had
@@ -114,7 +125,9 @@ class _Archive:
             forget(partial)
             if wanted and sha256 != wanted:
                 raise self._changed(wanted, sha256, (f"what is there now is refused: {fault}",)) from None
-            raise SourceError("archive-refused", f"the archive `{url}` is refused: {fault}") from None
+            raise SourceError(
+                "archive-refused", f"the archive `{url}` is refused: {fault}", help=fault.help
+            ) from None
         forget(partial)
         if wanted and sha256 != wanted:
             before = self.fetching.known_files(self.id)
@@ -150,4 +163,6 @@ KIND = SourceKind(
     libraries=(),
     parse=_parse,
     resolve=_resolve,
+    host=_host,
+    is_of_this_machine=never,
 )

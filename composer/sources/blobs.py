@@ -3,7 +3,7 @@
     asked/, built/, raw/, packed/     what the build cache keeps (`composer/cache/cache.py`)
     writing/                          files being written; they move to their place in one step
 
-There is no lock: whoever writes a key writes the same as all others do, or what counts as well as theirs.
+No lock is needed: whoever writes a key writes the same as all others do, or what counts as well as theirs.
 """
 
 from __future__ import annotations
@@ -17,7 +17,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.sources.lease import lock_file
+
 if TYPE_CHECKING:
+    from io import FileIO
     from os import PathLike
 
 KINDS = ("asked", "built", "raw", "packed")
@@ -31,7 +34,7 @@ def key_of(data: object) -> str:
 
 
 def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
-    """What was put, marked as used now; None where it is not there. What is damaged is removed and not there."""
+    """What was put, marked as used now; None where it does not exist. What is damaged is removed, and gives None."""
     path = os.path.join(store, kind, key)
     try:
         content = read(path)
@@ -47,19 +50,53 @@ def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
 
 def put(store: str | PathLike[str], kind: str, key: str, content: bytes) -> None:
     """Write it, complete or not at all. Raises OSError."""
-    stage = os.path.join(store, WRITING, f"{key}.{os.urandom(6).hex()}")
-    path = os.path.join(store, kind, key)
+    write_whole(store, os.path.join(store, kind, key), hashlib.sha256(content).digest(), content)
+
+
+def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: bytes) -> None:
+    """Write a file of the store, complete or not at all. Raises OSError.
+
+    It is locked as long as it is being written: what is not locked was left by a process that was killed.
+    """
+    stage = os.path.join(store, WRITING, f"{os.path.basename(path)}.{os.urandom(6).hex()}")
     try:
         for file in (stage, path):
             os.makedirs(os.path.dirname(file), exist_ok=True)
-        with open(stage, "xb") as stream:
-            stream.write(hashlib.sha256(content).digest())
-            stream.write(content)
-        os.replace(stage, path)
+        with open(stage, "xb", buffering=0) as stream:
+            with contextlib.suppress(
+                OSError
+            ):  # a file system without locks, where what is left waits for its time
+                lock_file(stream.fileno(), wait=False)
+            for piece in pieces:
+                _write_all(stream, piece)
+            if os.name == "posix":  # elsewhere no open file can be renamed
+                os.replace(stage, path)
+        if os.name != "posix":
+            os.replace(stage, path)
     except BaseException:
         with contextlib.suppress(OSError):
             os.unlink(stage)
         raise
+
+
+def is_left(stage: str | PathLike[str]) -> bool:
+    """Whether a file that was being written is one of a killed process. One without bytes may not be locked yet."""
+    try:
+        file = os.open(stage, os.O_RDWR)
+    except OSError:
+        return False
+    try:
+        return os.fstat(file).st_size > 0 and lock_file(file, wait=False)
+    except OSError:
+        return False
+    finally:
+        os.close(file)
+
+
+def _write_all(stream: FileIO, piece: bytes) -> None:
+    rest = memoryview(piece)
+    while rest:
+        rest = rest[stream.write(rest) :]
 
 
 def has(store: str | PathLike[str], kind: str, key: str) -> bool:

@@ -20,7 +20,7 @@ from composer.sources.origin import Origin, is_commit
 from composer.sources.package import distribution, folders
 from composer.sources.reference import Reference, bare, malformed
 from composer.sources.source import Source, has_format
-from composer.sources.source_kind import SourceKind
+from composer.sources.source_kind import SourceKind, always, no_host
 
 _PACKAGE = "robot_descriptions"
 _FORM = Form("descriptions:NAME", "a model that the `robot_descriptions` package names")
@@ -150,4 +150,6 @@ KIND = SourceKind(
     libraries=(Library(_PACKAGE),),
     parse=_parse,
     resolve=_resolve,
+    host=no_host,
+    is_of_this_machine=always,
 )

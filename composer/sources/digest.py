@@ -7,11 +7,24 @@ import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from composer.reading.memory import Memory
+from composer.reading.unsaved import unsaved_text
+
 
 def sha256_of(path: Path) -> str:
     """Of the bytes of a file. Raises OSError."""
+    if (kept := unsaved_text(path)) is not None:
+        return hashlib.sha256(kept).hexdigest()
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+_remembered = Memory(lambda path: sha256_of(Path(path)), lambda path: sha256_of(Path(path)))
+
+
+def remembered_sha256(path: Path) -> str:
+    """The same of a file that many models of one run are made of: read again only where it has changed."""
+    return sha256_of(path) if unsaved_text(path) is not None else _remembered.ask(os.fspath(path))
 
 
 def files_below(folder: Path) -> Iterator[tuple[str, Path]]:

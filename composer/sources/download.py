@@ -9,12 +9,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import urljoin, urlsplit
+from urllib.parse import urlsplit
 
 from composer.diagnostics.secret import hide
+from composer.limits import advice, in_force, written
 from composer.sources.error import SourceError
+from composer.sources.reach import is_private
 from composer.sources.reference import is_this_machine
-from composer.sources.timeout import patience
+from composer.sources.timeout import Silence, patience
+from composer.sources.url import take_apart
+from composer.sources.waiting import waiting
 
 if TYPE_CHECKING:
     from urllib3 import BaseHTTPResponse, PoolManager
@@ -22,10 +26,9 @@ if TYPE_CHECKING:
 _TRIES = 5
 _PAUSE = 0.25
 _PATIENCE = 60.0
-"""Seconds that a server may ask to wait for; what asks for more is told at once."""
+"""Seconds that a server may ask to wait for; what asks for more is reported at once."""
 _HOPS = 10
 _CHUNK = 256 * 1024
-_LIMIT = 8 * 1024**3
 _LEAST = 1024
 """Bytes that have to come in the time for which a server may say nothing: one that drips is as good as silent."""
 _BUSY = (429, 500, 502, 503, 504)
@@ -47,8 +50,8 @@ class Version:
 class _Broken(Exception):
     """The transfer broke off; what there is stays for the next try, which is not to come before `pause` seconds."""
 
-    def __init__(self, told: str, pause: float = 0.0) -> None:
-        super().__init__(told)
+    def __init__(self, message: str, pause: float = 0.0) -> None:
+        super().__init__(message)
         self.pause = pause
 
 
@@ -59,13 +62,15 @@ def download(
     environment: Mapping[str, str],
     progress: Callable[[str], None],
     known: Version,
+    is_confined: bool = False,
 ) -> Version | None:
     """Have the file at `partial`, going on from what an earlier process left there.
 
-    None where the server says that it still is the version `known`; then there is no file. Raises SourceError
-    with what is there kept for the next time, and OSError.
+    None where the server says that it still is the version `known`; then it writes no file. Raises SourceError
+    with what is there kept for the next time, and OSError. `is_confined` refuses to be led to this machine's network.
     """
-    return _Download(url, partial, environment, progress, known).run()
+    silence = Silence(patience(environment))
+    return _Download(url, partial, environment, progress, known, silence, is_confined).run()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,16 +80,28 @@ class _Download:
     environment: Mapping[str, str]
     progress: Callable[[str], None]
     known: Version
+    silence: Silence
+    is_confined: bool = False
 
     def run(self) -> Version | None:
-        from urllib3.exceptions import HTTPError, LocationValueError, NameResolutionError
+        from urllib3.exceptions import (
+            HTTPError,
+            LocationValueError,
+            NameResolutionError,
+            NewConnectionError,
+            TimeoutError,
+        )  # fmt: skip
 
         last, pause = "", 0.0
-        for attempt in range(_TRIES):
+        attempt = 0
+        while attempt < _TRIES and not self.silence.is_nearly_over:
             if attempt:
-                pause = max(pause, _PAUSE * 2**attempt)
+                own = _PAUSE * 2**attempt
                 self.progress(f"{last}; trying again" + (f" in {pause:.0f} s" if pause > 5 else ""))
-                time.sleep(pause)
+                time.sleep(max(pause, own))
+                if pause > own:
+                    self.silence.broken()  # it was the server that asked for the pause
+            attempt += 1
             try:
                 return self._once()
             except _Broken as broken:
@@ -95,6 +112,9 @@ class _Download:
                 ) from None
             except HTTPError as error:
                 last, pause = _in_short(error), 0.0
+                # A refused connection is a timeout to urllib3, too.
+                if isinstance(error, TimeoutError) and not isinstance(error, NewConnectionError):
+                    last = f"the server said nothing for {patience(self.environment):g} s"
                 if isinstance(getattr(error, "original_error", error), NameResolutionError):
                     raise self._no_name(last) from None
                 if "CERTIFICATE_VERIFY_FAILED" in last:
@@ -102,13 +122,13 @@ class _Download:
         raise SourceError(
             "source-fetch",
             f"`{self.url}` cannot be fetched",
-            notes=(f"after {_TRIES} tries: {last}",),
-            help="try again later, which goes on from where it broke off; with `--offline` what is in the store"
-            " is used",
+            notes=(f"after {attempt} {'tries' if attempt > 1 else 'try'}: {last}",),
+            help="try again later, which goes on from where it broke off; a slow server gets more time with"
+            " `MJCOMPOSE_TIMEOUT=120`; with `--offline` what is in the store is used",
         )
 
     def _no_name(self, said: str) -> SourceError:
-        """There is no network, or no such server: another try a second later finds the same."""
+        """The network or the server does not exist: another try a second later finds the same."""
         return SourceError(
             "source-fetch",
             f"`{self.url}` cannot be fetched: the name of its server cannot be resolved",
@@ -128,7 +148,7 @@ class _Download:
         import urllib3
 
         parts = urlsplit(url)
-        seconds = patience(self.environment)
+        seconds = self.silence.left  # of all tries together
         timeout = urllib3.Timeout(connect=seconds, read=seconds)
         named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
         proxy = next((value for name in named if (value := self.environment.get(name))), None)
@@ -153,10 +173,12 @@ class _Download:
         for _ in range(_HOPS + 1):
             with self._pool(at) as pool:
                 # What fails is tried again here, where the bytes that have come are known.
-                response = pool.request(
-                    "GET", at, headers=headers, preload_content=False, decode_content=False,
-                    redirect=False, retries=False,
-                )  # fmt: skip
+                with waiting(self.progress, f"for {urlsplit(at).hostname}"):
+                    response = pool.request(
+                        "GET", at, headers=headers, preload_content=False, decode_content=False,
+                        redirect=False, retries=False,
+                    )  # fmt: skip
+                self.silence.broken()
                 try:
                     leads_to = response.get_redirect_location()
                     if not leads_to:
@@ -170,21 +192,23 @@ class _Download:
 
     def _next(self, at: str, leads_to: str) -> str:
         """Where a redirect leads; an address that is not encrypted is refused, this machine's own excepted."""
-        try:
-            leads_to = urljoin(at, leads_to)
-            way = urlsplit(leads_to)
-            is_address = way.scheme in ("http", "https") and bool(way.hostname) and way.port != 0
-        except ValueError:
-            is_address = False
-        if not is_address:
+        way = take_apart(leads_to, at)
+        if way is None or way.scheme not in ("http", "https"):
             raise SourceError(
                 "source-fetch",
                 f"`{self.url}` leads to `{hide(leads_to)}`, which is not an address of the web",
             )
-        was_open = urlsplit(self.url).scheme == "http"
+        leads_to = way.geturl()
+        was_open = self.url.startswith("http:")
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
             raise SourceError(
                 "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not encrypted"
+            )
+        if self.is_confined and is_private(way.netloc):
+            raise SourceError(
+                "source-outside",
+                f"`{self.url}`, which a fetched recipe names, leads to `{hide(leads_to)}`, which is on this machine"
+                " or in its network",
             )
         return leads_to
 
@@ -219,16 +243,16 @@ class _Download:
         from urllib3 import Retry
         from urllib3.exceptions import HTTPError
 
-        told = f"the server answered {response.status} {response.reason or ''}".rstrip()
+        answered = f"the server answered {response.status} {response.reason or ''}".rstrip()
         try:
             pause = Retry().get_retry_after(response) or 0.0
         except (HTTPError, ValueError, OverflowError):
             pause = 0.0
         if pause <= _PATIENCE:
-            return _Broken(told, pause)
+            return _Broken(answered, pause)
         return SourceError(
             "source-fetch",
-            f"`{self.url}` cannot be fetched now: {told}",
+            f"`{self.url}` cannot be fetched now: {answered}",
             notes=(f"it says `Retry-After: {response.headers.get('Retry-After', '')}`",),
             help="try again later; with `--offline` what is in the store is used",
         )
@@ -242,18 +266,22 @@ class _Download:
             json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8"
         )
         seconds = patience(self.environment)
-        told = since = time.monotonic()
+        reported = since = time.monotonic()
         before = size
         with self.partial.open("ab" if size else "wb") as file:
             try:
                 # What has come, however little: `stream` would wait for all of a chunk.
                 while chunk := response.read1(_CHUNK, decode_content=False):
                     size += len(chunk)
-                    if max(size, total) > _LIMIT:
+                    if max(size, total) > (most := in_force().source_size):
+                        forget(self.partial)
                         raise SourceError(
-                            "archive-refused", f"`{self.url}` is larger than {_LIMIT >> 30} GiB"
+                            "archive-refused",
+                            f"`{self.url}` is larger than {written('source-size', most)}",
+                            help=advice("source-size", total or None),
                         )
                     file.write(chunk)
+                    self.silence.broken()
                     now = time.monotonic()
                     if now - since >= seconds and size != total:
                         if size - before < _LEAST:
@@ -263,8 +291,8 @@ class _Download:
                                 f" in {seconds:g} s"
                             )
                         since, before = now, size
-                    if now - told > 1:
-                        told = now
+                    if now - reported > 1:
+                        reported = now
                         self.progress(f"  {size >> 20} MiB" + (f" of {total >> 20} MiB" if total else ""))
             except HTTPError as error:
                 of = f" of {total}" if total else ""
@@ -280,8 +308,8 @@ class _Download:
     def _begun(self) -> tuple[int, Version]:
         """How many bytes an earlier try left, and of which version."""
         try:
-            told = json.loads(self._note.read_text(encoding="utf-8"))
-            return self.partial.stat().st_size, Version(str(told["etag"]), str(told["modified"]))
+            note = json.loads(self._note.read_text(encoding="utf-8"))
+            return self.partial.stat().st_size, Version(str(note["etag"]), str(note["modified"]))
         except (OSError, ValueError, KeyError, TypeError):
             return 0, Version()
 

@@ -8,8 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.reading.door import ALL, Door
+from composer.reading.folders import real_path
+from composer.reading.project import folder_of_recipe, own_door
 from composer.sources.digest import sha256_of
 from composer.sources.origin import Origin
+from composer.sources.trust import Trust
 
 if TYPE_CHECKING:
     from composer.sources.lock import Lock
@@ -29,7 +33,8 @@ class Fetching:
     messages name it. `fresh` are the origins whose pin is not to be used, None for all of them. `origins` has
     what was resolved in this run, by id: a branch that moves meanwhile is the same commit for all parts. `first` has
     the first file of each that was asked for. `digests` has the sha256 of files, `files` those of sources: a matrix has
-    them once for all its cells.
+    them once for all its cells. `outer` is the recipe that everything else is read for, `trust` what it allows,
+    `doors` what models may read.
     """
 
     offline: bool = False
@@ -43,6 +48,9 @@ class Fetching:
     first: dict[str, Source] = field(default_factory=dict)
     digests: dict[Path, str] = field(default_factory=dict)
     files: dict[Source, list[Path]] = field(default_factory=dict)
+    outer: Path | None = None
+    trust: Trust = field(default_factory=Trust)
+    doors: dict[tuple[Path, Path | None, Trust], Door] = field(default_factory=dict)
 
     def digest(self, path: Path) -> str:
         """The sha256 of a file, which is read once. Raises OSError."""
@@ -52,9 +60,37 @@ class Fetching:
 
     def around(self, path: Path) -> Origin | None:
         """What a file or folder was fetched or installed with; the innermost where folders lie in one another."""
-        real = Path(os.path.realpath(path))
-        found = [each for each in self.origins.values() if real.is_relative_to(os.path.realpath(each.root))]
-        return max(found, key=lambda each: len(os.path.realpath(each.root)), default=None)
+        real = Path(real_path(path))
+        found = [each for each in self.origins.values() if real.is_relative_to(real_path(each.root))]
+        return max(found, key=lambda each: len(real_path(each.root)), default=None)
+
+    def door_of_text(self, folder: Path) -> Door:
+        """What a recipe in a folder may name by a path: its own whatever it likes, others what they came with."""
+        origin = self.around(folder)
+        return ALL if origin is None else self.door_of_origin(origin)
+
+    def door_of_origin(self, origin: Origin) -> Door:
+        """What may be read by what was fetched or installed as one: all that came with it."""
+        verb = "fetched" if origin.is_fetched else "installed"
+        return Door.of(
+            (origin.root, *self.trust.folders),
+            f"`{origin.id}`, which may read only what was {verb} with it",
+            "what is fetched must hold all that it names; if you trust it with that, write in your own recipe"
+            ' `trust: {references: ["{absolute}"]}`',
+        )
+
+    def door_of_model(self, path: Path) -> Door:
+        """What a model at a path may read: its project, that of the recipe, and what this trusts it with."""
+        key = path, self.outer, self.trust
+        if key not in self.doors:
+            self.doors[key] = self._own_door(path)
+        return self.doors[key]
+
+    def _own_door(self, path: Path) -> Door:
+        if self.outer is None:
+            return own_door(path, self.trust.files)
+        recipe = folder_of_recipe(self.outer)
+        return own_door(path, (recipe, *self.trust.files), os.path.dirname(os.path.abspath(self.outer)))
 
     def pin(self, id: str) -> str | None:
         """The commit or sha256 that the lock has for an origin."""
@@ -71,8 +107,12 @@ class Fetching:
 
 @dataclass(frozen=True, slots=True)
 class Lookup:
-    """What a reference is looked up with: the folder of the file that holds it, the environment, and the run."""
+    """What a reference is looked up with: the folder of the file that holds it, the environment, and the run.
+
+    `is_confined` says that a fetched recipe holds it, which may not reach this machine or its network.
+    """
 
     folder: Path
     environment: Mapping[str, str]
     fetching: Fetching
+    is_confined: bool = False

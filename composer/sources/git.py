@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.limits import advice, in_force, written
+from composer.scratch import scratch
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand, source_in, unlocked
 from composer.sources.fetching import Fetching, Lookup
-from composer.sources.git_command import Git, GitFailure, words_of
+from composer.sources.git_command import Git, GitFailure, bounded, words_of
 from composer.sources.git_tree import write_tree
 from composer.sources.kind import Form
 from composer.sources.origin import Origin, is_commit
@@ -20,8 +22,11 @@ from composer.sources.reference import CONTROL, Reference, check_secrets, malfor
 from composer.sources.source import Source
 from composer.sources.source_kind import SourceKind
 from composer.sources.store import Entry, Store
+from composer.sources.url import take_apart
 
-_NO_ROOM = re.compile("No space left|File too large|quota exceeded|signal 25", re.IGNORECASE)
+_NO_ROOM = re.compile("No space left|quota exceeded", re.IGNORECASE)
+_TOO_LARGE = re.compile("File too large|signal 25", re.IGNORECASE)
+_NO_MEMORY = re.compile("out of memory|malloc failed|unable to create thread|mmap failed", re.IGNORECASE)
 _WITHOUT = "without "
 """Before the path of what was left out of an entry, in what it says about itself."""
 _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
@@ -50,12 +55,22 @@ def _parse(text: str) -> Reference:
         repository, revision = tail, ""
     if not repository or bool(host) == (scheme == "git+file"):
         raise malformed(text, form, "does not say the repository")
+    if host and take_apart(f"https://{host}/") is None:
+        raise malformed(text, form, "names a host that cannot be one")
     revision = _unescaped(revision)
     if not revision or revision.startswith("-") or CONTROL.search(revision):
         raise malformed(text, form, "does not say the revision")
     if not path:
         raise malformed(text, form, "does not say the file inside the repository")
     return Reference(text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path, revision)
+
+
+def _host(reference: Reference) -> str | None:
+    return reference.name.partition("://")[2].partition("/")[0] or None
+
+
+def _is_of_this_machine(reference: Reference) -> bool:
+    return reference.name.startswith("file:")
 
 
 def _unescaped(revision: str) -> str:
@@ -151,8 +166,8 @@ class _Repository:
         raise self._no_revision(refs)
 
     def _whole_hash(self, short: str, refs: Mapping[str, str]) -> str:
-        """The commit that begins so: only the whole history tells."""
-        with tempfile.TemporaryDirectory() as folder:
+        """The commit that begins so: only the whole history shows it."""
+        with scratch("git") as folder:
             try:
                 self._history(Path(folder))
                 found = self._git.run(
@@ -194,8 +209,20 @@ class _Repository:
         try:
             git.run("init", "-q", "--bare", *kind, "--", str(repository))
             try:
-                git.fetch("fetch", "-q", "--depth=1", "--no-tags", "--", url, commit, folder=repository)
-            except GitFailure:
+                git.fetch(
+                    "fetch",
+                    "-q",
+                    "--depth=1",
+                    "--no-tags",
+                    *_other_side(url),
+                    "--",
+                    url,
+                    commit,
+                    folder=repository,
+                )
+            except GitFailure as failure:
+                if any(each.search(failure.said) for each in (_NO_ROOM, _TOO_LARGE, _NO_MEMORY)):
+                    raise
                 self._history(repository)
             git.run("cat-file", "-e", f"{commit}^{{commit}}", folder=repository)
         except GitFailure as failure:
@@ -206,7 +233,16 @@ class _Repository:
     def _history(self, repository: Path) -> None:
         git, url = self._git, self.reference.name
         git.run("init", "-q", "--bare", "--", str(repository))
-        git.fetch("fetch", "-q", "--no-tags", "--", url, "+refs/*:refs/fetched/*", folder=repository)
+        git.fetch(
+            "fetch",
+            "-q",
+            "--no-tags",
+            *_other_side(url),
+            "--",
+            url,
+            "+refs/*:refs/fetched/*",
+            folder=repository,
+        )
 
     def _write(self, repository: Path, commit: str, target: Path) -> dict[str, str]:
         try:
@@ -215,11 +251,19 @@ class _Repository:
             raise self._unreachable(failure) from None
 
     def _unreachable(self, failure: GitFailure) -> SourceError:
-        if _NO_ROOM.search(failure.said):
+        if _NO_ROOM.search(failure.said) or (_TOO_LARGE.search(failure.said) and _files_are_small()):
             return SourceError(
                 "store-unusable", f"the store `{self.store.folder}` has no room for `{self.reference.name}`",
                 notes=words_of(failure), help="make room, or name another folder in `MJCOMPOSE_CACHE`",
             )  # fmt: skip
+        for found, limit in ((_TOO_LARGE, "source-size"), (_NO_MEMORY, "git-memory")):
+            if found.search(failure.said):
+                most = written(limit, getattr(in_force(), limit.replace("-", "_")))
+                what = "is larger than" if limit == "source-size" else "needs more memory than"
+                return SourceError(
+                    "archive-refused", f"the repository `{self.reference.name}` is refused: it {what} {most}",
+                    notes=words_of(failure), help=advice(limit),
+                )  # fmt: skip
         help = (
             "see that `git ls-remote` with that address works; with `--offline` what is in the store is used"
         )
@@ -257,6 +301,26 @@ class _Repository:
         )
 
 
+def _files_are_small() -> bool:
+    """Whether the user allows this process smaller files than the limit of a source."""
+    try:
+        import resource
+    except ImportError:
+        return False
+    soft = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    return soft != resource.RLIM_INFINITY and soft < in_force().source_size
+
+
+def _other_side(url: str) -> tuple[str, ...]:
+    """For a repository on this machine, what has the git that reads it hold no large file as a whole either.
+
+    It starts from the repository's own settings, without those that this side has on its command line.
+    """
+    if not url.startswith("file://"):
+        return ()
+    return (f"--upload-pack=git {' '.join(bounded())} upload-pack",)
+
+
 def _refs(out: bytes) -> dict[str, str]:
     """What a repository calls its commits; tags with an object of their own have `NAME^{}` too."""
     found = {}
@@ -279,4 +343,6 @@ KIND = SourceKind(
     libraries=(),
     parse=_parse,
     resolve=_resolve,
+    host=_host,
+    is_of_this_machine=_is_of_this_machine,
 )

@@ -5,18 +5,27 @@ from __future__ import annotations
 import math
 import os
 import re
-import signal
+import shutil
 import subprocess
+import tempfile
+import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from composer.limits import in_force
+from composer.processes.process import Process
 from composer.sources.error import SourceError
-from composer.sources.timeout import patience
+from composer.sources.timeout import Silence, patience
+from composer.sources.waiting import waiting
 
 _TRIES = 3
 _PAUSE = 0.5
+_MOST_OUTPUT = 64 * 1024**2
+_MOST_WORDS = 64 * 1024
 _PASSING = re.compile(
     r"temporary failure|timed out|timeout|connection (refused|reset|closed)|early eof"
     r"|rpc failed|unexpected disconnect|hung up unexpectedly|couldn't connect|failed to connect|error: 5\d\d"
@@ -25,7 +34,7 @@ _PASSING = re.compile(
 )
 """What another try may get past."""
 _NO_NAME = re.compile("could not resolve host", re.IGNORECASE)
-"""There is no network, or no such name: another try a second later finds the same."""
+"""The network or the name does not exist: another try a second later finds the same."""
 _ADVICE = re.compile(
     r"(hint|warning): |Please make sure you have the correct access|and the repository exists", re.I
 )
@@ -47,70 +56,145 @@ class Git:
     progress: Callable[[str], None]
     limit: float = 1800.0
 
-    def run(
-        self, *arguments: str, folder: Path | None = None, tries: int = 1, stdin: bytes | None = None
-    ) -> bytes:
-        """Standard output. Raises GitFailure, and SourceError where there is no git."""
-        for attempt in range(tries):
+    def run(self, *arguments: str, folder: Path | None = None) -> bytes:
+        """Standard output. Raises GitFailure, and SourceError where git is missing."""
+        with self.open(*arguments, folder=folder) as process:
+            out: bytes = process.stdout.read(_MOST_OUTPUT + 1)
+            if len(out) > _MOST_OUTPUT:
+                raise GitFailure(f"git says more than {_MOST_OUTPUT >> 20} MiB")
+        return out
+
+    def fetch(self, *arguments: str, folder: Path | None = None) -> bytes:
+        """The same for what asks another machine: tried again where the network failed.
+
+        All tries together may wait as long for another machine as one may.
+        """
+        silence = Silence(patience(self.environment))
+        for attempt in range(_TRIES):
             try:
-                return self._once(arguments, folder, stdin)
+                with waiting(self.progress, "for the repository"):
+                    return self.run(*arguments, folder=folder)
             except GitFailure as failure:
                 passing = _PASSING.search(failure.said) and not _NO_NAME.search(failure.said)
-                if attempt + 1 == tries or not passing:
+                if attempt + 1 == _TRIES or not passing or silence.is_over:
                     raise
                 self.progress(f"{_last_line(failure.said)}; trying again")
                 time.sleep(_PAUSE * 2**attempt)
         raise AssertionError("there is at least one try")
 
-    def fetch(self, *arguments: str, folder: Path | None = None) -> bytes:
-        """The same for what asks another machine: tried again where the network failed."""
-        return self.run(*arguments, folder=folder, tries=_TRIES)
+    @contextmanager
+    def open(self, *arguments: str, folder: Path | None = None, asked: bool = False) -> Iterator[Any]:
+        """A command whose standard output is read in the block; with `asked`, what is asked is written to it.
 
-    def _once(self, arguments: tuple[str, ...], folder: Path | None, stdin: bytes | None) -> bytes:
-        silence = str(math.ceil(patience(self.environment)))  # git takes whole seconds
-        settings = {
-            "core.hooksPath": os.devnull,  # nothing of a repository is ever run
-            "protocol.ext.allow": "never",
-            "http.lowSpeedLimit": "1",
-            "http.lowSpeedTime": silence,
-            "gc.auto": "0",
-            "fetch.fsckObjects": "false",
-        }
-        command = ["git", *(word for name, value in settings.items() for word in ("-c", f"{name}={value}"))]
-        if folder is not None:
-            command.append(f"--git-dir={folder}")
-        # A repository that the user stands in is none of ours, nor what a hook says of it.
-        own = {name: value for name, value in self.environment.items() if name not in _OF_A_REPOSITORY}
-        own = {**os.environ, "GIT_ASKPASS": "", **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C"}
-        for name in _OF_A_REPOSITORY:
-            own.pop(name, None)
-        if any(each.startswith("ssh://") for each in arguments):
-            own |= _impatient_ssh(own, silence)
-        try:
-            with subprocess.Popen(
-                [*command, *arguments],
-                stdin=subprocess.DEVNULL if stdin is None else subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                env=own,
-                start_new_session=True,
-            ) as process:
-                try:
-                    out, err = process.communicate(stdin, timeout=self.limit)
-                except subprocess.TimeoutExpired:
-                    _kill(process)
-                    raise GitFailure(f"git took longer than {self.limit:g} seconds") from None
-                except BaseException:
-                    _kill(process)
-                    raise
-        except FileNotFoundError:
+        It has ended after the block. Raises GitFailure there unless it went well, and SourceError where there is no
+        git.
+        """
+        limits = in_force()
+        own = self._variables(arguments)
+        if shutil.which("git", path=own.get("PATH", os.defpath)) is None:
             raise SourceError(
                 "source-fetch", "models in git repositories need the command `git`, which is not installed",
                 help="install git",
-            ) from None  # fmt: skip
-        if process.returncode:
-            raise GitFailure(err.decode("utf-8", "replace").strip())
-        return out
+            )  # fmt: skip
+        with (
+            tempfile.TemporaryFile() as words,
+            Process(
+                ["git", *self._settings(folder), *arguments],
+                memory=limits.git_memory,
+                size=limits.source_size,
+                stdin=subprocess.PIPE if asked else subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=words,
+                env=own,
+            ) as process,
+        ):
+            is_late = threading.Event()
+
+            def stop() -> None:
+                is_late.set()
+                process.end()
+
+            timer = threading.Timer(self.limit, stop)
+            timer.daemon = True
+            timer.start()
+            try:
+                yield process
+                if process.stdin is not None:
+                    process.stdin.close()
+                status = process.wait()
+            finally:
+                timer.cancel()
+                process.end()
+            if is_late.is_set():
+                raise GitFailure(f"git took longer than {self.limit:g} seconds")
+            if status:
+                words.seek(0)
+                said = words.read(_MOST_WORDS).decode("utf-8", "replace").strip()
+                raise GitFailure(said or (f"git was ended by signal {-status}" if status < 0 else ""))
+
+    def _settings(self, folder: Path | None) -> list[str]:
+        settings = {
+            **CONFINED,
+            "http.lowSpeedLimit": "1",
+            "http.lowSpeedTime": self._silence,
+            "gc.auto": "0",
+            "fetch.fsckObjects": "false",
+            "fetch.unpackLimit": "1",  # all that comes is one file, which can be bounded
+        }
+        command = [*_options(settings), *bounded()]
+        return command if folder is None else [*command, f"--git-dir={folder}"]
+
+    def _variables(self, arguments: tuple[str, ...]) -> dict[str, str]:
+        # A repository that the user stands in is none of ours, nor what a hook says of it.
+        own = {name: value for name, value in self.environment.items() if name not in _OF_A_REPOSITORY}
+        own = {**os.environ, "GIT_ASKPASS": "", **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C"}
+        own |= {"GIT_ALLOW_PROTOCOL": _protocols(arguments), **NO_SYSTEM}
+        for name in _OF_A_REPOSITORY:
+            own.pop(name, None)
+        if any(each.startswith("ssh://") for each in arguments):
+            own |= _impatient_ssh(own, self._silence)
+        return own
+
+    @property
+    def _silence(self) -> str:
+        return str(math.ceil(patience(self.environment)))  # git takes whole seconds
+
+
+def bounded() -> list[str]:
+    """The options with which git holds no large file in memory as a whole."""
+    settings = {
+        "core.bigFileThreshold": "8m",
+        "core.deltaBaseCacheLimit": "16m",
+        "pack.windowMemory": "64m",
+        "pack.threads": "1",
+    }
+    return _options(settings)
+
+
+def _options(settings: Mapping[str, str]) -> list[str]:
+    return [word for name, value in settings.items() for word in ("-c", f"{name}={value}")]
+
+
+CONFINED = {
+    "core.hooksPath": os.devnull,
+    "core.fsmonitor": "false",
+    "core.attributesFile": os.devnull,
+    "submodule.recurse": "false",
+    "fetch.recurseSubmodules": "false",
+}
+"""Settings under which git runs nothing that a repository brings."""
+# What the user sets is the user's; what the machine sets may be another's. On Windows it says how servers are trusted.
+NO_SYSTEM = {} if os.name == "nt" else {"GIT_CONFIG_NOSYSTEM": "1", "GIT_ATTR_NOSYSTEM": "1"}
+
+
+def _protocols(arguments: tuple[str, ...]) -> str:
+    """The transports that git may use, also where its own settings send it elsewhere. Never a program (`ext::`).
+
+    >>> _protocols(("ls-remote", "--", "http://localhost/robots"))
+    'https:ssh:file:http'
+    """
+    is_open = any(word.startswith("http://") for word in arguments)
+    return "https:ssh:file" + (":http" if is_open else "")
 
 
 _OF_A_REPOSITORY = (
@@ -129,7 +213,7 @@ def _impatient_ssh(own: Mapping[str, str], seconds: str) -> dict[str, str]:
                 capture_output=True, check=False, timeout=30,
             )  # fmt: skip
         except (OSError, subprocess.TimeoutExpired):
-            return {}  # git itself is asked next, and its failure is told
+            return {}  # git itself is asked next, and its failure is reported
         written = done.stdout.decode("utf-8", "surrogateescape").strip()
     if not written and own.get("GIT_SSH"):
         return {}
@@ -144,14 +228,6 @@ _OPENSSH = re.compile(r"(\S*/)?ssh(\s|$)")
 """The first option that ssh is given counts: what the user's command says itself stays in force."""
 
 
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    """With the helpers that git started."""
-    if hasattr(os, "killpg"):
-        os.killpg(process.pid, signal.SIGKILL)
-    else:
-        process.kill()
-
-
 def _last_line(said: str) -> str:
     return said.strip().splitlines()[-1] if said.strip() else "git failed"
 
@@ -159,5 +235,5 @@ def _last_line(said: str) -> str:
 def words_of(failure: GitFailure) -> tuple[str, ...]:
     """What git said, as notes: its errors, without the advice."""
     lines = [line.strip() for line in failure.said.splitlines() if line.strip()]
-    told = [line for line in lines if not _ADVICE.match(line)] or lines
-    return tuple(f"git said: {line}" for line in told[:3])
+    said = [line for line in lines if not _ADVICE.match(line)] or lines
+    return tuple(f"git said: {line}" for line in said[:3])

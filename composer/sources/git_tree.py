@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from composer.sources.digest import files_below
 from composer.sources.error import SourceError
-from composer.sources.git_command import Git
-from composer.sources.unpack import Unsafe, check_name, limits
+from composer.sources.git_command import Git, GitFailure
+from composer.sources.unpack import Unsafe, check, check_name
 
 _LINK, _MODULE = "120000", "160000"
-_BATCH = 500
+_PIECE = 1024 * 1024
 _PATH_MAX = 4096
 _NOTHING = "a link to what is not in the commit, `{}`"
 
@@ -24,54 +26,54 @@ class _Blob:
     size: int
 
 
+Contents = Callable[[_Blob], Iterator[bytes]]
+
+
 def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[str, str]:
     """Write the files of a commit below `target`, an empty folder. What was left out, by its path, in words.
 
     A link to a file or folder of the same commit becomes that; other links and submodules are left out. Raises
-    SourceError for a tree whose names lead out of the folder, GitFailure, and OSError.
+    SourceError for a tree whose names lead out of the folder or that is too large, GitFailure, and OSError.
     """
-    blobs = _listed(git.run("ls-tree", "-r", "-z", "-l", "--full-tree", commit, folder=repository))
-    left_out = {blob.name: "a submodule, which is not fetched" for blob in blobs if blob.mode == _MODULE}
-    contents = _Contents(git, repository)
-    files = {blob.name: blob for blob in blobs if blob.mode not in (_MODULE, _LINK)}
+    packed = sum(path.stat().st_size for _, path in files_below(repository))
     try:
-        _check(blob for blob in blobs if blob.mode != _MODULE)
+        blobs = list(_listed(git, repository, commit))
+        left_out = {blob.name: "a submodule, which is not fetched" for blob in blobs if blob.mode == _MODULE}
+        files = {blob.name: blob for blob in blobs if blob.mode not in (_MODULE, _LINK)}
+        _check((blob for blob in blobs if blob.mode != _MODULE), packed)
         links = [blob for blob in blobs if blob.mode == _LINK and blob.size < _PATH_MAX]
         written = dict(files)
-        _follow(links, contents, files, written, left_out)
-        _check(written.values())
+        with _contents(git, repository) as contents:
+            _follow(links, contents, files, written, left_out)
+            _check(written.values(), packed)
+            for name, blob in written.items():
+                path = target / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                with path.open("xb") as stream:
+                    for piece in contents(blob):
+                        stream.write(piece)
     except Unsafe as fault:
-        raise SourceError("archive-refused", f"the commit `{commit[:12]}` is refused: {fault}") from None
-    pairs = list(written.items())
-    for start in range(0, len(pairs), _BATCH):
-        batch = pairs[start : start + _BATCH]
-        for (name, _), content in zip(batch, contents.read([blob for _, blob in batch]), strict=True):
-            path = target / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with path.open("xb") as stream:
-                stream.write(content)
+        message = f"the commit `{commit[:12]}` is refused: {fault}"
+        raise SourceError("archive-refused", message, help=fault.help) from None
     return left_out
 
 
-def _check(blobs: Iterable[_Blob]) -> None:
+def _check(blobs: Iterable[_Blob], packed: int) -> None:
     known = list(blobs)
-    limits.check(len(known), sum(blob.size for blob in known))
+    check(len(known), sum(blob.size for blob in known), packed)
     for blob in known:
         check_name(blob.name)
 
 
 def _follow(
     links: list[_Blob],
-    contents: _Contents,
+    contents: Contents,
     files: dict[str, _Blob],
     written: dict[str, _Blob],
     left_out: dict[str, str],
 ) -> None:
     """Put what links lead to into `written`, under their names; or the links into `left_out`."""
-    targets = {
-        link.name: content.decode("utf-8", "surrogateescape")
-        for link, content in zip(links, contents.read(links), strict=True)
-    }
+    targets = {link.name: b"".join(contents(link)).decode("utf-8", "surrogateescape") for link in links}
     real = {name: _real(name, targets) for name in targets}
     for name, leads_to in real.items():
         if leads_to is None:
@@ -86,13 +88,13 @@ def _follow(
             found |= {each: to for each, to in real.items() if to in files and each.startswith(inside)}
             for each, to in found.items():
                 written[f"{name}/{each.removeprefix(inside)}"] = files[to]
-                limits.check(len(written), 0)
+                check(len(written), 0)
             if not found:
                 left_out[name] = _NOTHING.format(targets[name])
 
 
 def _real(path: str, targets: Mapping[str, str], patience: int = 16) -> str | None:
-    """The path of what is there, without links on the way; None where that is no path of the commit. No I/O.
+    """The path without links on the way; None where that is not a path of the commit. No I/O.
 
     >>> _real("a/b/c.xml", {"a/b": "../d"})
     'd/c.xml'
@@ -117,31 +119,43 @@ def _real(path: str, targets: Mapping[str, str], patience: int = 16) -> str | No
     return "/".join(done)
 
 
-def _listed(out: bytes) -> list[_Blob]:
-    found = []
-    for line in out.split(b"\0"):
-        if line:
-            facts, name = line.split(b"\t", 1)
-            mode, _, hash, size = facts.decode().split()
-            found.append(
-                _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, 0 if size == "-" else int(size))
-            )
-    return found
+def _listed(git: Git, repository: Path, commit: str) -> Iterator[_Blob]:
+    """The files of a commit, read until there are too many: a tree may hold itself many times over."""
+    left = b""
+    with git.open("ls-tree", "-r", "-z", "-l", "--full-tree", commit, folder=repository) as process:
+        count = 0
+        while piece := process.stdout.read1(_PIECE):
+            *lines, left = (left + piece).split(b"\0")
+            count += len(lines)
+            check(count, 0)
+            yield from map(_blob, lines)
 
 
-@dataclass(frozen=True, slots=True)
-class _Contents:
-    git: Git
-    repository: Path
+def _blob(line: bytes) -> _Blob:
+    facts, name = line.split(b"\t", 1)
+    mode, _, hash, size = facts.decode().split()
+    return _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, 0 if size == "-" else int(size))
 
-    def read(self, blobs: list[_Blob]) -> list[bytes]:
-        asked = "".join(f"{blob.hash}\n" for blob in blobs).encode()
-        out = self.git.run("cat-file", "--batch", folder=self.repository, stdin=asked)
-        found, at = [], 0
-        for _ in blobs:
-            line, _, _ = out[at : at + 200].partition(b"\n")
-            size = int(line.split()[2])
-            at += len(line) + 1
-            found.append(out[at : at + size])
-            at += size + 1
-        return found
+
+@contextmanager
+def _contents(git: Git, repository: Path) -> Iterator[Contents]:
+    """A function that gives the bytes of a file piece by piece, so that none is held as a whole."""
+    with git.open("cat-file", "--batch", folder=repository, asked=True) as process:
+
+        def content(blob: _Blob) -> Iterator[bytes]:
+            with suppress(BrokenPipeError):  # it has ended, which its answer shows
+                process.stdin.write(f"{blob.hash}\n".encode())
+                process.stdin.flush()
+            header = process.stdout.readline().split()
+            left = int(header[2]) if len(header) == 3 else -1
+            if left != blob.size:
+                raise GitFailure(f"git has other bytes of `{blob.name}` than it said")
+            while left:
+                piece = process.stdout.read1(min(left, _PIECE))
+                if not piece:
+                    raise GitFailure(f"git broke off in `{blob.name}`")
+                left -= len(piece)
+                yield piece
+            process.stdout.read(1)
+
+        yield content

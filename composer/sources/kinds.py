@@ -43,7 +43,7 @@ def kind_called(name: str) -> SourceKind | None:
 def parse(text: str) -> Reference:
     """Take a model reference apart. No I/O.
 
-    What is no other kind is a path; a path with a colon in its first part is written with `./` in front.
+    What is not of another kind is a path; a path with a colon in its first part is written with `./` in front.
     Raises SourceError (`source-kind`) for a text that has none of the forms.
 
     >>> parse("menagerie:universal_robots_ur5e/ur5e").name

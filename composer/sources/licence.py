@@ -75,7 +75,7 @@ def licence_folders(folder: str) -> list[str]:
 
 
 def licence_names(folder: str) -> str:
-    """What tells whether the licences in a folder are others, a line for each. Raises OSError.
+    """What shows whether the licences in a folder have changed, a line for each. Raises OSError.
 
     That has the folders in which there may be more, of which each is asked by itself.
     """

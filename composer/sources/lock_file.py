@@ -20,12 +20,12 @@ _MERGE = re.compile(r"^<<<<<<<( |$)", re.MULTILINE)
 
 def to_text(lock: Lock) -> str:
     """The lock as its file has it: the same lock is the same text. No I/O."""
-    told = lock.model_dump(exclude_defaults=True)
-    told["sources"] = {
+    data = lock.model_dump(exclude_defaults=True)
+    data["sources"] = {
         id: {**source, "files": dict(sorted(source["files"].items()))}
-        for id, source in sorted(told["sources"].items())
+        for id, source in sorted(data["sources"].items())
     }
-    return json.dumps({"lock": FORMAT, **told}, indent=2, ensure_ascii=False) + "\n"
+    return json.dumps({"lock": FORMAT, **data}, indent=2, ensure_ascii=False) + "\n"
 
 
 def kind_of(locked: Locked) -> SourceKind:
@@ -87,16 +87,16 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
         lock = Lock.model_validate(to_python(node))
     except ValidationError as error:
         fault = error.errors()[0]
-        _tell(fault["type"], tuple(fault["loc"]), node, shown, sink)
+        _report(fault["type"], tuple(fault["loc"]), node, shown, sink)
         return None
     unknown = [id for id, locked in lock.sources.items() if kind_called(locked.kind) is None]
     if unknown:
-        _tell("", ("sources", unknown[0], "kind"), node, shown, sink)
+        _report("", ("sources", unknown[0], "kind"), node, shown, sink)
         return None
     if (
         version is None or not isinstance(number, Scalar) or type(number.value) is not int
     ):  # `true` is 1 to Python
-        _tell("missing" if version is None else "", ("lock",), node, shown, sink)
+        _report("missing" if version is None else "", ("lock",), node, shown, sink)
         return None
     return lock
 
@@ -120,7 +120,7 @@ def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Dispute
 _HELP = "take the lock from version control, or remove it and run `mjcompose lock`"
 
 
-def _tell(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, sink: Sink) -> None:
+def _report(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, sink: Sink) -> None:
     key = fault in ("missing", "extra_forbidden")
     where = " / ".join(f"`{step}`" for step in path)
     said = {

@@ -16,7 +16,7 @@ from composer.sources.kind import Form, Library
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference, bare, malformed
 from composer.sources.source import Source
-from composer.sources.source_kind import SourceKind
+from composer.sources.source_kind import SourceKind, never, no_host
 
 _PACKAGE = "mujoco-menagerie"
 _FORM = Form(
@@ -174,4 +174,6 @@ KIND = SourceKind(
     libraries=(Library(_PACKAGE, "menagerie"),),
     parse=_parse,
     resolve=_resolve,
+    host=no_host,
+    is_of_this_machine=never,
 )

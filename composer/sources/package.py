@@ -19,7 +19,7 @@ from composer.sources.kind import Form
 from composer.sources.origin import Origin
 from composer.sources.reference import Reference, bare, malformed
 from composer.sources.source import Source, has_format
-from composer.sources.source_kind import SourceKind
+from composer.sources.source_kind import SourceKind, always, no_host
 from composer.sources.spdx import of_package
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def _spec(top: str) -> ModuleSpec | None:
 
 
 def distribution(name: str) -> Distribution | None:
-    """The distribution that installed the package `name`, as far as its record of files tells."""
+    """The distribution that installed the package `name`, as far as its record of files shows."""
     from importlib import metadata
 
     top = name.partition(".")[0]
@@ -112,9 +112,9 @@ def _found(reference: Reference, path: Path, root: Path) -> Source:
 
 
 def _licence_of(owner: Distribution) -> str | None:
-    told = owner.metadata
-    written = {name: (told.get_all(name) or [None])[0] for name in ("License-Expression", "License")}
-    return of_package(written["License-Expression"], written["License"], told.get_all("Classifier") or ())
+    metadata = owner.metadata
+    written = {name: (metadata.get_all(name) or [None])[0] for name in ("License-Expression", "License")}
+    return of_package(written["License-Expression"], written["License"], metadata.get_all("Classifier") or ())
 
 
 def _licences_of(owner: Distribution) -> Iterator[Path]:
@@ -142,7 +142,7 @@ def _not_installed(reference: Reference) -> SourceError:
     if spec is not None and spec.submodule_search_locations is None:
         return SourceError("source-not-found", f"`{name}` is a Python module without a folder, in `{text}`")
     known = {top: owners for top, owners in metadata.packages_distributions().items() if top.isidentifier()}
-    # Whoever knows the package by what is typed after `pip install` is told the name that is imported.
+    # Whoever knows the package by what is typed after `pip install` is reported the name that is imported.
     named = [top for top, owners in known.items() if _normalised(name) in map(_normalised, owners)]
     near = named or closest(name, (top for top in known if not top.startswith("_")))
     fix = f"write `package:{near[0]}/{reference.path}`" if near else "install the package with the model"
@@ -166,4 +166,6 @@ KIND = SourceKind(
     libraries=(),
     parse=_parse,
     resolve=_resolve,
+    host=no_host,
+    is_of_this_machine=always,
 )

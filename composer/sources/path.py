@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 
 from composer.diagnostics.suggest import exists_note
+from composer.reading.refused import CODE
 from composer.sources import licence
 from composer.sources import suggest as nearby
 from composer.sources.error import SourceError
@@ -14,7 +15,7 @@ from composer.sources.fetching import Fetching, Lookup
 from composer.sources.kind import Form
 from composer.sources.reference import Reference
 from composer.sources.source import Source, has_format
-from composer.sources.source_kind import SourceKind
+from composer.sources.source_kind import SourceKind, never, no_host
 
 
 def _parse(text: str) -> Reference:
@@ -23,11 +24,14 @@ def _parse(text: str) -> Reference:
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
     """The file at a path; a relative one starts at the folder of the lookup. Raises SourceError."""
-    try:
-        found = _file(reference, lookup.folder)
-    except SourceError as error:
-        raise _left_out(reference, lookup.folder, lookup.fetching) or error from None
-    return _of_the_same(found, lookup.folder, lookup.fetching)
+    fetching = lookup.fetching
+    if (left_out := _left_out(reference, lookup.folder, fetching)) is not None:
+        raise left_out
+    door, wanted = fetching.door_of_text(lookup.folder), os.path.join(lookup.folder, reference.path)
+    if not door.sees(wanted):  # before any message shows what exists
+        refused = door.outside(wanted)
+        raise SourceError(CODE, refused.message(), refused.help)
+    return _with_origin(_file(reference, lookup.folder), fetching, lookup.folder)
 
 
 def _file(reference: Reference, relative_to: Path) -> Source:
@@ -88,18 +92,10 @@ def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> So
     return None
 
 
-def _of_the_same(source: Source, relative_to: Path, fetching: Fetching) -> Source:
-    """A path in a recipe that was fetched leads to a file that was fetched with it."""
-    origin = fetching.around(relative_to)
-    if origin is None:
-        return source
-    if fetching.around(source.path) != origin:
-        if origin.is_fetched:
-            raise SourceError(
-                "source-outside",
-                f"`{source.reference}` was not fetched with `{origin.id}`, whose recipe names it",
-                help="a recipe that is fetched must hold all that it names by paths",
-            )
+def _with_origin(source: Source, fetching: Fetching, folder: Path) -> Source:
+    """A path in a recipe that came with other files leads to one of these."""
+    origin = fetching.around(folder)
+    if origin is None or fetching.around(source.path) != origin:
         return source
     asked = fetching.first.get(origin.id, source)
     own = licence.find(source.path, origin.root)
@@ -123,4 +119,6 @@ KIND = SourceKind(
     libraries=(),
     parse=_parse,
     resolve=_resolve,
+    host=no_host,
+    is_of_this_machine=never,
 )

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
+from composer.reading.door import Door
+from composer.reading.refused import CODE, Refused
+from composer.sources.error import SourceError
 from composer.sources.fetching import Fetching, Lookup
 from composer.sources.kinds import kind_called, parse
+from composer.sources.reach import check_reach
 from composer.sources.source import Source
 
 
@@ -16,7 +21,8 @@ def resolve(
     """Find the file that a model reference stands for, and the licences that go with it; fetch it where it has to be.
 
     `relative_to` is the folder of the file that holds the reference; `environment` stands for the environment
-    of the process; `fetching` has the rules and the memory of the run. Raises SourceError.
+    of the process; `fetching` has the rules and the memory of the run. A reference in what was fetched may name only
+    what is not on this machine. Raises SourceError.
     """
     fetching = Fetching() if fetching is None else fetching
     parsed = parse(reference)
@@ -24,8 +30,26 @@ def resolve(
     assert kind is not None, "what is parsed is of a kind"
     if not kind.is_fetched:  # another variable could change the outcome without the build cache's knowing
         environment = {name: environment[name] for name in kind.variables if name in environment}
-    source = kind.resolve(parsed, Lookup(relative_to, environment, fetching))
+    asking = fetching.around(relative_to)
+    is_confined = asking is not None and asking.is_fetched
+    if asking is not None and is_confined:
+        check_reach(parsed, kind, asking, fetching.trust, fetching.offline)
+        is_confined = not fetching.trust.allows(reference)
+    source = kind.resolve(parsed, Lookup(relative_to, environment, fetching, is_confined))
     if source.origin is not None:
         fetching.origins[source.origin.id] = source.origin
         fetching.first.setdefault(source.origin.id, source)
-    return source
+        return _with_door(source, fetching.door_of_origin(source.origin))
+    return _with_door(source, fetching.door_of_model(source.path))
+
+
+def _with_door(source: Source, door: Door) -> Source:
+    """With its door, which its own file and its licences pass; one that is a link may lead elsewhere."""
+    try:
+        door.admit(source.path)
+        for licence in source.licences:
+            if licence.is_symlink():
+                door.admit(licence)
+    except Refused as refused:
+        raise SourceError(CODE, refused.message(), refused.help) from None
+    return replace(source, door=door)

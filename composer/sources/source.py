@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 from typing import Literal
 
+from composer.reading.door import NOTHING, Door
 from composer.sources.kind import Kind
 from composer.sources.origin import Origin
 
@@ -26,11 +27,11 @@ class Source:
     """The model file that a reference stands for.
 
     `reference` is as it was written. `package` and `version` name the distribution that the file came with;
-    there is no version where the file need not be the one that the distribution holds; of a repository it is the
-    commit, of an archive its sha256. `licences` are the
-    licence files that go with the model, sorted by name, and empty when none was found. `packages` are the
-    folders that `package://NAME` stands for in URDF, where the recipe gives them. `origin` is what the file
-    belongs to, None for one that is named by its path. `licence` is what its package says, as an SPDX expression.
+    the version is None where the file need not be the one that the distribution holds; of a repository it is the
+    commit, of an archive its sha256. `licences` are the licence files that go with the model, sorted by
+    name, and empty when none was found. `packages` are the folders that `package://NAME` stands for
+    in URDF, where the recipe gives them. `origin` is what the file belongs to, None for one that is named by its
+    path. `licence` is what its package says, as an SPDX expression. `door` is what the model may read.
     """
 
     path: Path
@@ -42,6 +43,7 @@ class Source:
     packages: tuple[tuple[str, Path], ...] = ()
     origin: Origin | None = None
     licence: str | None = None
+    door: Door = field(default=NOTHING, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         belongs_to = self.kind if self.origin is None else self.origin.kind
@@ -49,7 +51,7 @@ class Source:
 
     @property
     def format(self) -> Format:
-        """What the file is, told from its suffix; a file whose suffix says nothing never becomes a source."""
+        """What the file is, by its suffix; a file whose suffix says nothing never becomes a source."""
         return FORMATS[self.path.suffix.lower()]
 
 

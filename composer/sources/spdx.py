@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
+from composer.reading.memory import Memory
 from composer.sources.source import Source
 
 UNKNOWN = "unknown"
@@ -73,7 +75,7 @@ def identify(text: str) -> str | None:
 
 
 def licence_of(source: Source) -> str | None:
-    """The licence of a model as an SPDX expression, None where nothing tells.
+    """The licence of a model as an SPDX expression, None where nothing names it.
 
     The model file itself comes first (`SPDX-License-Identifier`), then the licence files that go with it, then the
     package. Licence files that say different things are joined by AND.
@@ -94,11 +96,20 @@ def is_empty(licence: Path) -> bool:
 
 
 def _text(path: Path, size: int) -> str:
+    return _heads.ask(os.fspath(path)) if size == _HEAD else _texts.ask(os.fspath(path))
+
+
+def _read(path: str, size: int) -> str:
     try:
-        with path.open("rb") as file:
+        with open(path, "rb") as file:
             return file.read(size).decode("utf-8", "replace")
     except OSError:
         return ""
+
+
+# Many models of one run go with the same licences.
+_heads = Memory(lambda path: _read(path, _HEAD), lambda _: "")
+_texts = Memory(lambda path: _read(path, _LARGEST), lambda _: "")
 
 
 _CLASSIFIERS = {

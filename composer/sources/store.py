@@ -6,6 +6,7 @@
     partial/                          downloads to be resumed
     staging/                          entries being made; they move to their place in one step
     locks/                            one for each entry: two processes do not fetch the same thing at once
+    leases/                           one for each process that reads entries: these are not pruned
 
 Every name in it is the hash of something, so that no reference can lead out of it.
 """
@@ -24,9 +25,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from composer.sources.blobs import WRITING, Blob, blobs_in
+from composer.limits import parse_size
+from composer.reading.owner import untrusted
+from composer.sources.blobs import WRITING, Blob, blobs_in, is_left, write_whole
 from composer.sources.digest import differences, files_below, sha256_of
 from composer.sources.error import SourceError
+from composer.sources.lease import gate, held, hold
 
 Stored = Literal["git", "archive"]
 """What an entry is, and with that what its key is: the hash of a commit, or the sha256 of an archive."""
@@ -78,14 +82,29 @@ class Store:
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Store:
-        """The user's store: `MJCOMPOSE_CACHE`, or where the system keeps caches; `MJCOMPOSE_CACHE_SIZE` bounds it."""
+        """The user's store: `MJCOMPOSE_CACHE`, or where the system keeps caches; `MJCOMPOSE_CACHE_SIZE` bounds it.
+
+        Raises SourceError for one that another user can change.
+        """
         limit = _size(environment.get("MJCOMPOSE_CACHE_SIZE", ""))
-        return cls(Path(store_folder(environment)), limit)
+        folder = Path(store_folder(environment))
+        if (why := untrusted(folder)) is not None:
+            raise SourceError(
+                "store-unusable",
+                f"the store `{folder}` is not trusted: {why}, who may have put anything there",
+                help="name a folder of your own in `MJCOMPOSE_CACHE`",
+            )
+        return cls(folder, limit)
 
     def get(self, kind: Stored, key: str) -> Entry | None:
-        """The entry, marked as used now; None where there is none."""
+        """The entry, marked as used now; None where there is none. It is not pruned while this process lives."""
         folder = self.folder / kind / key
-        entry = self._read(kind, folder)
+        try:
+            with gate(self.folder):
+                if (entry := self._read(kind, folder)) is not None:
+                    hold(self.folder, key)
+        except OSError:  # a store that cannot be written, of which nothing is taken away either
+            entry = self._read(kind, folder)
         if entry is not None:
             with contextlib.suppress(OSError):  # somebody else's store, which may be read
                 os.utime(folder / ENTRY)
@@ -112,21 +131,23 @@ class Store:
                     files[name] = sha256_of(path)
                     size += path.stat().st_size
                     path.chmod(stat.S_IREAD | stat.S_IRGRP | stat.S_IROTH)
-                told = {
+                record = {
                     "origin": origin,
                     "size": size,
                     "about": dict(about),
                     "files": dict(sorted(files.items())),
                 }
                 with (stage / ENTRY).open("w", encoding="utf-8") as stream:
-                    json.dump(told, stream, indent=1)
+                    json.dump(record, stream, indent=1)
                     stream.flush()
                     os.fsync(stream.fileno())
                 target = self.folder / kind / key
                 target.parent.mkdir(parents=True, exist_ok=True)
                 if os.path.lexists(target):  # damaged: a whole one would have been found
                     self._remove(target, key)
-                stage.replace(target)
+                with gate(self.folder):
+                    hold(self.folder, key)
+                    stage.replace(target)
             finally:
                 _erase(stage)
         entry = self._read(kind, self.folder / kind / key)
@@ -189,7 +210,8 @@ class Store:
     ) -> list[Entry | Blob]:
         """Remove what was used longest ago until at most `limit` bytes are left, and what killed processes left.
 
-        Spares `keep`, and entries that were used in the last `grace` seconds. What was removed.
+        Spares `keep`, entries that were used in the last `grace` seconds, and those that another process is using. What
+        was removed.
         """
         removed: list[Entry | Blob] = []
         entries = self.entries()
@@ -203,14 +225,14 @@ class Store:
             if isinstance(each, Blob):
                 with self.usable():
                     each.path.unlink(missing_ok=True)
-            elif each.key in keep or time.time() - each.used < grace:
+            elif each.key in keep or time.time() - each.used < grace or not self._remove_unused(each):
                 continue
-            else:
-                self.remove(each)
             removed.append(each)
             size -= each.size
         for left in self.unfinished():
             self._sweep_unless_busy(left)
+        with contextlib.suppress(OSError), gate(self.folder):
+            held(self.folder)  # takes the leases of killed processes away
         for folder in headless:
             self.remove_headless(folder)
         return removed
@@ -219,6 +241,16 @@ class Store:
         """Take an entry out of the store, in one step."""
         with self.usable():
             self._remove(entry.folder, entry.key)
+
+    def _remove_unused(self, entry: Entry) -> bool:
+        """Take an entry out unless a process is using it; whether that was done."""
+        with self.usable():
+            with gate(self.folder):
+                if entry.key in held(self.folder):
+                    return False
+                stage = self._moved_away(entry.folder, entry.key)
+            _erase(stage)
+        return True
 
     def headless(self, entries: Iterable[Entry]) -> list[Path]:
         """The folders of entries of which nothing can be read, and which no build sees; `entries` are all others."""
@@ -258,45 +290,49 @@ class Store:
                 there[name] = "unreadable"
         return differences(entry.files, there)
 
-    def remember(self, id: str, told: Mapping[str, str]) -> None:
+    def remember(self, id: str, seen: Mapping[str, str]) -> None:
         """Write down what an origin stood for; a note that cannot be written is none."""
         path = self.folder / "seen" / f"{name_of(id)}.json"
-        stage = path.with_name(f"{path.name}.{os.urandom(6).hex()}")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            stage.write_text(json.dumps({**told, "id": id}), encoding="utf-8")
-            stage.replace(path)
-        except OSError:
-            with contextlib.suppress(OSError):
-                stage.unlink()
+        with contextlib.suppress(OSError):
+            write_whole(self.folder, path, json.dumps({**seen, "id": id}).encode())
 
     def recall(self, id: str) -> Mapping[str, str]:
         """What `remember` wrote down last; empty where it did not."""
         try:
-            told = json.loads((self.folder / "seen" / f"{name_of(id)}.json").read_text(encoding="utf-8"))
+            seen = json.loads((self.folder / "seen" / f"{name_of(id)}.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return {}
-        if not isinstance(told, dict) or told.get("id") != id:
+        if not isinstance(seen, dict) or seen.get("id") != id:
             return {}
-        return {name: value for name, value in told.items() if isinstance(value, str)}
+        return {name: value for name, value in seen.items() if isinstance(value, str)}
 
     def _read(self, kind: str, folder: Path) -> Entry | None:
         try:
             text = (folder / ENTRY).read_text(encoding="utf-8")
             used = (folder / ENTRY).stat().st_mtime
-            told: Any = json.loads(text)
+            record: Any = json.loads(text)
             return Entry(
-                kind, folder.name, folder, told["origin"], told["size"], told["files"], told["about"], used
+                kind,
+                folder.name,
+                folder,
+                record["origin"],
+                record["size"],
+                record["files"],
+                record["about"],
+                used,
             )
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
     def _remove(self, folder: Path, key: str) -> None:
+        _erase(self._moved_away(folder, key))
+
+    def _moved_away(self, folder: Path, key: str) -> Path:
         stage = self.folder / "staging" / f"{key}.{os.urandom(6).hex()}"
         stage.parent.mkdir(parents=True, exist_ok=True)
         with contextlib.suppress(FileNotFoundError):  # another process was faster
             folder.replace(stage)
-        _erase(stage)
+        return stage
 
     def _sweep(self, key: str) -> None:
         """Erase what killed processes left of this key, whose lock is held."""
@@ -306,7 +342,7 @@ class Store:
     def _sweep_unless_busy(self, left: Path) -> None:
         if left.parent.name == WRITING:
             with contextlib.suppress(OSError):
-                if time.time() - left.stat().st_mtime > GRACE:
+                if is_left(left) or time.time() - left.stat().st_mtime > GRACE:
                     left.unlink()
             return
         from filelock import FileLock, Timeout
@@ -336,24 +372,6 @@ def _erase(path: Path) -> None:
     else:
         with contextlib.suppress(OSError):
             path.unlink()
-
-
-_UNITS = {"": 1, "K": 1024, "M": 1024**2, "G": 1024**3, "T": 1024**4}
-
-
-def parse_size(text: str) -> int | None:
-    """A number of bytes, as `500M` or `2.5G`; None for what is none. No I/O.
-
-    >>> parse_size("2K"), parse_size("0"), parse_size("many")
-    (2048, 0, None)
-    """
-    digits = text.strip().upper().removesuffix("B").removesuffix("I")
-    unit = digits[-1:] if digits[-1:] in _UNITS else ""
-    try:
-        value = float(digits.removesuffix(unit)) * _UNITS[unit]
-        return int(value) if value >= 0 else None
-    except (ValueError, OverflowError):
-        return None
 
 
 def _size(text: str) -> int:

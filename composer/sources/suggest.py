@@ -1,4 +1,4 @@
-"""What a person may have meant by a model file that is not there: the model files near to it."""
+"""What a person may have meant by a model file that does not exist: the model files near to it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ENTRIES = 2000
 def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
     """The model files in `folder` and up to `depth` levels below, as paths relative to it, the nearest first.
 
-    What is hidden is left out, and the search ends after 2000 entries. Empty when the folder is not there.
+    What is hidden is left out, and the search ends after 2000 entries. Empty when the folder does not exist.
     """
     found: list[str] = []
     seen = 0
@@ -46,7 +46,7 @@ def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
 
 
 def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | None = None) -> SourceError:
-    """The error for a reference whose file is not there; `existing` are references that lead to a file."""
+    """The error for a reference whose file does not exist; `existing` are references that lead to a file."""
     suffix = PurePath(text).suffix.lower()
     # Files of the kind that was written first: who looks for an XML file has no use for the recipes beside it.
     known = sorted(existing, key=lambda each: PurePath(each).suffix.lower() != suffix)
@@ -91,7 +91,7 @@ def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
         folders = []
     near = closest(missing.name, folders)
     inside = written.removesuffix(missing.name)
-    message = f"the model `{text}` does not exist: there is no folder `{written}`"
+    message = f"the model `{text}` does not exist, nor does the folder `{written}`"
     listed = sorted(folders, key=lambda each: each not in near)
     note = exists_note("folder", [f"{inside}{each}" for each in listed]).message
     corrected = missing.with_name(near[0]).joinpath(*wanted.parts[-depth:]) if near else None
@@ -108,7 +108,7 @@ def nearest(text: str, existing: Iterable[str]) -> str | None:
 
 
 def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
-    """The error for a reference that does not tell what it refers to by its suffix."""
+    """The error for a reference that does not say what it refers to by its suffix."""
     known = list(existing)
     suffix = PurePath(text.rpartition("#")[2]).suffix
     same = [each for each in known if os.path.splitext(each)[0].removeprefix("./") == text.removeprefix("./")]

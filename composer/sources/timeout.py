@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 
 from composer.sources.error import SourceError
@@ -30,3 +31,29 @@ def patience(environment: Mapping[str, str]) -> float:
             help="write it as `30`",
         )
     return seconds
+
+
+class Silence:
+    """How long another machine has said nothing, over all tries together; `seconds` are what it may."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._since = time.monotonic()
+
+    @property
+    def left(self) -> float:
+        """Seconds; never quite none, for a time limit of zero means another thing."""
+        return max(self._seconds - (time.monotonic() - self._since), 0.01)
+
+    @property
+    def is_nearly_over(self) -> bool:
+        """Whether another try would have too little time to be worth it."""
+        return self.left < self._seconds / 4
+
+    @property
+    def is_over(self) -> bool:
+        return time.monotonic() - self._since >= self._seconds
+
+    def broken(self) -> None:
+        """Something was said."""
+        self._since = time.monotonic()

@@ -3,43 +3,47 @@
 from __future__ import annotations
 
 import bz2
+import errno
 import gzip
 import lzma
+import math
 import re
 import stat
+import struct
 import tarfile
 import zipfile
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+from composer.limits import MIB, advice, in_force, written
+
+SMALL = 64 * MIB
+"""What unpacks to no more is not a bomb, whatever its ratio."""
+
 
 class Unsafe(Exception):
-    """An archive that is broken or may do harm; the text says which entry and why."""
+    """An archive that is broken or may do harm; the text says which entry and why, `help` what lets it pass."""
+
+    def __init__(self, message: str, help: str | None = None) -> None:
+        super().__init__(message)
+        self.help = help
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """How much one source may hold; `ratio` is between unpacked and packed, for what is larger than `small`."""
-
-    files: int = 200_000
-    size: int = 8 * 1024**3
-    ratio: int = 300
-    small: int = 64 * 1024**2
-
-    def check(self, files: int, size: int, packed: int | None = None) -> None:
-        """Raises Unsafe for what is too much."""
-        if files > self.files:
-            raise Unsafe(f"it holds more than {self.files} files")
-        if size > self.size:
-            raise Unsafe(f"it unpacks to more than {self.size >> 30} GiB")
-        if packed is not None and size > self.small and size > self.ratio * packed:
-            raise Unsafe(f"it unpacks to more than {self.ratio} times its size, as only bombs do")
+def check(files: int, size: int, packed: int | None = None) -> None:
+    """Raises Unsafe for more files, or bytes of them, than the limits allow to one source of `packed` bytes."""
+    limits = in_force()
+    if files > limits.source_files:
+        raise Unsafe(f"it holds more than {limits.source_files} files", advice("source-files"))
+    if size > limits.source_size:
+        most = written("source-size", limits.source_size)
+        raise Unsafe(f"it unpacks to more than {most}", advice("source-size"))
+    if packed is not None and size > SMALL and size > limits.source_ratio * packed:
+        message = f"it unpacks to more than {limits.source_ratio} times its size, as only bombs do"
+        raise Unsafe(message, advice("source-ratio", math.ceil(size / max(packed, 1))))
 
 
-limits = Limits()
 _CHUNK = 1024 * 1024
 _HEADER = 16 * _CHUNK
 _NAME_MAX, _PATH_MAX = 255, 2048
@@ -52,11 +56,18 @@ _OPENERS: tuple[tuple[bytes, Any], ...] = (
 )
 
 
+_BROKEN = (
+    zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError, NotImplementedError,
+    gzip.BadGzipFile, ValueError, RuntimeError, struct.error, OverflowError, IndexError,
+)  # fmt: skip
+_OF_THE_DISK = frozenset({errno.EIO, errno.ENOSPC, errno.EDQUOT, errno.ENXIO, errno.EBADF})
+
+
 def unpack(archive: Path, target: Path) -> None:
-    """Unpack a zip or a tar (plain, gz, bz2 or xz), told by its bytes, into `target`, an empty folder.
+    """Unpack a zip or a tar (plain, gz, bz2 or xz), recognised by its bytes, into `target`, an empty folder.
 
     Raises Unsafe for an archive that is broken, leads out of the folder, holds links or devices or the same
-    name twice, is encrypted, or is larger than `limits`; OSError where the disk refuses.
+    name twice, is encrypted, or is larger than the limits; OSError where the disk refuses.
     """
     with archive.open("rb") as stream:
         start = stream.read(512)
@@ -72,9 +83,13 @@ def unpack(archive: Path, target: Path) -> None:
             raise Unsafe(f"it is neither a zip nor a tar{looks}")
         with archive.open("rb") as raw, raw if opener is None else opener(raw) as plain, _tar(plain) as tar:
             _write(_tar_members(tar), target, packed)
-    except (zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError, NotImplementedError,
-            gzip.BadGzipFile, ValueError, RuntimeError) as fault:  # fmt: skip
+    except _BROKEN as fault:
         raise Unsafe(f"it is broken: {str(fault) or type(fault).__name__}") from fault
+    except OSError as fault:
+        # What bz2 and zipfile say of bytes that are none of theirs has no number, or that of a wrong argument.
+        if fault.errno in (None, errno.EINVAL):
+            raise Unsafe(f"it is broken: {str(fault).lower()}") from fault
+        raise
 
 
 def check_name(name: str) -> None:
@@ -91,7 +106,7 @@ def check_name(name: str) -> None:
 
 def _zip_members(archive: zipfile.ZipFile) -> Iterator[tuple[str, IO[bytes] | None]]:
     members = archive.infolist()
-    limits.check(len(members), sum(member.file_size for member in members))
+    check(len(members), sum(member.file_size for member in members))
     for member in members:
         kind = stat.S_IFMT(member.external_attr >> 16)
         if kind not in (0, stat.S_IFREG, stat.S_IFDIR):
@@ -140,7 +155,7 @@ def _write(members: Iterator[tuple[str, IO[bytes] | None]], target: Path, packed
             continue
         check_name(name)
         count += 1
-        limits.check(count, size, packed)
+        check(count, size, packed)
         path = target / name
         try:
             if stream is None:
@@ -151,10 +166,22 @@ def _write(members: Iterator[tuple[str, IO[bytes] | None]], target: Path, packed
         except (FileExistsError, NotADirectoryError):
             raise Unsafe(f"it holds `{name}` twice") from None
         with file:
-            while chunk := stream.read(_CHUNK):
+            while chunk := _read(stream, name):
                 size += len(chunk)
-                limits.check(count, size, packed)
+                check(count, size, packed)
                 file.write(chunk)
+
+
+def _read(stream: IO[bytes], name: str) -> bytes:
+    """The next piece of a member. What is wrong with it is the archive's fault, not that of the disk."""
+    try:
+        return stream.read(_CHUNK)
+    except OSError as fault:
+        if fault.errno in _OF_THE_DISK:
+            raise
+        raise Unsafe(f"`{name}` in it is broken: {str(fault).lower()}") from fault
+    except _BROKEN as fault:
+        raise Unsafe(f"`{name}` in it is broken: {str(fault).lower() or type(fault).__name__}") from fault
 
 
 class _Bounded:

@@ -1,5 +1,9 @@
 from __future__ import annotations
 
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -45,3 +49,60 @@ def test_what_was_used_last_is_kept_longest(tmp_path: Path) -> None:
     removed = Store(tmp_path).prune(200)
     assert [each.key for each in removed] == ["b", "c"]
     assert blobs.get(tmp_path, "packed", "a") is not None
+
+
+WRITES = """
+import os, sys, time
+from composer.sources import blobs
+
+def replace(stage, path):
+    print("writing", flush=True)
+    time.sleep(300)
+
+blobs.os.replace = replace
+blobs.put(sys.argv[1], "raw", "a", b"content")
+"""
+
+
+@contextmanager
+def writer(store: Path) -> Iterator[subprocess.Popen[str]]:
+    """A process that has written a blob and not moved it to its place."""
+    with subprocess.Popen(
+        [sys.executable, "-c", WRITES, str(store)], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None and process.stdout.readline() == "writing\n"
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="what is left waits for an hour there")
+def test_what_a_killed_process_was_writing_is_swept(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    with writer(tmp_path) as process:
+        store.prune(1000)
+        assert len(store.unfinished()) == 1
+        process.kill()
+        process.wait()
+        store.prune(1000)
+        assert store.unfinished() == []
+
+
+def test_what_may_not_be_locked_yet_stays(tmp_path: Path) -> None:
+    (tmp_path / "writing").mkdir()
+    (tmp_path / "writing" / "a.0").touch()
+    Store(tmp_path).prune(1000)
+    assert (tmp_path / "writing" / "a.0").exists()
+
+
+def test_a_note_is_written_in_one_step_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    stages = []
+    replace = blobs.os.replace
+    monkeypatch.setattr(
+        blobs.os, "replace", lambda stage, path: (stages.append(Path(stage).parent), replace(stage, path))
+    )
+    store = Store(tmp_path)
+    store.remember("git+https://example.org/a@main", {"commit": "1"})
+    assert stages == [tmp_path / "writing"]
+    assert store.recall("git+https://example.org/a@main")["commit"] == "1"

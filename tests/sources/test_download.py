@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from composer.limits import allow
 from composer.sources.download import Version, download
 from composer.sources.error import SourceError
 
@@ -156,7 +157,30 @@ def test_a_server_that_says_nothing(web: Any, get: Callable[..., Any]) -> None:
         get(f"{web.url}/a", MJCOMPOSE_TIMEOUT="0.1")
     release.set()
     assert caught.value.code == "source-fetch"
-    assert "after 5 tries" in caught.value.notes[0]
+    assert caught.value.notes == ("after 1 try: the server said nothing for 0.1 s",)
+    assert caught.value.help is not None and "MJCOMPOSE_TIMEOUT" in caught.value.help
+
+
+def test_a_silent_server_takes_no_more_than_the_time_that_it_may_be_silent(
+    web: Any, get: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("composer.sources.waiting._FIRST", 0.2)
+    monkeypatch.setattr("composer.sources.waiting._EVERY", 0.2)
+    release = threading.Event()
+    web.pages["/a"] = lambda handler: release.wait(20)
+    told: list[str] = []
+    begun = time.monotonic()
+    with pytest.raises(SourceError):
+        download(
+            f"{web.url}/a",
+            Path("never written"),
+            environment={"MJCOMPOSE_TIMEOUT": "2"},
+            progress=told.append,
+            known=NOTHING,
+        )
+    assert time.monotonic() - begun < 3.8
+    release.set()
+    assert len(told) >= 2 and all(each.startswith("waiting for 127.0.0.1: ") for each in told)
 
 
 @pytest.mark.parametrize("chunked", [False, True])
@@ -289,3 +313,13 @@ def test_a_server_that_is_not_trusted_is_asked_once(
     server.shutdown()
     server.server_close()
     assert pauses == []
+
+
+def test_a_download_that_is_larger_than_it_may_be(
+    web: Any, refused: Callable[..., SourceError], tmp_path: Path
+) -> None:
+    web.pages["/a.zip"] = bytes(3000)
+    with allow(source_size=2000):
+        error = refused(f"{web.url}/a.zip#arm.xml")
+    assert error.code == "archive-refused" and "is larger than 2K" in error.message
+    assert not list((tmp_path / "store" / "partial").iterdir())

@@ -81,7 +81,7 @@ def test_finds_what_was_meant(project: Path, text: str, meant: str) -> None:
 
 def test_a_folder_that_does_not_exist_is_named_with_those_that_do(project: Path) -> None:
     error = fail("./prats/deep/table.xml", project)
-    assert error.message.endswith("does not exist: there is no folder `./prats`")
+    assert error.message.endswith("does not exist, nor does the folder `./prats`")
     assert error.notes[1].startswith("folders that exist: ./parts")
     assert error.help == "write `./parts/table.xml`"  # the corrected path has no such file, another place has
 

@@ -12,6 +12,7 @@ import pytest
 
 from composer.sources.error import SourceError
 from composer.sources.fetching import quiet
+from composer.sources.lease import let_go
 from composer.sources.store import Store
 
 KEY = "a" * 40
@@ -23,7 +24,9 @@ def add(store: Store, key: str = KEY, size: int = 10) -> Any:
         (folder / "inner" / "file").write_bytes(bytes(size))
 
     with store.lock(key, quiet):
-        return store.add("git", key, "git+file:///robots@v1", fill, {"tree": "t"})
+        entry = store.add("git", key, "git+file:///robots@v1", fill, {"tree": "t"})
+    let_go()  # as if another process had done it
+    return entry
 
 
 def test_an_entry_is_found_again(tmp_path: Path) -> None:

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from composer.limits import allow
 from composer.sources import unpack as module
-from composer.sources.unpack import Limits, Unsafe, check_name, unpack
+from composer.sources.unpack import Unsafe, check_name, unpack
 
 
 def tar(*members: tuple[str, bytes, bytes], mode: str = "w") -> bytes:
@@ -79,7 +80,7 @@ def test_refused(tmp_path: Path, case: str) -> None:
 
 @pytest.mark.parametrize("kind", ["zip", "tar"])
 def test_a_bomb(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
-    monkeypatch.setattr(module, "limits", Limits(small=1024 * 1024))
+    monkeypatch.setattr(module, "SMALL", 1024 * 1024)
     zeros = bytes(16 * 1024 * 1024)
     content = (
         zipped(("a", FILE, zeros), deflated=True)
@@ -93,8 +94,8 @@ def test_a_bomb(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str) -> N
     assert sum(path.stat().st_size for path in (tmp_path / "target").iterdir()) <= 8 * 1024 * 1024
 
 
-def test_too_many_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "limits", Limits(files=3))
+@allow(source_files=3)
+def test_too_many_files(tmp_path: Path) -> None:
     (tmp_path / "archive").write_bytes(tar(*((f"f{i}", tarfile.REGTYPE, b"") for i in range(4))))
     (tmp_path / "target").mkdir()
     with pytest.raises(Unsafe, match="more than 3 files"):

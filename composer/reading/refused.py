@@ -1,0 +1,45 @@
+"""Why a file is not read: the reader may not see it, or it is not an ordinary file."""
+
+from __future__ import annotations
+
+import errno
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from pathlib import Path
+
+    from composer.diagnostics.diagnostic import Note
+    from composer.diagnostics.sink import Sink
+    from composer.diagnostics.span import Span
+
+CODE = "source-outside"
+OUTSIDE = "is outside {}"
+
+
+class Refused(OSError):
+    """A file that a door does not let through; `why` follows its name in a message, `help` says what to do."""
+
+    def __init__(self, path: str, why: str, help: str | None = None, real: str | None = None) -> None:
+        super().__init__(errno.EACCES, why, path)
+        self.path, self.why, self.help, self.real = path, why, help, real
+
+    def message(self, shown: Callable[[Path], str] | None = None) -> str:
+        """One sentence; `shown` gives the file as messages name it."""
+        from pathlib import Path
+
+        call = shown or str
+        leads = ""
+        if self.real is not None and Path(self.path).is_symlink():
+            leads = f", a link to `{call(Path(self.real))}`,"
+        return f"the file `{call(Path(self.path))}`{leads} {self.why}"
+
+    def report(
+        self,
+        sink: Sink,
+        span: Span | None,
+        notes: Iterable[Note] = (),
+        shown: Callable[[Path], str] | None = None,
+    ) -> None:
+        """Put it into the sink, at the place that names the file."""
+        sink.error(CODE, self.message(shown), span, notes=tuple(notes), help=self.help)

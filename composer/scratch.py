@@ -1,0 +1,144 @@
+"""Temporary folders that the next run sweeps when a process could not: each is locked as long as it is in use.
+
+A lock is let go of by the system when its process ends, however that happens. What cannot be locked (some network file
+systems), what has no lock file and what belongs to another user is never swept.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+import stat
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+PREFIX = "mjcompose-"
+_LOCK, _NEW, _FILES = "lock", "new", "files"
+_GRACE = 3600.0
+_swept: set[tuple[str, str]] = set()
+
+
+@contextmanager
+def scratch(purpose: str) -> Iterator[Path]:
+    """An empty folder among the temporary ones of this machine. Raises OSError.
+
+    >>> with scratch("example") as folder:
+    ...     folder.is_dir(), folder.parent.name.startswith("mjcompose-example-")
+    (True, True)
+    """
+    parent = sweep_temporary()
+    with locked_folder(parent / f"{PREFIX}{purpose}-{secrets.token_hex(6)}") as folder:
+        files = folder / _FILES
+        files.mkdir()
+        yield files
+
+
+def sweep_temporary() -> Path:
+    """Remove what killed processes left in the folder for temporary files, which is given; once in this process."""
+    parent = Path(tempfile.gettempdir())
+    sweep_once(parent, _is_ours)
+    return parent
+
+
+def _is_ours(name: str) -> bool:
+    return name.startswith(PREFIX)
+
+
+@contextmanager
+def locked_folder(folder: Path) -> Iterator[Path]:
+    """Make a folder that is locked in the block, and removed after it. Raises OSError."""
+    folder.mkdir(mode=0o700)
+    try:
+        lock = os.open(folder / _NEW, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+        try:
+            _lock(lock)
+            if os.name == "posix":  # elsewhere no open file can be renamed, and none can be removed
+                os.replace(folder / _NEW, folder / _LOCK)
+            yield folder
+        finally:
+            _empty(folder)
+            os.close(lock)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def sweep_once(
+    parent: Path, is_ours: Callable[[str], bool], save: Callable[[Path], None] | None = None
+) -> None:
+    """Remove the locked folders in `parent` whose process has ended; once in this process for each kind of name.
+
+    `save` takes out of such a folder what must not be lost.
+    """
+    key = str(parent), getattr(is_ours, "__qualname__", "")
+    if key in _swept:
+        return
+    _swept.add(key)
+    with contextlib.suppress(OSError), os.scandir(parent) as entries:
+        for entry in entries:
+            if is_ours(entry.name):
+                sweep(Path(entry.path), save)
+
+
+def sweep(folder: Path, save: Callable[[Path], None] | None = None) -> bool:
+    """Remove a locked folder if its process has ended; whether it was removed."""
+    with contextlib.suppress(OSError):
+        status = folder.lstat()
+        if not stat.S_ISDIR(status.st_mode) or (hasattr(os, "getuid") and status.st_uid != os.getuid()):
+            return False
+        if os.name != "posix":
+            (folder / _NEW).unlink()  # which Windows refuses as long as it is open: that is the lock there
+            return _remove(folder, save)
+        if not (folder / _LOCK).exists():
+            return _remove_unlocked(folder, status.st_mtime)
+        lock = os.open(folder / _LOCK, os.O_RDWR | os.O_NOFOLLOW)
+        try:
+            return _lock(lock) and _remove(folder, save)
+        finally:
+            os.close(lock)
+    return False
+
+
+def _remove(folder: Path, save: Callable[[Path], None] | None) -> bool:
+    if save is not None:
+        save(folder)
+    _empty(folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    return True
+
+
+def _empty(folder: Path) -> None:
+    """Remove all but the lock: without one, what a process leaves that is killed meanwhile would never be swept."""
+    with contextlib.suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name in (_LOCK, _NEW):
+                continue
+            if entry.is_dir(follow_symlinks=False):
+                shutil.rmtree(entry.path, ignore_errors=True)
+            else:
+                os.unlink(entry.path)
+
+
+def _remove_unlocked(folder: Path, made: float) -> bool:
+    """What a process left that was killed before it had its lock: it holds nothing else."""
+    if time.time() - made < _GRACE or set(os.listdir(folder)) - {_NEW}:
+        return False
+    return _remove(folder, None)
+
+
+def _lock(file: int) -> bool:
+    """Whether an open file could be locked; it is until it is closed, or its process ends."""
+    if sys.platform == "win32":
+        return True
+    import fcntl
+
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,94 @@
+"""What the recipes of others may name: nothing of this machine or its network that the outer recipe does not trust."""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+from functools import cache
+
+from composer.sources.error import SourceError
+from composer.sources.origin import Origin
+from composer.sources.reference import Reference, is_this_machine
+from composer.sources.source_kind import SourceKind
+from composer.sources.trust import Trust
+
+_LOCAL = (".local", ".localhost", ".internal", ".lan", ".home", ".intranet", ".corp", ".home.arpa")
+"""How the names of machines end that only the own network knows."""
+
+
+def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: Trust, offline: bool) -> None:
+    """Refuse what a recipe of `origin`, which was fetched, may not name. Raises SourceError."""
+    if trust.allows(reference.text):
+        return
+    host = kind.host(reference)
+    if host is None and not kind.is_of_this_machine(reference):
+        return
+    if host is not None and not is_private(host, offline):
+        return
+    what = (
+        "something on this machine"
+        if host is None
+        else f"`{host}`, which is on this machine or in its network"
+    )
+    raise SourceError(
+        "source-outside",
+        f"`{reference.text}` names {what}, and `{origin.id}`, whose recipe does, was fetched",
+        help=f'if you trust it with that, write in your own recipe `trust: {{references: ["{_prefix(reference)}"]}}`',
+    )
+
+
+def is_private(host: str, offline: bool = False) -> bool:
+    """Whether a server is on this machine or in its network; a name is looked up unless `offline`.
+
+    >>> [is_private(host, True) for host in ("localhost:80", "10.1.2.3", "git@[::1]", "example.org", "nas")]
+    [True, True, True, False, True]
+    """
+    host = host.rpartition("@")[2]
+    if is_this_machine(host):
+        return True
+    name = re.sub(r":\d*$", "", host).strip("[]").rstrip(".").lower()
+    if (address := _address(name)) is not None:
+        return not address.is_global
+    if "." not in name or name.endswith(_LOCAL):
+        return True
+    return not offline and any(not each.is_global for each in _addresses(name))
+
+
+def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """The address that a text is, also in the forms that a resolver takes: `127.1`, `0x7f000001`, `2130706433`."""
+    import socket
+
+    try:
+        return _inner(ipaddress.ip_address(text.partition("%")[0]))
+    except ValueError:
+        pass
+    if not re.fullmatch(r"(0x[0-9a-f]*|\d+)(\.(0x[0-9a-f]*|\d+)){0,3}", text):
+        return None
+    try:
+        return ipaddress.IPv4Address(socket.inet_aton(text))
+    except OSError:
+        return None
+
+
+def _inner(
+    address: ipaddress.IPv4Address | ipaddress.IPv6Address,
+) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
+    """An address of IPv4 that is written as one of IPv6."""
+    return (isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped) or address
+
+
+@cache
+def _addresses(name: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, ...]:
+    """What a name stands for; nothing where it cannot be looked up, which is reported when it is fetched."""
+    import socket
+
+    try:
+        found = socket.getaddrinfo(name, None, proto=socket.IPPROTO_TCP)
+    except (OSError, UnicodeError):
+        return ()
+    addresses = (_address(str(each[4][0])) for each in found)
+    return tuple(each for each in addresses if each is not None)
+
+
+def _prefix(reference: Reference) -> str:
+    return reference.id if not reference.kind.is_local else reference.text

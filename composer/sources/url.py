@@ -1,0 +1,28 @@
+"""The one place that takes the addresses of the web apart."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from urllib.parse import SplitResult
+
+
+def take_apart(url: str, base: str = "") -> SplitResult | None:
+    """The parts of an address, relative to `base`; None for what is not an address of a host. No I/O.
+
+    Python's own parser raises ValueError for brackets that do not match, for a port that is not a number and for
+    letters that become `/` or `@` when they are normalised.
+
+    >>> take_apart("https://host:8080/a.zip").port
+    8080
+    >>> take_apart("https://[::1/a.zip") is None
+    True
+    """
+    from urllib.parse import urljoin, urlsplit  # most builds fetch nothing
+
+    try:
+        parts = urlsplit(urljoin(base, url))
+        return parts if parts.hostname and parts.port != 0 else None
+    except ValueError:
+        return None

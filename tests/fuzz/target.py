@@ -1,0 +1,64 @@
+"""What is fuzzed: one row for each form in which something reaches mjcompose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from fuzz.mutation import Mutate
+
+from composer.context import Context
+from composer.engine import Limits, Session
+
+ROOT = Path(__file__).resolve().parents[2]
+RECIPES = ROOT / "recipes"
+
+
+@dataclass(frozen=True, slots=True)
+class Seed:
+    """A case to begin with, and the folder of what it refers to, if it does."""
+
+    data: bytes
+    beside: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Tools:
+    """What every check may use: MuJoCo in its child process."""
+
+    session: Session
+
+
+Check = Callable[[Path, Tools], str | None]
+"""Runs a case, the file at a path, in a folder of its own; gives what is wrong, in a few words, or None. What it
+raises is wrong too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A form of input: its `suffix`, what to begin with, how a case is changed, and how it is judged.
+
+    `beside` is what stands in the folder of every case that has no folder of its own.
+    """
+
+    name: str
+    suffix: str
+    seeds: Callable[[Path | None], Iterator[Seed]]
+    """Takes the folder of the corpus, where there is one."""
+    mutate: Mutate
+    check: Check
+    beside: Path | None = None
+
+
+def limits() -> Limits:
+    """Enough for every model of the project, and soon spent by what grows."""
+    return Limits(seconds=15, memory=2 << 30)
+
+
+def without_a_place(context: Context) -> str | None:
+    """The first error of a model that does not say where it is."""
+    for each in context.sink.errors:
+        if each.span is None and not each.code.startswith(("output-", "mujoco-missing")):
+            return f"unlocated-{each.code}"
+    return None

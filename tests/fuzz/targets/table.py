@@ -1,0 +1,22 @@
+"""Every target; a new one is a file beside this one, and a row here."""
+
+from __future__ import annotations
+
+from fuzz.target import Target
+from fuzz.targets import bundle, command, expression, lock, mjcf, recipe, selector, skin, urdf
+
+TARGETS: dict[str, Target] = {
+    each.name: each
+    for each in (
+        recipe.TARGET,
+        expression.TARGET,
+        selector.TARGET,
+        mjcf.TARGET,
+        urdf.TARGET,
+        bundle.ARCHIVE,
+        bundle.MANIFEST,
+        lock.TARGET,
+        skin.TARGET,
+        command.TARGET,
+    )
+}

@@ -1,0 +1,138 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from composer.diagnostics.sink import Sink
+from composer.reading.door import ALL, NOTHING, Door
+from composer.reading.refused import Refused
+from composer.reading.regular import read_regular
+
+fifos = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    """A folder `own` with a file, and a file beside it that it must not see."""
+    (tmp_path / "own" / "deep").mkdir(parents=True)
+    (tmp_path / "own" / "mesh.obj").write_text("mine")
+    (tmp_path / "secret.obj").write_text("secret")
+    (tmp_path / "ownership").mkdir()
+    (tmp_path / "ownership" / "secret.obj").write_text("secret")
+    return tmp_path
+
+
+def test_what_is_inside_is_read(tree: Path) -> None:
+    door = Door.of([tree / "own"])
+    assert door.read(tree / "own" / "mesh.obj") == b"mine"
+    assert door.read(f"{tree}/own/deep/../mesh.obj") == b"mine"
+    assert door.admit(f"{tree}/own/none.obj") == f"{tree}/own/none.obj"  # reported where it is read
+    assert door.exists(tree / "own" / "mesh.obj") and not door.exists(tree / "own" / "none.obj")
+
+
+@pytest.mark.parametrize(
+    "path", ["secret.obj", "own/../secret.obj", "own/deep/../../secret.obj", "ownership/secret.obj", ""]
+)
+def test_what_is_outside_is_refused(tree: Path, path: str) -> None:
+    door = Door.of([tree / "own"], "the robot", "put it into {folder}")
+    assert not door.sees(f"{tree}/{path}") and not door.exists(f"{tree}/{path}")
+    for ask in (door.admit, door.read):
+        with pytest.raises(Refused) as caught:
+            ask(f"{tree}/{path}")
+        assert "is outside the robot" in caught.value.message()
+
+
+def test_links_are_followed_before_they_are_judged(tree: Path) -> None:
+    (tree / "own" / "link.obj").symlink_to(tree / "secret.obj")
+    (tree / "own" / "out").symlink_to(tree)
+    (tree / "own" / "in.obj").symlink_to("mesh.obj")
+    (tree / "own" / "chain.obj").symlink_to("link.obj")
+    door = Door.of([tree / "own"])
+    assert door.read(tree / "own" / "in.obj") == b"mine"
+    for path in ("own/link.obj", "own/out/secret.obj", "own/out/ownership/secret.obj", "own/chain.obj"):
+        with pytest.raises(Refused):
+            door.read(tree / path)
+    with pytest.raises(Refused) as caught:
+        door.read(tree / "own" / "link.obj")
+    assert f"link.obj`, a link to `{tree / 'secret.obj'}`, is outside" in caught.value.message()
+
+
+def test_a_root_that_is_a_link_is_where_it_leads(tree: Path) -> None:
+    (tree / "called").symlink_to(tree / "own")
+    assert Door.of([tree / "called"]).read(tree / "own" / "mesh.obj") == b"mine"
+    assert Door.of([tree / "own"]).read(tree / "called" / "mesh.obj") == b"mine"
+
+
+def test_a_wider_door(tree: Path) -> None:
+    door = Door.of([tree / "own"])
+    assert not door.sees(tree / "ownership" / "secret.obj")
+    assert door.wider((tree / "ownership",)).read(tree / "ownership" / "secret.obj") == b"secret"
+    assert not door.wider((tree / "ownership",)).sees(tree / "secret.obj")
+
+
+def test_the_doors_without_folders(tree: Path) -> None:
+    assert ALL.read(tree / "secret.obj") == b"secret"
+    with pytest.raises(Refused):
+        NOTHING.read(tree / "own" / "mesh.obj")
+
+
+@fifos
+@pytest.mark.timeout(10)
+def test_a_pipe_is_refused_at_once(tree: Path) -> None:
+    os.mkfifo(tree / "own" / "pipe.obj")
+    for read in (Door.of([tree / "own"]).read, ALL.read, read_regular):
+        with pytest.raises(Refused) as caught:
+            read(tree / "own" / "pipe.obj")
+        assert "is a named pipe, not an ordinary file" in caught.value.message()
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="needs devices")
+@pytest.mark.timeout(10)
+def test_a_device_is_refused_at_once() -> None:
+    with pytest.raises(Refused, match="device"):
+        ALL.read("/dev/zero")
+
+
+def test_a_bound(tree: Path) -> None:
+    with pytest.raises(OSError, match="larger than"):
+        ALL.read(tree / "secret.obj", 3)
+    assert ALL.read(tree / "secret.obj", 6) == b"secret"
+
+
+def test_a_report_has_the_place_and_what_to_write(tree: Path) -> None:
+    from composer.diagnostics.span import Span
+
+    door = Door.of([tree / "own"], "the robot", "write `trust: {files: [{folder}]}`", str(tree / "own"))
+    sink, span = Sink(), Span("arm.xml", 1, 2)
+    door.outside(str(tree / "ownership" / "x.obj")).report(sink, span, shown=lambda path: path.name)
+    (found,) = sink.errors
+    assert (found.code, found.span) == ("source-outside", span)
+    assert found.message == "the file `x.obj` is outside the robot"
+    assert found.help == "write `trust: {files: [../ownership]}`"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_a_pipe_is_neither_let_through_nor_opened(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    os.mkfifo(tree / "own" / "pipe")
+    door = Door.of([tree / "own"])
+    with pytest.raises(Refused, match="a named pipe"):
+        door.admit(tree / "own" / "pipe")
+    # one that took the place of a file since it was looked at
+    monkeypatch.setattr("composer.reading.regular.is_irregular", lambda path: None)
+    with pytest.raises(Refused, match="a named pipe"):
+        read_regular(tree / "own" / "pipe")
+
+
+def test_many_files_are_admitted_by_one_look_at_their_folder(tree: Path) -> None:
+    for folder in ("own", "ownership"):
+        for name in "abcd":
+            (tree / folder / f"{name}.obj").write_text(name)
+    (tree / "own" / "link.obj").symlink_to(tree / "secret.obj")
+    (tree / "own" / "out").symlink_to(tree / "ownership")
+    mine = [f"{tree}/own/{name}.obj" for name in "abcd"]
+    others = [f"{tree}/{folder}/{name}.obj" for folder in ("ownership", "own/out", "none") for name in "abcd"]
+    asked = [*mine, f"{tree}/own/link.obj", f"{tree}/own/none.obj", *others]
+    assert sorted(Door.of([tree / "own"]).admit_listed(asked)) == mine
+    assert set(ALL.admit_listed(asked)) == {*mine, *others[:8]}
