@@ -1,6 +1,6 @@
 """MuJoCo in a child process with limits, so that a crash, a hang or a log file never reaches the user.
 
-`compile` tells whether a model compiles and what is in it, `measure` brings back arrays of the compiled
+`compile` says whether a model compiles and what is in it, `measure` brings back arrays of the compiled
 model, `convert_urdf` makes MJCF of URDF, `Session` keeps the child process for several calls. The parent never
 imports MuJoCo; a missing installation is an answer (`Compiled.crash == "missing"`), no exception. What is not
 used is not imported.
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from composer.engine.answer import Called, Compiled, Measured
     from composer.engine.limits import Limits
     from composer.engine.request import Request
-    from composer.engine.run import call, compile, measure, run_many
+    from composer.engine.run import call, compile, measure, run_many, without_folder
     from composer.engine.session import Session
     from composer.engine.urdf import PACKAGE, Converted, convert_urdf
 
@@ -40,6 +40,7 @@ __all__ = [
     "convert_urdf",
     "measure",
     "run_many",
+    "without_folder",
 ]
 
 _MODULES = {
@@ -47,7 +48,7 @@ _MODULES = {
     "composer.engine.answer": ("Called", "Compiled", "Measured"),
     "composer.engine.limits": ("Limits",),
     "composer.engine.request": ("Request",),
-    "composer.engine.run": ("call", "compile", "measure", "run_many"),
+    "composer.engine.run": ("call", "compile", "measure", "run_many", "without_folder"),
     "composer.engine.session": ("Session",),
     "composer.engine.urdf": ("PACKAGE", "Converted", "convert_urdf"),
 }

@@ -16,15 +16,18 @@ import importlib
 import json
 import os
 import re
+import signal
 import sys
 import traceback
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TextIO
 
 LOG_FILE = "MUJOCO_LOG.TXT"
 _LOG_HEAD = re.compile(r"^(?:WARNING|ERROR) \w{3} \w{3} [ \d]\d \d\d:\d\d:\d\d \d{4}: ", re.MULTILINE)
-# how pybind11, C++ and MuJoCo's compiler tell that an allocation failed
+# how pybind11, C++ and MuJoCo's compiler say that an allocation failed
+_REMEMBERED = 256 << 20
 _NO_MEMORY = ("Caught an unknown exception", "bad_alloc", "ould not allocate")
 
 
@@ -33,13 +36,13 @@ def main() -> None:
     os.dup2(2, 1)
     settings = json.loads(sys.stdin.readline())
     sys.path[:] = settings["path"]
+    _end_with_parent()
     _set_limits(settings["memory"])
     try:
         import mujoco
     except Exception as error:  # whatever a broken installation raises is the answer
         _say(answers, {"missing": f"{type(error).__name__}: {error}" if str(error) else type(error).__name__})
         return
-    _forget_files(mujoco)
     _say(answers, {"mujoco": mujoco.__version__})
     log_read = 0
     kept: dict[str, Any] = {}
@@ -51,12 +54,20 @@ def main() -> None:
             answer = (_call if "function" in request else _compile)(request, mujoco, kept)
         logged, log_read = _read_log(log_read)
         answer["warnings"] = [str(entry.message) for entry in python_warnings] + logged
-        _forget_files(mujoco)
         _say(answers, answer)
+
+
+def _end_with_parent() -> None:
+    """Before MuJoCo is imported, which starts threads."""
+    if os.name == "posix":
+        from composer.processes.guard import end_with
+
+        end_with(*map(int, sys.argv[1:]))
 
 
 def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
     answer: dict[str, Any] = {"ok": False, "crash": None}
+    _remember_files(mujoco, request["stands"])
     try:
         model = (_compiled_there if request["mjb"] else _compiled)(request, mujoco)
         if request["keep"] is not None:
@@ -71,17 +82,17 @@ def _compiled(request: dict[str, Any], mujoco: Any) -> Any:
 
 
 def _compiled_there(request: dict[str, Any], mujoco: Any) -> Any:
-    """Compiled in the model's own folder: an MJB holds the paths of its assets, which are no business of others."""
+    """Compiled in the model's own folder: an MJB holds the paths of its assets, which do not concern others."""
     log = Path(LOG_FILE).absolute()
     with contextlib.chdir(request["folder"]):
         try:
             return _compiled({**request, "folder": ""}, mujoco)
         finally:
             with contextlib.suppress(OSError):
-                told = Path(LOG_FILE).read_bytes()
+                contents = Path(LOG_FILE).read_bytes()
                 Path(LOG_FILE).unlink()
                 with log.open("ab") as file:
-                    file.write(told)
+                    file.write(contents)
 
 
 def _spec(request: dict[str, Any], mujoco: Any) -> Any:
@@ -109,7 +120,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
             raise OSError("the compiled model could not be written")
     data = None
     if "forward" in wants or any(name.startswith("data.") for name in request["arrays"]):
-        data, answer["forward"] = _forward(model, mujoco)
+        data, answer["forward"] = _forward(model, mujoco, request["step"])
     if request["arrays"]:
         import numpy
 
@@ -134,14 +145,28 @@ def _call(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[st
         return {"ok": False} | fault | {"error": f"{type(error).__name__}: {fault['error']}"}
 
 
-def _forward(model: Any, mujoco: Any) -> tuple[Any, str | None]:
+@contextlib.contextmanager
+def _computing(seconds: float) -> Iterator[None]:
+    """The system ends this process when it computes for longer in the block; MuJoCo hears nothing else."""
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+
+
+def _forward(model: Any, mujoco: Any, seconds: float) -> tuple[Any, str | None]:
     """mj_forward at the reference configuration: the data, and what is wrong with it."""
     import numpy
 
     data = None
     try:
         data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
+        with _computing(seconds):
+            mujoco.mj_forward(model, data)
     except Exception as error:
         return data, str(error).strip() or type(error).__name__
     for name in ("xpos", "xquat", "qacc"):
@@ -187,10 +212,13 @@ def _set_soft_limit(resource: Any, kind: int | None, value: int) -> None:
         resource.setrlimit(kind, (value, hard))
 
 
-def _forget_files(mujoco: Any) -> None:
-    """Keep no file of an earlier request in MuJoCo's cache, which trusts path and time of change."""
+def _remember_files(mujoco: Any, stands: bool) -> None:
+    """Only of a folder that stands: MuJoCo's cache trusts path and time of change, which may be those of other bytes.
+
+    Without room the cache has nothing, so that what stood before is forgotten with the first folder that does not.
+    """
     with contextlib.suppress(AttributeError, TypeError):  # a version that has no cache, or keeps it to itself
-        mujoco.mj_setCacheCapacity(mujoco.mj_getCache(), 0)
+        mujoco.mj_setCacheCapacity(mujoco.mj_getCache(), _REMEMBERED if stands else 0)
 
 
 def _read_log(start: int) -> tuple[list[str], int]:

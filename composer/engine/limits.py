@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-GIB = 1 << 30
+from composer.limits import in_force
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Limits of one request.
+    """Limits of one request; those in force where they are not given.
 
     `seconds` is wall-clock time per request, without the start of Python and the import of MuJoCo.
     `memory` is in bytes and holds on POSIX only; elsewhere a model may take what the machine has.
     """
 
-    seconds: float = 300.0
-    memory: int = 8 * GIB
+    seconds: float = field(default_factory=lambda: in_force().time)
+    memory: int = field(default_factory=lambda: in_force().memory)
+
+    @property
+    def step(self) -> float:
+        """Seconds that the first step of a model may compute (POSIX): one that takes longer nobody can simulate."""
+        return self.seconds / 20
 
     def __post_init__(self) -> None:
         if not self.seconds > 0 or not self.memory > 0:

@@ -11,7 +11,7 @@ WANTS = frozenset({"forward", "index", "names"})
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """Compile `folder/model` and tell about it.
+    """Compile `folder/model` and report on it.
 
     `wants` says what the answer holds beyond sizes and warnings: `index` (joints, actuators, sensors with
     their addresses), `names` (of every kind of object), `forward` (one mj_forward at the reference
@@ -21,6 +21,7 @@ class Request:
     `keep` is a name under which a session's child keeps the compiled model for `Session.call`.
     `text`, if given, is read in place of the file's own content; the file need not exist then, and relative
     paths in the text still start at its folder.
+    `stands` says that no file in `folder` but the model ever changes: MuJoCo may use again what it made of them.
     """
 
     folder: Path
@@ -30,14 +31,18 @@ class Request:
     mjb: Path | None = None
     text: str | None = None
     keep: str | None = None
+    stands: bool = False
 
     def __post_init__(self) -> None:
         unknown = set(self.wants) - WANTS
         if unknown:
             raise ValueError(f"unknown wants {sorted(unknown)}; there are {sorted(WANTS)}")
 
-    def to_json(self, arrays_file: Path) -> str:
-        """One line of JSON. All paths in it are absolute: the child works in another folder."""
+    def to_json(self, arrays_file: Path, step: float = 0) -> str:
+        """One line of JSON. All paths in it are absolute: the child works in another folder.
+
+        `step` is how long the forward step may compute, in seconds; 0 is no limit.
+        """
         return json.dumps(
             {
                 "folder": str(self.folder.absolute()),
@@ -48,6 +53,8 @@ class Request:
                 "mjb": None if self.mjb is None else str(self.mjb.absolute()),
                 "text": self.text,
                 "keep": self.keep,
+                "step": step,
+                "stands": self.stands,
             },
             ensure_ascii=False,
         )

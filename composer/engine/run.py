@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +25,7 @@ def compile(
     mjb: Path | None = None,
     text: str | None = None,
     keep: str | None = None,
+    stands: bool = False,
     limits: Limits | None = None,
     session: Session | None = None,
 ) -> Compiled:
@@ -31,7 +33,7 @@ def compile(
 
     Never raises for what the model does. `limits` count only without a `session`, which has its own.
     """
-    request = Request(folder, model, wants=(*wants, "forward"), mjb=mjb, text=text, keep=keep)
+    request = Request(folder, model, wants=(*wants, "forward"), mjb=mjb, text=text, keep=keep, stands=stands)
     return _run([request], limits, session)[0].compiled
 
 
@@ -102,13 +104,13 @@ def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> 
 
 def without_folder(text: str, folder: Path) -> str:
     """`text` with paths below `folder` made relative to it; who reads it never chose that folder."""
-    for form in (str(folder.absolute()), str(folder.resolve())):
+    for form in (str(folder.absolute()), os.path.realpath(folder)):
         text = text.replace(form.rstrip("/\\") + "/", "").replace(form.rstrip("/\\") + "\\", "")
     return text
 
 
 def _distinct(warnings: Iterable[str]) -> tuple[str, ...]:
-    """Each warning once, in order; MuJoCo logs the first line of some that it tells in full elsewhere."""
+    """Each warning once, in order; MuJoCo logs the first line of some that it gives in full elsewhere."""
     found = list(dict.fromkeys(text.strip() for text in warnings if text.strip()))
     return tuple(text for text in found if not any(other.startswith(text + "\n") for other in found))
 

@@ -18,10 +18,17 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
-from composer.engine.limits import GIB, Limits
+from composer.engine.limits import Limits
 from composer.engine.request import Request
+from composer.grammar.version import version_key
+from composer.limits import GIB
+from composer.processes.process import Process, module_path
+from composer.reading.owner import untrusted_for_temporary
+from composer.scratch import scratch
 
 STARTUP_SECONDS = 120.0
+OLDEST = "3.12.0"
+"""MuJoCo before it has not all that is asked of it here; bundles are loaded with it nevertheless."""
 _LAST_WORDS = 4096
 
 
@@ -29,18 +36,24 @@ class Session:
     """Asks MuJoCo in a child process; the process starts with the first request and again after a crash.
 
     Use it as a context manager, from one thread at a time. Nothing that happens in the child reaches the
-    caller but the answer: no exception, no output, no file. `rendering` lets the child use OpenGL.
+    caller but the answer: no exception, no output, no file. `rendering` lets the child use OpenGL. One that
+    `remembers` is asked for almost the same model again and again: it has a folder that stands (`standing`).
     """
 
-    def __init__(self, limits: Limits | None = None, *, rendering: bool = False) -> None:
+    def __init__(
+        self, limits: Limits | None = None, *, rendering: bool = False, remembers: bool = False
+    ) -> None:
         self.limits = limits or Limits()
-        self.rendering = rendering
+        self.rendering, self.remembers = rendering, remembers
         self.no_opengl: str | None = None
         """What MuJoCo said where it could not be imported with OpenGL; it then works without."""
         self.mujoco_version: str | None = None
-        self._process: subprocess.Popen[str] | None = None
+        self._process: Process | None = None
+        self._is_greeted = False
         self._lines: queue.Queue[str | None] = queue.Queue()
         self._folder: Path | None = None
+        self._shelf: Path | None = None
+        self._held = contextlib.ExitStack()
         self._count = 0
 
     def __enter__(self) -> Session:
@@ -50,6 +63,12 @@ class Session:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def begin(self) -> None:
+        """Start the child process without waiting for it: it imports MuJoCo while the caller has other things to do."""
+        if self._process is None:
+            with contextlib.suppress(OSError, ValueError):  # reported with the first request
+                self._spawn()
 
     def ask(self, request: Request) -> tuple[dict[str, Any], Path]:
         """The child's answer, or {"ok": False, "error", "crash"} in its place, and the file of its arrays.
@@ -61,7 +80,7 @@ class Session:
         self._count += 1
         if failure is not None:
             return failure, arrays_file
-        answer = self._exchange(request.to_json(arrays_file), self.limits.seconds)
+        answer = self._exchange(request.to_json(arrays_file, self.limits.step), self.limits.seconds)
         if answer is None:
             return self._crashed(), arrays_file
         return answer, arrays_file
@@ -79,27 +98,35 @@ class Session:
         answer = self._start() or self._exchange(line, self.limits.seconds)
         return self._crashed() if answer is None else answer
 
+    def standing(self, name: str) -> Path:
+        """Where files stand of which `name` says all bytes; those of another name are removed. Raises OSError.
+
+        The name is in their paths, by which MuJoCo knows them. The folder does not exist as long as it has no files.
+        """
+        if self._shelf is None:
+            self._shelf = self._held.enter_context(scratch("standing"))
+        for other in self._shelf.iterdir():
+            if other.name != name:
+                shutil.rmtree(other, ignore_errors=True)
+        return self._shelf / name
+
     def close(self) -> None:
         """End the child process and remove its folder."""
         self._stop()
-        if self._folder is not None:
-            shutil.rmtree(self._folder, ignore_errors=True)
-            self._folder = None
+        self._folder = self._shelf = None
+        self._held.close()
 
     def _start(self) -> dict[str, Any] | None:
         """None when a child is ready, otherwise the answer that says why there is none."""
-        if self._process is not None:
+        if self._process is not None and self._is_greeted:
             return None
         try:
-            self._spawn()
+            if self._process is None:
+                self._spawn()
         except (OSError, ValueError) as error:
             return _failure(f"cannot start a process for MuJoCo: {error}", "start")
-        settings = {
-            "path": _module_path(),
-            "seconds": self.limits.seconds,
-            "memory": self.limits.memory,
-        }
-        hello = self._exchange(json.dumps(settings), STARTUP_SECONDS)
+        hello = self._receive(STARTUP_SECONDS)
+        self._is_greeted = hello is not None
         if hello is None:
             return self._crashed()
         if "missing" in hello:
@@ -108,12 +135,21 @@ class Session:
                 self.no_opengl = hello["missing"]
                 return self._start()
             return _failure(f"MuJoCo cannot be imported in {sys.executable}: {hello['missing']}", "missing")
+        if version_key(hello["mujoco"]) < version_key(OLDEST):
+            self._stop()
+            message = (
+                f"MuJoCo {hello['mujoco']} builds no models here, it only loads them: {OLDEST} or newer does"
+            )
+            return _failure(message, "missing")
         self.mujoco_version = hello["mujoco"]
         return None
 
     def _spawn(self) -> None:
         if self._folder is None:
-            self._folder = Path(tempfile.mkdtemp(prefix="mjcompose-engine-"))
+            if (why := untrusted_for_temporary()) is not None:
+                folder = tempfile.gettempdir()
+                raise OSError(f"the folder for temporary files, `{folder}`, is not trusted: {why}")
+            self._folder = self._held.enter_context(scratch("engine"))
         work = self._folder / f"work-{self._count}"
         work.mkdir(exist_ok=True)
         environment = dict(os.environ)
@@ -122,8 +158,9 @@ class Session:
         if not sys.executable:
             raise ValueError("this Python does not know its own executable")
         with (self._folder / "log").open("wb") as log:
-            self._process = subprocess.Popen(
+            self._process = Process(
                 [sys.executable, "-I", "-X", "utf8", str(Path(__file__).with_name("child.py"))],
+                watches=True,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log,
@@ -135,6 +172,10 @@ class Session:
         self._lines = queue.Queue()
         assert self._process.stdout is not None
         threading.Thread(target=_forward_lines, args=(self._process.stdout, self._lines), daemon=True).start()
+        self._is_greeted = False
+        settings = {"path": module_path(), "seconds": self.limits.seconds, "memory": self.limits.memory}
+        with contextlib.suppress(OSError):  # a child that has ended gives no answer, which says so
+            self._send(json.dumps(settings))
 
     def _graphics(self) -> str:
         """What MuJoCo draws with: nothing, what the user says, or what does without a display."""
@@ -143,21 +184,30 @@ class Session:
         return os.environ.get("MUJOCO_GL") or ("egl" if sys.platform == "linux" else "glfw")
 
     def _exchange(self, line: str, seconds: float) -> dict[str, Any] | None:
-        """Send one line and wait for one; None when the child ended, or was ended for taking too long."""
+        """Send one line and wait for one; None when the child ended."""
+        try:
+            self._send(line)
+        except OSError:
+            return None
+        except BaseException:
+            self.close()  # interrupted: it may have been sent or not
+            raise
+        return self._receive(seconds)
+
+    def _send(self, line: str) -> None:
         process = self._process
         assert process is not None and process.stdin is not None
+        process.stdin.write(line + "\n")
+        process.stdin.flush()
+
+    def _receive(self, seconds: float) -> dict[str, Any] | None:
+        """Wait for one line; None when the child ended. One that takes too long is ended, which is the answer."""
         latest = time.monotonic() + seconds
         try:
-            process.stdin.write(line + "\n")
-            process.stdin.flush()
             received = self._lines.get(timeout=min(seconds, threading.TIMEOUT_MAX))
             if received is not None and time.monotonic() > latest:
                 raise queue.Empty  # an answer too late is too late, however this process was scheduled
-        except OSError:
-            received = None
         except queue.Empty:
-            process.kill()
-            process.wait()
             self._stop()
             return _failure(f"MuJoCo did not finish within {seconds:g} s", "timeout")
         except BaseException:
@@ -167,7 +217,7 @@ class Session:
             return None
         answer: dict[str, Any] = json.loads(received)
         if answer.get("crash") == "memory":
-            self._stop()  # what is left of its memory is no fair start for the next request
+            self._stop()  # the next request does not start with what is left of its memory
             return self._out_of_memory(answer["error"])
         return answer
 
@@ -185,6 +235,9 @@ class Session:
         number = -status
         if number == getattr(signal, "SIGXCPU", None):
             return _failure("MuJoCo used up its processor time", "timeout")
+        if number == getattr(signal, "SIGPROF", None):
+            message = f"MuJoCo's first step of the model takes longer than {self.limits.step:g} s to compute"
+            return _failure(message, "timeout")
         names = {entry.value: f" ({entry.name})" for entry in signal.Signals}
         text = f"MuJoCo crashed with signal {number}{names.get(number, '')}{_quoted(words)}"
         return _failure(text, f"signal {number}")
@@ -197,8 +250,7 @@ class Session:
         process, self._process = self._process, None
         if process is None:
             return
-        process.kill()
-        process.wait()
+        process.end()
         for pipe in (process.stdin, process.stdout):
             if pipe is not None:
                 with contextlib.suppress(OSError):  # what was not yet sent has no receiver any more
@@ -220,13 +272,6 @@ def _quoted(words: str) -> str:
     """The last line of `words`, if there is any."""
     lines = words.strip().splitlines()
     return f": {lines[-1].strip()[:200]}" if lines else ""
-
-
-def _module_path() -> list[str]:
-    """This process's sys.path, absolute, and at its end the folder this package stands in."""
-    path = [str(Path(entry).absolute()) for entry in sys.path]
-    root = str(Path(__file__).resolve().parents[2])
-    return path if root in path else [*path, root]
 
 
 def _forward_lines(pipe: IO[str], lines: queue.Queue[str | None]) -> None:

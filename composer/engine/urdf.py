@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import ctypes
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from composer.engine.digits import save_all_digits
 from composer.engine.limits import Limits
 from composer.engine.run import call, without_folder
 from composer.engine.session import Session
+from composer.reading.door import Door
 
 PACKAGE = "package://"
 
@@ -41,26 +43,30 @@ def convert_urdf(
     path: Path,
     packages: Mapping[str, Path],
     *,
+    door: Door,
     stands: bool = True,
     limits: Limits | None = None,
     session: Session | None = None,
 ) -> Converted:
-    """Convert a file; `packages` has the folders that `package://NAME` stands for.
+    """Convert a file; `packages` has the folders that `package://NAME` stands for, `door` what the file may read.
 
     Whether it `stands` in the world decides about the root link: as long as it does, MuJoCo fuses it with the
     world, which has no inertia; what shall move or hang on something keeps it as a body.
-    Needs all meshes, for MuJoCo saves only what compiles. Never raises for what the file holds. `limits` count only
+    Needs all meshes, for MuJoCo saves only what compiles. Raises Refused for a mesh that the door does not let through,
+    before MuJoCo opens any; for nothing else that the file holds. `limits` count only
     without a `session`, which has its own.
     """
     if session is None:
         with Session(limits) as own:
-            return convert_urdf(path, packages, stands=stands, session=own)
+            return convert_urdf(path, packages, door=door, stands=stands, session=own)
     argument = {
         "path": str(path.absolute()),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},
         "stands": stands,
     }
     read = call(session, read_meshes, (), argument)
+    if read.ok:
+        _admit(read.value, path, door)
     converted = call(session, convert, (), argument) if read.ok and not read.value["error"] else read
     meshes, folder = (read.value["meshes"], read.value["folder"]) if read.ok else ([], "")
     error = converted.value["error"] if converted.ok else converted.error
@@ -74,13 +80,22 @@ def convert_urdf(
     )
 
 
+def _admit(read: Mapping[str, Any], path: Path, door: Door) -> None:
+    """Let what MuJoCo would open pass the door. Raises Refused, whose `path` is the file as MuJoCo looks for it."""
+    for file in read["meshes"]:
+        if not file.startswith(PACKAGE):
+            name = file.replace("\\", "/").rpartition("/")[2] if read["strippath"] else file
+            door.admit(os.path.join(path.parent.absolute(), read["folder"], name))
+
+
 def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
     """Runs in the child: what MuJoCo reads, with none of it compiled."""
     try:
         spec = _read(mujoco, argument)
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        return {"error": _told(error), "meshes": [], "folder": ""}
-    return {"error": None, "meshes": [mesh.file for mesh in spec.meshes], "folder": spec.meshdir}
+        return {"error": _message(error), "meshes": [], "folder": "", "strippath": False}
+    return {"error": None, "meshes": [mesh.file for mesh in spec.meshes], "folder": spec.meshdir,
+            "strippath": bool(spec.strippath)}  # fmt: skip
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
@@ -88,10 +103,10 @@ def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
     try:
         return {"error": None, "text": _saved(mujoco, _read(mujoco, argument), argument["stands"])}
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        return {"error": _told(error)}
+        return {"error": _message(error)}
 
 
-def _told(error: Exception) -> str:
+def _message(error: Exception) -> str:
     return str(error).strip() or type(error).__name__
 
 
@@ -141,7 +156,7 @@ def _saved_as_compiled(mujoco: Any, spec: Any, stands: bool) -> str:
 
     Inertia is written out, for what was inferred before links were fused cannot be inferred from what is left.
     """
-    _save_all_digits(mujoco)
+    save_all_digits(mujoco)
     spec.compiler.saveinertial = True
     if not stands:
         spec.compiler.fusestatic = False  # nothing less keeps the root
@@ -149,13 +164,3 @@ def _saved_as_compiled(mujoco: Any, spec: Any, stands: bool) -> str:
     if spec.compiler.settotalmass > 0:  # of which what is saved knows nothing
         text = text.replace("<compiler ", f'<compiler settotalmass="{spec.compiler.settotalmass!r}" ', 1)
     return text
-
-
-def _save_all_digits(mujoco: Any) -> None:
-    """An older MuJoCo saves six digits, unless its library is told otherwise."""
-    folder = Path(mujoco.__file__).parent
-    for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll"):
-        for library in folder.glob(pattern):
-            ctypes.CDLL(str(library))._mjPRIVATE__set_xml_precision(17)
-            return
-    raise ValueError("this version of MuJoCo saves rounded numbers only")

@@ -14,6 +14,7 @@ from typing import Any
 
 from composer.engine.run import call
 from composer.engine.session import Session
+from composer.scratch import scratch
 
 _WARNING = re.compile(r"^Warning: in \S+ at line \d+ of .*? -- (.*)$", re.MULTILINE)
 _OWN_AFFAIRS = re.compile(r"deprecated")
@@ -47,15 +48,15 @@ def export_usd(model: Path, out: Path, session: Session) -> Exported:
 
 def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     """Runs in the child."""
-    told: dict[str, Any] = {"missing": None, "textures": [], "warnings": []}
+    found: dict[str, Any] = {"missing": None, "textures": [], "warnings": []}
     try:
         converter = import_module("mujoco_usd_converter")
         sdf, packing = import_module("pxr.Sdf"), import_module("pxr.UsdUtils")
     except ImportError as error:
-        return told | {"missing": str(error)}
+        return found | {"missing": str(error)}
     out = Path(argument["out"])
-    with tempfile.TemporaryDirectory(prefix="mjcompose-usd-") as folder, _standard_error() as log:
-        layer = converter.Converter(layer_structure=False).convert(argument["model"], folder).path
+    with scratch("usd") as folder, _standard_error() as log:
+        layer = converter.Converter(layer_structure=False).convert(argument["model"], str(folder)).path
         settled = _settled(sdf.Layer.FindOrOpen(layer), sdf)
         textures = sorted(path.name for path in Path(folder).glob("*/*"))
         suffix = out.suffix.lower()
@@ -67,7 +68,7 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
         elif not textures:
             settled.Export(str(out))
         warnings = [text for text in _WARNING.findall(log()) if not _OWN_AFFAIRS.search(text)]
-    return told | {
+    return found | {
         "textures": textures if suffix != ".usdz" else [],
         "warnings": list(dict.fromkeys(warnings)),
     }

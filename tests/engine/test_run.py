@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -290,3 +291,16 @@ def test_real_robots_compile_with_finite_forward_steps(corpus: Path, session: en
         assert (compiled.error, compiled.forward, compiled.warnings) == (None, None, ())
         assert compiled.index is not None
         assert sum(joint.qpos_size for joint in compiled.index.joints) == compiled.sizes["nq"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="timers of computing are those of POSIX")
+def test_a_first_step_that_has_no_end(tmp_path: Path) -> None:
+    """Thousands of bodies in one place, each of which touches all others."""
+    bodies = '<body><freejoint/><geom size=".1"/></body>' * 1500
+    (tmp_path / "model.xml").write_text(
+        f'<mujoco><size memory="2G"/><worldbody>{bodies}</worldbody></mujoco>'
+    )
+    with engine.Session(engine.Limits(seconds=6)) as session:
+        compiled = engine.compile(tmp_path, session=session)
+    assert compiled.crash == "timeout"
+    assert compiled.error == "MuJoCo's first step of the model takes longer than 0.3 s to compute"

@@ -77,7 +77,7 @@ def test_what_takes_too_long_is_ended(tmp_path: Path) -> None:
 @posix
 @pytest.mark.skipif(sys.platform == "darwin", reason="macOS does not keep the limit")
 def test_what_takes_too_much_memory_is_refused(tmp_path: Path) -> None:
-    compiled = engine.compile(put(tmp_path, HUGE), limits=engine.Limits(memory=engine.limits.GIB))
+    compiled = engine.compile(put(tmp_path, HUGE), limits=engine.Limits(memory=1 << 30))
     assert compiled.crash == "memory"
     assert compiled.error is not None
     assert compiled.error.startswith("MuJoCo ran out of the 1 GiB of memory it was given")
@@ -102,6 +102,26 @@ def test_one_process_answers_all_requests_of_a_session(tmp_path: Path) -> None:
     assert first.poll() is not None, "closing ends the process"
 
 
+def test_a_process_that_was_begun_answers_the_first_request(tmp_path: Path) -> None:
+    put(tmp_path, GOOD)
+    with Session() as session:
+        session.begin()
+        begun = session._process
+        session.begin()
+        assert begun is not None and session.mujoco_version is None, "nobody has waited for it"
+        assert engine.compile(tmp_path, session=session).ok
+        assert session._process is begun and session.mujoco_version is not None
+
+
+def test_what_prevents_a_beginning_is_the_answer_to_the_first_request(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "no-python"))
+    with Session() as session:
+        session.begin()
+        assert engine.compile(put(tmp_path, GOOD), session=session).crash == "start"
+
+
 def test_nothing_is_left_in_the_folder_for_temporary_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -123,6 +143,14 @@ def test_a_missing_mujoco_is_an_answer(tmp_path: Path, monkeypatch: pytest.Monke
     assert compiled.error is not None
     assert compiled.error.endswith("ModuleNotFoundError: No module named 'mujoco'")
     assert "Traceback" not in compiled.error
+
+
+@pytest.mark.own_children
+def test_a_mujoco_that_is_too_old_is_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("composer.engine.session.OLDEST", "99.1")
+    compiled = engine.compile(put(tmp_path, GOOD))
+    assert compiled.crash == "missing" and compiled.error is not None
+    assert compiled.error.endswith("builds no models here, it only loads them: 99.1 or newer does")
 
 
 def test_a_python_that_cannot_be_started_is_an_answer(

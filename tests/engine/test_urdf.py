@@ -7,6 +7,7 @@ import mujoco
 import pytest
 
 from composer.engine import Limits, convert_urdf
+from composer.reading.door import ALL
 
 INERTIAL = (
     '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -36,7 +37,7 @@ def arm(tmp_path: Path) -> Path:
 
 
 def converted(path: Path, *, stands: bool = True) -> ElementTree.Element:
-    result = convert_urdf(path, {"arm": path.parent}, stands=stands)
+    result = convert_urdf(path, {"arm": path.parent}, door=ALL, stands=stands)
     assert result.text is not None, result.error
     return ElementTree.fromstring(result.text)
 
@@ -67,7 +68,7 @@ def test_the_root_stays_a_body_where_it_does_not_stand_in_the_world(arm: Path) -
 
 
 def test_a_package_that_is_not_known(arm: Path) -> None:
-    result = convert_urdf(arm, {"other": arm.parent})
+    result = convert_urdf(arm, {"other": arm.parent}, door=ALL)
     assert (result.text, result.crash, result.meshes) == (None, None, ("package://arm/wedge.obj",))
     assert result.error is not None
 
@@ -75,13 +76,13 @@ def test_a_package_that_is_not_known(arm: Path) -> None:
 def test_a_mesh_that_is_not_there(arm: Path) -> None:
     text = ARM.replace("<robot name", "<robot  name").replace("package://arm/wedge.obj", "meshes/no.obj")
     arm.write_text(text.replace("<link", '<mujoco><compiler meshdir="m"/></mujoco><link', 1))
-    result = convert_urdf(arm, {})
+    result = convert_urdf(arm, {}, door=ALL)
     assert (result.text, result.meshes, result.folder.rstrip("/")) == (None, ("meshes/no.obj",), "m")
 
 
 def test_warnings_of_reading_come_once(arm: Path) -> None:
     arm.write_text(ARM.replace('<parent link="base"/>', '<parent link="base"/><mimic joint="no"/>'))
-    result = convert_urdf(arm, {"arm": arm.parent})
+    result = convert_urdf(arm, {"arm": arm.parent}, door=ALL)
     assert result.text is not None
     if hasattr(mujoco.MjSpec, "fuse_static"):  # an older one has no mimic
         assert len(result.warnings) == 1 and "turn" in result.warnings[0]
@@ -89,10 +90,10 @@ def test_warnings_of_reading_come_once(arm: Path) -> None:
 
 def test_what_mujoco_refuses(arm: Path) -> None:
     arm.write_text(ARM.replace('child link="upper"', 'child link="no"'))
-    result = convert_urdf(arm, {})
+    result = convert_urdf(arm, {}, door=ALL)
     assert result.text is None and result.error is not None and "joint" in result.error
 
 
 def test_no_verdict(arm: Path) -> None:
-    result = convert_urdf(arm, {}, limits=Limits(seconds=1e-6))
+    result = convert_urdf(arm, {}, door=ALL, limits=Limits(seconds=1e-6))
     assert (result.text, result.crash) == (None, "timeout")

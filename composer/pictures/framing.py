@@ -13,20 +13,24 @@ _MARGIN = 1.08
 _ROUNDS = 4
 _SHOWN_GROUPS = 3
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+# Where MuJoCo looks from unless a model says otherwise: straight at one side, and steeply down.
+_UNSAID = (90.0, -45.0)
+_OBLIQUE = (135.0, -22.0)
 _AMBIENT, _DIFFUSE, _SPECULAR = 0.3, 0.6, 0.3
-_SKYLESS = 235
-"""The grey, of 255, behind a model without a sky. MuJoCo 4.0 leaves that black, and dark models cannot be seen."""
 
 
 def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any:
     """The free camera that has the whole of some models in its picture, each with its data.
 
-    It looks in the direction that the first one asks for: `azimuth`, `elevation` and `fovy` of its `visual/global`.
+    It looks in the direction that the first one asks for, `azimuth` and `elevation` of its `visual/global`; obliquely
+    where that is MuJoCo's default.
     `aspect` is the width of the picture divided by its height.
     """
     model = scenes[0][0]
     free = mujoco.MjvCamera()
     mujoco.mjv_defaultFreeCamera(model, free)
+    if (free.azimuth, free.elevation) == _UNSAID:
+        free.azimuth, free.elevation = _OBLIQUE
     points = np.concatenate([corners(mujoco, *each) for each in scenes])
     if not len(points):
         return free
@@ -58,7 +62,7 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any
 
 def corners(mujoco: Any, model: Any, data: Any) -> Any:
     """The corners of the boxes around all that is drawn; planes have no end, and count only where nothing else is."""
-    drawn = [each for each in range(model.ngeom) if _is_drawn(mujoco, model, each)]
+    drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)]
     solid = [each for each in drawn if model.geom_type[each] != mujoco.mjtGeom.mjGEOM_PLANE]
     found = [np.zeros((0, 3))]
     for geom in solid or drawn:
@@ -69,6 +73,8 @@ def corners(mujoco: Any, model: Any, data: Any) -> Any:
         found.append((centre + _CORNERS * half) @ rotation.T + data.geom_xpos[geom])
     if model.nflexvert:
         found.append(data.flexvert_xpos.reshape(-1, 3))
+    if model.nskin:
+        found.append(data.xpos[model.skin_bonebodyid])
     points = np.concatenate(found)
     return points[np.isfinite(points).all(axis=1)]
 
@@ -78,7 +84,7 @@ def _bounded(half: Any) -> Any:
     return np.where(half > 0, half, 1.0)
 
 
-def _is_drawn(mujoco: Any, model: Any, geom: int) -> bool:
+def _is_drawn(model: Any, geom: int) -> bool:
     """Whether MuJoCo draws the geom when nobody chooses groups."""
     material = int(model.geom_matid[geom])
     rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
@@ -123,10 +129,3 @@ def is_lit(model: Any) -> bool:
 def has_sky(mujoco: Any, model: Any) -> bool:
     """Whether there is a picture behind everything else."""
     return bool((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX).any())
-
-
-def brightened(picture: Any, behind: Any) -> Any:
-    """The picture with something to see the model against, where nothing is drawn."""
-    picture = picture.copy()
-    picture[behind] = _SKYLESS
-    return picture

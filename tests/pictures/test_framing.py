@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from composer.engine.framing import camera, corners, has_sky, is_lit, prepared
+from composer.pictures.framing import camera, corners, has_sky, is_lit, prepared
 
 ASPECT = 4 / 3
 MODELS = {

@@ -1,0 +1,1 @@
+"""Pictures and films of a recipe, a model or a bundle."""

@@ -1,0 +1,87 @@
+"""All that the page shows of one model: what MuJoCo compiled, and where it came from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from composer import engine
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.unknown import unknown_name
+from composer.diff.side import Side
+from composer.scene.describe import FILE, describe
+from composer.scratch import scratch
+from composer.version import __version__
+from composer.view.names import Names
+from composer.view.origins import Origins
+
+if TYPE_CHECKING:
+    from composer.engine import Session
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """`text` is JSON; `used` are the names of the blobs that it refers to, `blobs` the bytes of those that are new."""
+
+    title: str
+    text: str
+    used: tuple[str, ...]
+    blobs: dict[str, bytes]
+    keys: tuple[str, ...] = ()
+
+    def has_key(self, key: str | None, sink: Sink) -> bool:
+        """Whether there is a keyframe of a name, or none is asked for; that it does not exist is reported."""
+        if key is None or key in self.keys:
+            return True
+        sink.add(unknown_name("keyframe", key, filter(None, self.keys), written="--key {}"))
+        return False
+
+
+def described(
+    side: Side,
+    session: Session,
+    known: Collection[str] = (),
+    editor: str | None = None,
+    names: Names | None = None,
+    **more: Any,
+) -> Description | None:
+    """The description of a model that `session` keeps; None where MuJoCo fails, which is reported.
+
+    Blobs in `known` are not made again. With an address of an `editor`, in which `{file}`, `{line}` and `{column}`
+    stand for a place, it has paths of this machine; without one it has none, and the same model gives the same bytes.
+    `names` are those of files that another model on the page has too. `more` goes into the JSON as it is.
+    """
+    with scratch("scene") as folder:
+        answer = engine.call(session, describe, [side.kept], {"folder": str(folder), "known": sorted(known)})
+        if not answer.ok:
+            said = answer.error or answer.crash
+            message = f"`{side.operand.label}` cannot be shown: {said}"
+            side.operand.context.sink.error("mujoco-crash", message)
+            return None
+        scene = json.loads(Path(folder, FILE).read_text(encoding="utf-8"))
+        used = tuple(answer.value["blobs"])
+        blobs = {name: path.read_bytes() for name in used if (path := Path(folder, name)).exists()}
+    origins = Origins(side, names or Names(side.operand.context.folder))
+    elements = {
+        kind: columns["name"]
+        for kind, columns in scene.items()
+        if isinstance(columns, dict) and "name" in columns
+    }
+    scene["origins"] = origins.data(elements)
+    scene["title"] = title = _title(side)
+    if editor is not None:
+        scene["editor"] = {"template": editor, "files": origins.absolute}
+    scene["made"] = f"mjcompose {__version__}"
+    scene |= more
+    text = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return Description(title, text, used, blobs, tuple(scene["key"]["name"]))
+
+
+def _title(side: Side) -> str:
+    """The model's name: of a recipe its own, otherwise that of the file."""
+    if side.cell is not None:
+        return str(side.cell)
+    return str(side.plan.name) if side.plan is not None else Path(side.operand.label).stem

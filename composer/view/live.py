@@ -1,0 +1,121 @@
+"""A server, what it watches, and the browser that shows it."""
+
+from __future__ import annotations
+
+import os
+import sys
+import webbrowser
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Event, Thread
+
+from composer.context import Context
+from composer.view.server import Server
+from composer.view.watching import Mark, Watch, marks
+from composer.view.workshop import Shown, Workshop
+
+_PATIENCE = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """Where a page is served, and whether a browser opens it."""
+
+    host: str = "127.0.0.1"
+    port: int = 0
+    opens: bool = True
+
+
+def started(workshop: Workshop, service: Service, context: Context) -> Server | None:
+    """A server that listens; None where it cannot, which is reported."""
+    try:
+        return Server(workshop, service.host, service.port)
+    except (OSError, OverflowError) as error:
+        said = (getattr(error, "strerror", None) or str(error)).lower()
+        help = "leave `--port` out for a free one" if service.port else "leave `--host` out"
+        at = f"{service.host}:{service.port}"
+        context.sink.error("no-server", f"the page cannot be served at {at}: {said}", help=help)
+        return None
+
+
+def serve(
+    server: Server, opens: bool, say: Callable[[str], None], stop: Event, said: Callable[[Shown], None]
+) -> None:
+    """Build, serve, watch and build again until `stop` is set; `said` is called with what came of each build."""
+    Thread(target=server.run, daemon=True).start()
+    try:
+        before = _build(server, said)
+        for line in _invitation(server.address, opens):
+            say(line)
+        if opens and _no_browser() is None:
+            Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
+        # In a thread of its own: a watch swallows the signals by which a terminal ends the command.
+        with ThreadPoolExecutor(1) as executor:
+            watching = executor.submit(_watch, server, before, stop, said)
+            try:
+                while not watching.done():
+                    stop.wait(_PATIENCE)
+            finally:
+                stop.set()
+            watching.result()
+    finally:
+        server.close()
+
+
+def _watch(server: Server, before: dict[Path, Mark], stop: Event, said: Callable[[Shown], None]) -> None:
+    """Build again whenever a file changes, until `stop` is set."""
+    watch = Watch(stop)
+    while watch.wait(before):
+        before = _build(server, said)
+
+
+def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
+    """Build and show; the files that were read, as they were before, so that no change in between is missed."""
+    workshop = server.workshop
+    before = marks(workshop.inputs)
+    shown = workshop.build()
+    server.show(shown)
+    said(shown)
+    return {path: before.get(path, mark) for path, mark in marks(workshop.inputs).items()}
+
+
+def _invitation(address: str, opens: bool) -> list[str]:
+    """The address, and how to reach it from where the browser is."""
+    lines = [address]
+    if not opens:
+        return lines
+    reason = _no_browser()
+    if reason is None:
+        return lines
+    port = address.split("/")[2].rpartition(":")[2]
+    if reason == "ssh":
+        lines.append(
+            f"on your own machine: ssh -L {port}:127.0.0.1:{port} {_host()}, then open the address there"
+        )
+    elif reason == "container":
+        lines.append(f"in a container: forward the port {port}; with Docker start it with -p 127.0.0.1:{port}:{port},"
+                     f" and this with --host 0.0.0.0 --port {port}")  # fmt: skip
+    return lines
+
+
+def _no_browser() -> str | None:
+    """Why no browser can be opened here; None where one can."""
+    if os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"):
+        return "ssh"
+    if (
+        Path("/.dockerenv").exists()
+        or Path("/run/.containerenv").exists()
+        or os.environ.get("KUBERNETES_SERVICE_HOST")
+    ):
+        return "container"
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return "no display"
+    return None
+
+
+def _host() -> str:
+    """This machine as it was called to be reached."""
+    connection = os.environ.get("SSH_CONNECTION", "").split()
+    return connection[2] if len(connection) > 2 else "HOST"

@@ -1,0 +1,101 @@
+"""Where every element of a model came from, as data for the page."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.diff.side import Side
+from composer.explain import query
+from composer.explain.explanation import Changed
+from composer.explain.traced import Traced
+from composer.view.names import Names
+
+KINDS = ("body", "joint", "geom", "site", "camera", "light", "tendon", "actuator", "key", "skin", "flex")
+_MOST_CHANGES = 12
+
+Place = list[int] | None
+"""The number of a file, a line and a column."""
+
+
+@dataclass(slots=True)
+class _Table:
+    """Texts that are said often, each once."""
+
+    rows: dict[str, int] = field(default_factory=dict)
+
+    def number(self, text: str) -> int:
+        return self.rows.setdefault(text, len(self.rows))
+
+
+class Origins:
+    """What the page knows of the origin of elements.
+
+    Files have the names of `names`, those that were fetched their reference. `absolute` has the files of this machine
+    by these names, for links into an editor.
+    """
+
+    def __init__(self, side: Side, names: Names) -> None:
+        self.side, self.names = side, names
+        self.absolute: dict[str, str] = {}
+        self._files, self._parts = _Table(), _Table()
+        self._part_places: list[Any] = []
+        self._numbers: dict[str, int] = {}
+
+    def data(self, names: Mapping[str, Sequence[str]]) -> dict[str, Any]:
+        """For each kind a list as long as its `names`: place, part, words and changes of an element, or null."""
+        traced = self.side.traced
+        of = (
+            {}
+            if traced is None
+            else {kind: self._of_kind(kind, names[kind], traced) for kind in KINDS if kind in names}
+        )
+        return {"files": list(self._files.rows), "parts": self._part_places, "of": of}
+
+    def _of_kind(self, kind: str, names: Sequence[str], traced: Traced) -> list[Any]:
+        asked = query.read(kind, None, Sink())
+        nodes = [] if asked is None else query.find(asked, traced.model.root, traced.separator)
+        if len(nodes) == len(names):
+            return [self._element(node, traced) for node in nodes]
+        # What MuJoCo multiplies has no node of its own.
+        known = {name: node for node in nodes if (name := query.name_of(node)) is not None}
+        return [self._element(known[name], traced) if name in known else None for name in names]
+
+    def _element(self, node: Any, traced: Traced) -> list[Any]:
+        life = traced.watch.life(node)
+        written = list(traced.written(life))
+        place = next((self._place(each.span) for each in written if each.span is not None), None)
+        words = " ".join(dict.fromkeys(each.words for each in written if each.words != "read from"))
+        changes = [self._change(each) for each in list(traced.changes(life))[:_MOST_CHANGES]]
+        parts = list(traced.parts(life))
+        part = self._part(parts[0].words, parts[0].span) if parts else -1
+        return [place, part, words, changes]
+
+    def _change(self, change: Changed) -> list[Any]:
+        what = change.attribute or ""
+        return [what, change.before, change.after, change.reason.words, self._place(change.reason.span)]
+
+    def _part(self, words: str, span: Span | None) -> int:
+        number = self._parts.number(words)
+        if number == len(self._part_places):
+            self._part_places.append([words, self._place(span)])
+        return number
+
+    def _place(self, span: Span | None) -> Place:
+        if span is None or span.file.startswith("--"):
+            return None
+        if span.file not in self._numbers:
+            self._numbers[span.file] = self._number(span)
+        return [self._numbers[span.file], span.line, span.column]
+
+    def _number(self, span: Span) -> int:
+        """That of the file. To look where a file was fetched takes long: it is done once for each."""
+        operand = self.side.operand
+        name = self.names.of(operand.located(span).file)
+        if os.path.isfile(path := os.path.abspath(operand.context.folder / span.file)):
+            self.absolute.setdefault(name, path)
+        return self._files.number(name)

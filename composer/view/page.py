@@ -1,0 +1,89 @@
+"""The page as one file that needs no network: the program, the model, and the licence of what it is made of."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import lzma
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from composer.view.description import Description
+
+BUILT = Path(__file__).with_name("built")
+# Nothing but what is in the file: no request, to nowhere.
+_ALONE = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:;"
+    " form-action 'none'; base-uri 'none'"
+)
+# MuJoCo's bindings make functions of text, and the browser gets the WebAssembly from what is in the file.
+_PLAYED = _ALONE.replace("'unsafe-inline';", "'unsafe-inline' 'unsafe-eval'; connect-src blob:;", 1)
+_LINE = 4096
+
+
+def alone(description: Description, *others: Description, played: Mapping[str, bytes] | None = None) -> str:
+    """The page of a model; of two models, the second is what became of the first, and has blobs of both.
+
+    With the files of a bundle that is `played` it has MuJoCo's WebAssembly, too.
+    """
+    models = "".join(_embedded(number, each) for number, each in enumerate((description, *others)))
+    policy = _ALONE if played is None else _PLAYED
+    engine = "" if played is None else _engine(played)
+    return shell(
+        description.title, f'<meta http-equiv="Content-Security-Policy" content="{policy}">', models + engine
+    )
+
+
+def _engine(files: Mapping[str, bytes]) -> str:
+    """MuJoCo for the page, and the model that it compiles there."""
+    program = lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
+    data = _packed("physics", b"null", [*files.items(), ("mujoco.wasm", program)])
+    return f"{data}<script>{_in_script((BUILT / 'physics.js').read_text(encoding='utf-8'))}</script>\n"
+
+
+def live(title: str) -> str:
+    """The page of a server, which has the program and the models beside it."""
+    style, script = "<link rel=stylesheet href=page.css>", "<script src=page.js></script>"
+    return shell(title, "", "", style, script).replace("<html lang=en>", "<html lang=en data-live>")
+
+
+def shell(title: str, head: str, body: str, style: str | None = None, script: str | None = None) -> str:
+    """The page around a model; `style` and `script` stand in place of the program's own, which is otherwise in it."""
+    notice = (BUILT / "NOTICE").read_text(encoding="utf-8")
+    style = (
+        style if style is not None else f"<style>{(BUILT / 'page.css').read_text(encoding='utf-8')}</style>"
+    )
+    script = script if script is not None else f"<script>{_in_script(_program())}</script>"
+    return (
+        "<!doctype html>\n<html lang=en>\n<meta charset=utf-8>\n"
+        '<meta name=viewport content="width=device-width,initial-scale=1">\n'
+        f"<link rel=icon href=data:,>\n{head}\n<title>{html.escape(title)}</title>\n"
+        f"<!--\n{notice.replace('--', '- -')}-->\n"
+        f"{style}\n<div id=page></div>\n{body}{script}\n</html>\n"
+    )
+
+
+def _program() -> str:
+    return (BUILT / "page.js").read_text(encoding="utf-8")
+
+
+def _in_script(text: str) -> str:
+    """Text that an HTML parser takes for no end of a script."""
+    return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+
+
+def _embedded(number: int, description: Description) -> str:
+    """The model, compressed: a line of JSON with the sizes of the blobs, the model, and those blobs that are new."""
+    blobs = [(name, description.blobs[name]) for name in description.used if name in description.blobs]
+    return _packed("model", description.text.encode(), blobs, f" data-number={number}")
+
+
+def _packed(what: str, text: bytes, blobs: list[tuple[str, bytes]], more: str = "") -> str:
+    """Bytes that the page unpacks: of the class `what`."""
+    head = json.dumps([len(text), [[name, len(content)] for name, content in blobs]], separators=(",", ":"))
+    packed = zlib.compress(b"".join([head.encode(), b"\n", text, *(content for _, content in blobs)]), 9)
+    data = base64.b64encode(packed).decode("ascii")
+    lines = "\n".join(data[at : at + _LINE] for at in range(0, len(data), _LINE))
+    return f'<script type="application/octet-stream" class={what}{more}>\n{lines}\n</script>\n'

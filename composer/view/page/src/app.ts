@@ -1,0 +1,391 @@
+// The page around the canvas, and what its parts do to each other.
+import { Contrast } from "./compare";
+import type { Element, Model, Scene } from "./data";
+import { h, icon, toast } from "./dom";
+import { Extras, EXTRAS, type Extra } from "./extras";
+import { Info, typeOf } from "./info";
+import { WIDTHS } from "./kinematics";
+import { places } from "./places";
+import { Sliders } from "./sliders";
+import { Stage } from "./stage";
+import { nameOf, Tree } from "./tree";
+import { host } from "./wire";
+import { World } from "./world";
+
+const TABS = ["Changes", "Info", "Joints", "Controls", "Show", "Attach"] as const;
+const EXTRA_WORDS: Record<Extra, string> = { frames: "body frames", axes: "joint axes", inertia: "inertia boxes", contacts: "contacts", cameras: "cameras" };
+const KEYS: [string, string][] = [
+  ["F", "fit the selection, or the whole"], ["0 … 5", "geom groups"], ["C", "collision shapes only"], ["J", "joint axes"], ["I", "inertia boxes"],
+  ["B", "body frames"], ["S", "sites"], ["R", "reference pose"], ["K", "copy the pose as a keyframe"], ["L", "light or dark"], ["X", "before or after, where two models are compared"],
+  ["/", "search"], ["Space", "physics, where a server runs it"], ["Esc", "select nothing"],
+];
+
+export class App {
+  readonly stage: Stage;
+  world!: World;
+  sliders!: Sliders;
+  selection: Element | null = null;
+  key = -1;
+  /** What the server does when the page asks for it; a page without one has none. */
+  server: { play: () => void; pose: () => void; choose: (name: string, value: string) => void } | null = null;
+
+  private models: Model[] = [];
+  private contrast: Contrast | null = null;
+  private tree!: Tree;
+  private info!: Info;
+  private extras: Extras | null = null;
+  private readonly groups = [true, true, true, false, false, false];
+  private collision = false;
+  private readonly softs: Record<string, boolean> = { site: true, tendon: true, skin: true, flex: true };
+  private readonly extra = new Set<Extra>();
+  private readonly canvas = h("canvas", { tabIndex: 0, ariaLabel: "the model" });
+  private readonly title = h("h1", {});
+  private readonly keySelect = h("select", { ariaLabel: "keyframe", title: "keyframe", onchange: () => this.setKey(Number(this.keySelect.value)) });
+  private readonly cameraSelect = h("select", { ariaLabel: "camera", title: "camera", onchange: () => this.setCamera(Number(this.cameraSelect.value)) });
+  private readonly choices = h("span", { className: "choices" });
+  private readonly playButton = h("button", { className: "tool", title: "physics (space)", hidden: true, onclick: () => this.server?.play() }, icon("play"));
+  private readonly searchBox = h("input", { type: "search", placeholder: "Search names  /", ariaLabel: "search names", oninput: () => this.search() });
+  private readonly treeBox = h("div", { className: "scroll" });
+  private readonly panels = Object.fromEntries(TABS.map((tab) => [tab, h("div", { className: "scroll", hidden: true })])) as unknown as Record<(typeof TABS)[number], HTMLElement>;
+  private readonly tabs = Object.fromEntries(TABS.map((tab) => [tab, h("button", { role: "tab", onclick: () => this.open(tab) }, tab)])) as unknown as Record<(typeof TABS)[number], HTMLElement>;
+  private readonly tip = h("div", { className: "tip", hidden: true });
+  private readonly fault = h("div", { className: "fault", hidden: true, role: "alert" });
+  private readonly status = h("div", { className: "status" });
+  private readonly keyButtons = h("div", { className: "keys" });
+
+  constructor(root: HTMLElement) {
+    this.theme(host?.theme ?? remembered("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
+    const tool = (name: string, title: string, act: () => void, className = "tool") => h("button", { className, title, ariaLabel: title, onclick: act }, icon(name));
+    const view = h("main", {}, this.canvas, this.tip, this.status, this.fault);
+    const left = h("aside", { className: "left" }, this.searchBox, this.treeBox);
+    const right = h("aside", { className: "right" }, h("div", { className: "tabs", role: "tablist" }, ...TABS.map((tab) => this.tabs[tab])), ...TABS.map((tab) => this.panels[tab]));
+    const drawer = (side: string) => { root.classList.toggle(`show-${side}`); root.classList.remove(side === "left" ? "show-right" : "show-left"); };
+    root.append(
+      h("header", { className: "bar" },
+        tool("tree", "the composition", () => drawer("left"), "tool narrow"), this.title, this.choices, h("span", { className: "gap" }),
+        this.keySelect, this.cameraSelect, this.playButton,
+        tool("fit", "fit (F)", () => this.fit()), tool("theme", "light or dark (L)", () => this.flipTheme()), tool("help", "keys (?)", () => this.help()),
+        tool("panel", "joints and more", () => drawer("right"), "tool narrow")),
+      left, view, right);
+    this.stage = new Stage(this.canvas);
+    this.stage.beforeFrame = () => this.extras?.update();
+    this.open("Info");
+    this.pointer();
+    addEventListener("keydown", (event) => this.keyboard(event));
+  }
+
+  // -- models ------------------------------------------------------------------------------------------------------
+
+  /** Show a model; what is common to it and the one before stays as it is: pose, selection, what is hidden. */
+  async show(models: Model[], at = models.length - 1): Promise<void> {
+    const model = models[at], world = new World(model, this.world), before = this.world as World | undefined, controls = this.sliders?.ctrl;
+    await world.load();
+    this.models = models;
+    const selected = this.selection && before ? { kind: this.selection.kind, name: nameOf(before.model, this.selection) } : null;
+    const through = this.stage.through !== null && before ? before.model.scene.camera.name[this.stage.through] : null;
+    const oldKey = this.key;
+    if (before) {
+      this.key = this.key < 0 ? -1 : model.scene.key.name.indexOf(before.model.scene.key.name[this.key]);
+      carry(before, oldKey, world, this.key);
+    }
+    this.world = world;
+    const { scene } = model;
+    document.title = this.title.textContent = scene.title;
+    this.title.title = `${scene.title}, ${scene.made}`;
+    const difference = models[models.length - 1].scene.difference;
+    this.contrast = difference ? new Contrast(model, difference, at) : null;
+    this.tree = new Tree(model, (element) => this.select(element, true), (element) => this.hover(element), (element) => this.contrast?.of(element) ?? "");
+    this.treeBox.replaceChildren(this.tree.root);
+    this.info = new Info(model, (element) => this.select(element, true));
+    this.sliders = new Sliders(model, world.pose, () => this.moved(), () => this.server?.pose());
+    this.panels.Info.replaceChildren(this.info.root);
+    this.panels.Joints.replaceChildren(this.poseTools(), this.sliders.joints);
+    this.panels.Controls.replaceChildren(this.sliders.controls);
+    this.panels.Attach.replaceChildren(places(model, (element) => this.select(element, true), (element) => this.hover(element)));
+    this.extras = new Extras(world);
+    world.root.add(this.extras.root);
+    this.stage.show(world);
+    for (const each of this.extra) this.extras.set(each, true);
+    this.showPanel();
+    this.applyGroups();
+    this.menus();
+    if (before && controls) {
+      this.sliders.setControls(controlsAt(scene, this.key));
+      const old = before.model.scene, still = controlsAt(old, oldKey);
+      scene.actuator.name.forEach((name, a) => {
+        const k = name ? old.actuator.control[old.actuator.name.indexOf(name)] ?? -1 : -1;
+        if (k >= 0 && controls[k] !== still[k]) this.sliders.ctrl[scene.actuator.control[a]] = controls[k];
+      });
+      this.sliders.refresh();
+    } else {
+      this.setKey(scene.key_named ? scene.key.name.indexOf(scene.key_named) : scene.key.name.length ? 0 : -1);
+      this.stage.fit();
+    }
+    const index = selected ? ((scene as any)[selected.kind].name?.indexOf(selected.name) ?? -1) : -1;
+    this.select(selected && index >= 0 ? { kind: selected.kind, index } : null, false);
+    if (through !== null && scene.camera.name.includes(through)) this.stage.lookThrough(scene.camera.name.indexOf(through));
+    this.compare();
+    if (!before && this.contrast) this.open("Changes");
+    const size = `${scene.body.name.length - 1} bodies · ${scene.joint.name.length} joints · ${scene.geom.name.length} geoms · ${scene.actuator.name.length} actuators`;
+    this.status.textContent = size;
+    this.stage.now();
+    document.documentElement.dataset.shown = String(Number(document.documentElement.dataset.shown ?? 0) + 1);
+  }
+
+  private menus(): void {
+    const { scene } = this.world.model;
+    const option = (value: number, words: string) => h("option", { value: String(value) }, words);
+    this.keySelect.replaceChildren(option(-1, "reference pose"), ...scene.key.name.map((name, k) => option(k, name || `key#${k}`)));
+    this.keySelect.value = String(this.key);
+    this.cameraSelect.replaceChildren(option(-1, "free camera"), ...scene.camera.name.map((name, k) => option(k, name || `camera#${k}`)));
+    this.cameraSelect.hidden = !scene.camera.name.length;
+    this.keyButtons.replaceChildren(...[-1, ...scene.key.name.keys()].map((k) => h("button", { className: k === this.key ? "chip on" : "chip", onclick: () => this.setKey(k) }, k < 0 ? "reference" : scene.key.name[k] || `key#${k}`)));
+    this.choices.replaceChildren(...(scene.choices ?? []).map((each) =>
+      h("select", { title: each.label, ariaLabel: each.label, onchange: (event: Event) => this.server?.choose(each.name, (event.target as HTMLSelectElement).value) },
+        ...each.values.map((value) => h("option", { value, selected: value === each.value }, value)))));
+    this.choices.hidden = !this.server;
+    this.playButton.hidden = !this.server;
+  }
+
+  /** Two models in one page: which one is shown, and what differs. */
+  private compare(): void {
+    const contrast = this.contrast;
+    this.tabs.Changes.hidden = !contrast;
+    this.tabs.Attach.hidden = Boolean(contrast);
+    if (!contrast) return;
+    const show = (number: number) => h("button", { className: number === contrast.at ? "chip on" : "chip", onclick: () => void this.show(this.models, number) }, number ? "after" : "before");
+    this.choices.replaceChildren(show(0), show(1));
+    this.choices.hidden = false;
+    this.world.recolour(contrast.colour);
+    this.panels.Changes.replaceChildren(contrast.panel((element) => this.select(element, true)));
+  }
+
+  // -- pose --------------------------------------------------------------------------------------------------------
+
+  setKey(key: number): void {
+    this.key = key;
+    const { scene } = this.world.model;
+    this.world.pose.reset(key);
+    this.world.softs.known = key;
+    this.sliders.setControls(controlsAt(scene, key));
+    this.menus();
+    this.posed();
+    this.server?.pose();
+  }
+
+  /** A slider has moved a joint. */
+  private moved(): void {
+    this.world.pose.update();
+    this.world.softs.known = null;
+    this.posed();
+    this.server?.pose();
+  }
+
+  /** The server or a test has a configuration. */
+  setQpos(qpos: ArrayLike<number>): void {
+    this.world.pose.qpos.set(qpos);
+    this.world.pose.update();
+    this.world.softs.known = null;
+    this.posed();
+  }
+
+  posed(): void {
+    this.world.update();
+    this.sliders.refresh();
+    this.stage.draw();
+  }
+
+  private poseTools(): HTMLElement {
+    return h("div", { className: "pose" }, this.keyButtons, h("button", { className: "wide", onclick: () => void this.sliders.copyPose() }, icon("copy"), "Copy this pose as a keyframe"));
+  }
+
+  // -- what is seen ------------------------------------------------------------------------------------------------
+
+  private setCamera(index: number): void {
+    if (index < 0) this.stage.fit();
+    else this.stage.lookThrough(index);
+  }
+
+  private fit(): void {
+    this.cameraSelect.value = "-1";
+    const box = this.selection ? this.world.boxOf(this.selection) : undefined;
+    this.stage.fit(box && !box.isEmpty() ? box : undefined);
+  }
+
+  applyGroups(): void {
+    this.world.show((kind, group, collides) => {
+      if (kind === "site") return this.softs.site && group < 3;
+      return this.collision ? collides : this.groups[group];
+    });
+    for (const kind of ["tendon", "skin", "flex"]) this.world.softs.show(kind, (group) => this.softs[kind] && !this.collision && group < 3);
+    this.world.softs.update();
+    this.stage.draw();
+  }
+
+  private showPanel(): void {
+    const { scene } = this.world.model;
+    const check = (words: string, on: boolean, set: (on: boolean) => void, more = "") =>
+      h("label", { className: "check" }, h("input", { type: "checkbox", checked: on, onchange: (event: Event) => { set((event.target as HTMLInputElement).checked); } }), h("span", {}, words), h("span", { className: "more" }, more));
+    const counts = this.groups.map((_, group) => scene.geom.group.filter((each: number) => each === group).length);
+    const groups = this.groups.flatMap((on, group) => (counts[group] ? [check(`group ${group}`, on, (now) => { this.groups[group] = now; this.applyGroups(); }, `${counts[group]} geoms`)] : []));
+    const softs = Object.entries(this.softs).flatMap(([kind, on]) => {
+      const count = kind === "site" || kind === "tendon" ? (scene as any)[kind].name.length : (scene as any)[kind].length;
+      return count ? [check(`${kind}s`, on, (now) => { this.softs[kind] = now; this.applyGroups(); }, String(count))] : [];
+    });
+    this.panels.Show.replaceChildren(h("div", { className: "show" },
+      h("h3", {}, "Geoms"), ...groups, check("collision shapes only", this.collision, (now) => { this.collision = now; this.applyGroups(); }),
+      softs.length ? h("h3", {}, "More of the model") : null, ...softs,
+      h("h3", {}, "Marks"), ...EXTRAS.map((each) => check(EXTRA_WORDS[each], this.extra.has(each), (on) => this.setExtra(each, on), each === "contacts" ? `${scene.poses[this.key + 1]?.contacts.length ?? 0}` : ""))));
+  }
+
+  setExtra(name: Extra, on: boolean): void {
+    if (on) this.extra.add(name);
+    else this.extra.delete(name);
+    this.extras?.set(name, on);
+    this.stage.draw();
+  }
+
+  // -- selection ---------------------------------------------------------------------------------------------------
+
+  select(element: Element | null, open: boolean): void {
+    this.selection = element;
+    this.tree.select(element);
+    this.info.show(element);
+    this.world.mark(element, 0x3b82f6);
+    if (open) this.open("Info");
+    this.stage.draw();
+  }
+
+  private hover(element: Element | null): void {
+    this.world.mark(element ?? this.selection, element ? 0xffb020 : 0x3b82f6);
+    this.stage.draw();
+  }
+
+  private pointer(): void {
+    let down: [number, number] | null = null, due = 0;
+    this.canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; this.tip.hidden = true; });
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.select(this.stage.pick(event.clientX, event.clientY), true);
+      down = null;
+    });
+    this.canvas.addEventListener("pointerleave", () => { this.tip.hidden = true; });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons || event.pointerType === "touch") return;
+      cancelAnimationFrame(due);
+      due = requestAnimationFrame(() => this.point(event.clientX, event.clientY));
+    });
+  }
+
+  private point(x: number, y: number): void {
+    const element = this.stage.pick(x, y);
+    this.tip.hidden = !element;
+    if (!element) return;
+    const { model } = this.world, columns = (model.scene as any)[element.kind];
+    const body = columns.body ? nameOf(model, { kind: "body", index: columns.body[element.index] }) : "";
+    const origin = model.scene.origins.of[element.kind]?.[element.index];
+    const where = origin?.[0] ? `${model.scene.origins.files[origin[0][0]]}:${origin[0][1]}` : "";
+    this.tip.replaceChildren(h("b", {}, nameOf(model, element)), h("span", {}, typeOf(model, element), body && ` on ${body}`), where && h("code", {}, where));
+    const box = this.canvas.getBoundingClientRect();
+    this.tip.style.left = `${Math.min(x - box.left + 14, box.width - this.tip.offsetWidth - 8)}px`;
+    this.tip.style.top = `${Math.min(y - box.top + 14, box.height - this.tip.offsetHeight - 8)}px`;
+  }
+
+  private search(): void {
+    const text = this.searchBox.value.trim();
+    this.treeBox.replaceChildren(...(text ? this.tree.search(text) : [this.tree.root]));
+  }
+
+  // -- the page ----------------------------------------------------------------------------------------------------
+
+  open(tab: (typeof TABS)[number]): void {
+    for (const each of TABS) {
+      this.panels[each].hidden = each !== tab;
+      this.tabs[each].ariaSelected = String(each === tab);
+    }
+  }
+
+  private keyboard(event: KeyboardEvent): void {
+    const field = event.target as HTMLElement;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (field.matches("input:not([type=range]):not([type=checkbox]), textarea, select")) {
+      if (event.key === "Escape") field.blur();
+      return;
+    }
+    const flip = (extra: Extra) => { this.setExtra(extra, !this.extra.has(extra)); this.showPanel(); };
+    const acts: Record<string, () => void> = {
+      f: () => this.fit(), l: () => this.flipTheme(), "?": () => this.help(), "/": () => this.searchBox.focus(), r: () => this.setKey(-1),
+      x: () => { if (this.contrast) void this.show(this.models, 1 - this.contrast.at); }, k: () => void this.sliders.copyPose(), j: () => flip("axes"), i: () => flip("inertia"), b: () => flip("frames"),
+      c: () => { this.collision = !this.collision; this.applyGroups(); this.showPanel(); },
+      s: () => { this.softs.site = !this.softs.site; this.applyGroups(); this.showPanel(); },
+      escape: () => { this.select(null, false); document.querySelector("dialog")?.remove(); this.fault.hidden = true; }, " ": () => this.server?.play(),
+    };
+    const group = "012345".indexOf(event.key);
+    const act = group >= 0 ? () => { this.groups[group] = !this.groups[group]; this.applyGroups(); this.showPanel(); } : acts[event.key.toLowerCase()];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  }
+
+  private help(): void {
+    document.querySelector("dialog")?.remove();
+    const dialog = h("dialog", {}, h("h2", {}, "Keys"), h("dl", {}, ...KEYS.flatMap(([key, words]) => [h("dt", {}, h("kbd", {}, key)), h("dd", {}, words)])),
+      h("p", { className: "hint" }, "Drag to turn, right button or two fingers to move, wheel to come nearer. Made with ", this.world.model.scene.made, " and three.js (MIT)."),
+      h("button", { onclick: () => dialog.remove() }, "Close"));
+    document.body.append(dialog);
+    dialog.showModal();
+  }
+
+  theme(name: string): void {
+    document.documentElement.dataset.theme = name;
+    try { localStorage.setItem("mjcompose-theme", name); } catch { /* a page from a file may have no storage */ }
+  }
+
+  private flipTheme(): void {
+    this.theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
+  }
+
+  setPlaying(playing: boolean): void {
+    this.playButton.replaceChildren(icon(playing ? "pause" : "play"));
+    this.playButton.classList.toggle("on", playing);
+  }
+
+  /** A fault over the last good model, in the words of the terminal; null takes it away. */
+  setFault(text: string | null): void {
+    this.fault.hidden = text === null;
+    if (text === null) return;
+    const lines = text.trimEnd().split("\n").map((line) => h("span", { className: /(^|: )error\[/.test(line) ? "error" : /(^|: )warning\[/.test(line) ? "warning" : /^ *= help/.test(line) ? "help" : /^ *\d* *\|/.test(line) ? "source" : "" }, `${line}\n`));
+    this.fault.replaceChildren(h("header", {}, h("b", {}, "The model has a fault"), h("span", {}, this.world ? "the last good one is shown" : ""), h("button", { title: "hide (Esc)", onclick: () => { this.fault.hidden = true; } }, "×")), h("pre", {}, ...lines));
+  }
+
+  notice(words: string): void {
+    toast(words);
+  }
+}
+
+/** The pose of a model for another one, by the names of joints. What nobody moved follows the new keyframe or reference. */
+function carry(before: World, oldKey: number, after: World, key: number): void {
+  const old = before.model.scene, now = after.model.scene, { pose } = before;
+  const still = oldKey < 0 ? old.qpos0 : old.key.qpos.slice(oldKey * pose.qpos.length, (oldKey + 1) * pose.qpos.length);
+  after.pose.reset(key);
+  now.joint.name.forEach((name, j) => {
+    const k = name ? old.joint.name.indexOf(name) : -1;
+    if (k < 0 || old.joint.type[k] !== now.joint.type[j]) return;
+    const width = WIDTHS[now.joint.type[j]], from = old.joint.qpos[k], to = now.joint.qpos[j];
+    const moved = Array.from({ length: width }, (_, at) => pose.qpos[from + at] !== still[from + at]).some(Boolean);
+    if (moved) for (let at = 0; at < width; at++) after.pose.qpos[to + at] = pose.qpos[from + at];
+  });
+  after.softs.known = null;
+  after.pose.update();
+  after.update();
+}
+
+/** The controls of a keyframe; all zero without one. */
+function controlsAt(scene: Scene, key: number): number[] {
+  const count = scene.actuator.range.length / 2;
+  return key < 0 ? new Array(count).fill(0) : scene.key.ctrl.slice(key * count, (key + 1) * count);
+}
+
+function remembered(what: string): string | null {
+  try { return localStorage.getItem(`mjcompose-${what}`); } catch { return null; }
+}
+

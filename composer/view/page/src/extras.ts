@@ -1,0 +1,164 @@
+// What is drawn of a model beyond its surfaces: frames, joint axes, inertia boxes, contacts, cameras.
+import {
+  BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, InstancedMesh, LineBasicMaterial,
+  LineSegments, Matrix4, MeshBasicMaterial, MeshPhongMaterial, Quaternion, SphereGeometry, Vector3,
+} from "three";
+import { row } from "./data";
+import { FREE, rotated, SLIDE } from "./kinematics";
+import type { World } from "./world";
+
+export const EXTRAS = ["frames", "axes", "inertia", "contacts", "cameras"] as const;
+export type Extra = (typeof EXTRAS)[number];
+
+export class Extras {
+  readonly root = new Group();
+  private readonly shown = new Map<Extra, { group: Group; update: () => void }>();
+  private readonly unit: number;
+
+  constructor(private readonly world: World) {
+    const { look } = world.model.scene;
+    this.unit = Math.min(1.2 * look.meansize, 0.045 * look.extent) || 0.1;
+  }
+
+  set(name: Extra, visible: boolean): void {
+    const now = this.shown.get(name);
+    if (now) this.root.remove(now.group);
+    this.shown.delete(name);
+    if (!visible) return;
+    const made = this[name]();
+    this.shown.set(name, made);
+    this.root.add(made.group);
+    made.update();
+  }
+
+  update(): void {
+    for (const { update } of this.shown.values()) update();
+  }
+
+  private lines(count: number): { group: Group; corners: Float32Array; colours: Float32Array; done: () => void } {
+    const geometry = new BufferGeometry(), corners = new Float32Array(3 * count), colours = new Float32Array(3 * count);
+    geometry.setAttribute("position", new BufferAttribute(corners, 3));
+    geometry.setAttribute("color", new BufferAttribute(colours, 3));
+    const lines = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }));
+    lines.frustumCulled = false;
+    lines.renderOrder = 4;
+    const group = new Group();
+    group.add(lines);
+    return { group, corners, colours, done: () => { geometry.getAttribute("position").needsUpdate = true; } };
+  }
+
+  private frames() {
+    const { pose } = this.world, bodies = this.world.model.scene.body.name.length;
+    const { group, corners, colours, done } = this.lines(6 * bodies);
+    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]], tints = ["#ff5a5f", "#3ecf6b", "#4f8cff"];
+    for (let b = 0; b < bodies; b++) axes.forEach((_, a) => {
+      for (const k of [0, 1]) new Color(tints[a]).toArray(colours, 3 * (6 * b + 2 * a + k));
+    });
+    const update = () => {
+      for (let b = 0; b < bodies; b++) axes.forEach((axis, a) => {
+        const along = rotated(pose.quat, 4 * b, axis, 0), at = 3 * (6 * b + 2 * a);
+        for (let k = 0; k < 3; k++) {
+          corners[at + k] = pose.pos[3 * b + k];
+          corners[at + 3 + k] = pose.pos[3 * b + k] + this.unit * 1.5 * along[k];
+        }
+      });
+      done();
+    };
+    return { group, update };
+  }
+
+  private axes() {
+    const { joint } = this.world.model.scene, { pose } = this.world;
+    const some = joint.type.map((type: number, j: number) => (type === FREE ? -1 : j)).filter((j: number) => j >= 0) as number[];
+    const group = new Group(), width = this.unit * 0.045, length = this.unit * 2.2;
+    const rod = new InstancedMesh(new CylinderGeometry(width, width, length, 10).rotateX(Math.PI / 2), overlay(0xffffff), some.length);
+    const tip = new InstancedMesh(new ConeGeometry(2.4 * width, 6 * width, 14).rotateX(Math.PI / 2), overlay(0xffffff), some.length);
+    some.forEach((j, at) => {
+      const colour = new Color(joint.type[j] === SLIDE ? "#3ecf6b" : "#ff9f2e");
+      rod.setColorAt(at, colour);
+      tip.setColorAt(at, colour);
+    });
+    for (const each of [rod, tip]) { each.frustumCulled = false; each.renderOrder = 4; group.add(each); }
+    const update = () => {
+      const matrix = new Matrix4(), turn = new Quaternion(), along = new Vector3(), place = new Vector3(), one = new Vector3(1, 1, 1);
+      some.forEach((j, at) => {
+        along.fromArray(pose.axis, 3 * j);
+        turn.setFromUnitVectors(new Vector3(0, 0, 1), along);
+        place.fromArray(pose.anchor, 3 * j);
+        rod.setMatrixAt(at, matrix.compose(place, turn, one));
+        tip.setMatrixAt(at, matrix.compose(place.addScaledVector(along, length / 2), turn, one));
+      });
+      for (const each of [rod, tip]) each.instanceMatrix.needsUpdate = true;
+    };
+    return { group, update };
+  }
+
+  private inertia() {
+    const { body } = this.world.model.scene, group = new Group();
+    const some = body.mass.map((mass: number, b: number) => (mass > 0 ? b : -1)).filter((b: number) => b > 0) as number[];
+    const boxes = new InstancedMesh(new BoxGeometry(2, 2, 2), new MeshPhongMaterial({ color: 0xe0507a, transparent: true, opacity: 0.45, depthWrite: false }), some.length);
+    boxes.frustumCulled = false;
+    group.add(boxes);
+    const local = some.map((b) => {
+      const [x, y, z] = row(body.inertia, b, 3), mass = body.mass[b];
+      const half = [y + z - x, x + z - y, x + y - z].map((each) => Math.sqrt(Math.max(each, 1e-12) * 1.5 / mass));
+      const [qw, qx, qy, qz] = row(body.iquat, b, 4);
+      return new Matrix4().compose(new Vector3(...(row(body.ipos, b, 3) as [number, number, number])), new Quaternion(qx, qy, qz, qw), new Vector3(...(half as [number, number, number])));
+    });
+    const update = () => {
+      const matrix = new Matrix4();
+      some.forEach((b, at) => boxes.setMatrixAt(at, matrix.multiplyMatrices(this.world.bodyMatrix(b), local[at])));
+      boxes.instanceMatrix.needsUpdate = true;
+    };
+    return { group, update };
+  }
+
+  private contacts() {
+    const group = new Group(), { poses } = this.world.model.scene, r = this.unit * 0.22;
+    const most = Math.max(1, ...poses.map((each) => each.contacts.length));
+    const discs = new InstancedMesh(new CylinderGeometry(r, r, r * 0.3, 18).rotateX(Math.PI / 2), overlay(0xff3b6b), most);
+    discs.frustumCulled = false;
+    discs.renderOrder = 4;
+    group.add(discs);
+    const update = () => {
+      const { known } = this.world.softs, found = known === null ? [] : poses[known + 1].contacts;
+      const matrix = new Matrix4(), turn = new Quaternion(), one = new Vector3(1, 1, 1);
+      discs.count = found.length;
+      found.forEach((each, at) => {
+        turn.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(each[5], each[6], each[7]));
+        discs.setMatrixAt(at, matrix.compose(new Vector3(each[2], each[3], each[4]), turn, one));
+      });
+      discs.instanceMatrix.needsUpdate = true;
+    };
+    return { group, update };
+  }
+
+  private cameras() {
+    const { camera } = this.world.model.scene, { pose } = this.world, count = camera.name.length;
+    const { group, corners, colours, done } = this.lines(16 * count);
+    colours.fill(0.75);
+    const eyes = new InstancedMesh(new SphereGeometry(this.unit * 0.12, 12, 8), overlay(0xbfc7d5), Math.max(1, count));
+    eyes.frustumCulled = false;
+    eyes.count = count;
+    group.add(eyes);
+    const update = () => {
+      camera.fovy.forEach((fovy: number, index: number) => {
+        const b = camera.body[index], deep = this.unit * 2, high = deep * Math.tan(fovy * Math.PI / 360), wide = high * 4 / 3;
+        const world = (v: number[]) => {
+          const own = rotated(row(camera.quat, index, 4), 0, v, 0);
+          const on = [0, 1, 2].map((k) => own[k] + camera.pos[3 * index + k]);
+          return rotated(pose.quat, 4 * b, on, 0).map((each, k) => each + pose.pos[3 * b + k]);
+        };
+        const eye = world([0, 0, 0]), rim = [[-wide, -high, -deep], [wide, -high, -deep], [wide, high, -deep], [-wide, high, -deep]].map(world);
+        const ends = rim.flatMap((each, k) => [...eye, ...each, ...each, ...rim[(k + 1) % 4]]);
+        corners.set(ends, 48 * index);
+        eyes.setMatrixAt(index, new Matrix4().makeTranslation(eye[0], eye[1], eye[2]));
+      });
+      eyes.instanceMatrix.needsUpdate = true;
+      done();
+    };
+    return { group, update };
+  }
+}
+
+const overlay = (color: number) => new MeshBasicMaterial({ color, depthTest: false, transparent: true, opacity: 0.9 });

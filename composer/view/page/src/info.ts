@@ -1,0 +1,126 @@
+// What is known of the element that is selected or under the pointer.
+import { type Element, row, type Change, type Model, type Origin, type Place } from "./data";
+import { copy, h } from "./dom";
+import { BALL, FREE, HINGE, SLIDE } from "./kinematics";
+import { colourOf } from "./paint";
+import { SHAPE_NAMES } from "./shapes";
+import { nameOf } from "./tree";
+import { host } from "./wire";
+
+export const JOINT_NAMES: Record<number, string> = { [FREE]: "free joint", [BALL]: "ball joint", [SLIDE]: "slide joint", [HINGE]: "hinge joint" };
+const LIGHTS = ["spot", "directional", "point", "image"];
+const TRANSMISSIONS = ["joint", "joint", "slider-crank", "tendon", "site", "body"];
+
+export const degrees = (angle: number): string => `${neat(angle * 180 / Math.PI, 4)}°`;
+
+/** A number as short as it is still true to some digits. */
+export function neat(value: number, digits = 4): string {
+  return String(Number(value.toPrecision(digits))).replace("-", "−");
+}
+
+const list = (values: number[], unit = ""): string => values.map((each) => neat(each)).join("  ") + unit;
+
+export function typeOf(model: Model, { kind, index }: Element): string {
+  const { scene } = model;
+  if (kind === "geom") return SHAPE_NAMES[scene.geom.type[index]] ?? "geom";
+  if (kind === "joint") return JOINT_NAMES[scene.joint.type[index]];
+  if (kind === "light") return `${LIGHTS[scene.light.type[index]] ?? ""} light`;
+  return kind;
+}
+
+export class Info {
+  readonly root = h("div", { className: "info" });
+
+  constructor(private readonly model: Model, private readonly choose: (element: Element) => void) {}
+
+  show(element: Element | null): void {
+    this.root.replaceChildren(...(element ? this.rows(element) : [h("p", { className: "hint" }, "Click something in the picture or in the tree.")]));
+  }
+
+  private rows(element: Element): HTMLElement[] {
+    const { scene } = this.model, name = nameOf(this.model, element), kind = typeOf(this.model, element);
+    const facts = h("dl", {});
+    for (const [what, value] of this.facts(element)) facts.append(h("dt", {}, what), h("dd", {}, value));
+    const origin: Origin = scene.origins.of[element.kind]?.[element.index] ?? null;
+    return [
+      h("header", {}, h("h2", { title: "copy the name", onclick: () => copy(name) }, name), h("span", { className: "badge" }, kind)),
+      facts,
+      ...(origin ? this.origin(origin) : []),
+    ];
+  }
+
+  private link(element: Element): HTMLElement {
+    return h("a", { href: "#", onclick: (event: Event) => { event.preventDefault(); this.choose(element); } }, nameOf(this.model, element));
+  }
+
+  private *facts({ kind, index }: Element): Generator<[string, Node | string]> {
+    const { scene } = this.model;
+    if (kind === "body") {
+      const { body } = scene;
+      if (index > 0) yield ["parent", this.link({ kind: "body", index: body.parent[index] })];
+      yield ["mass", `${neat(body.mass[index])} kg`];
+      yield ["inertia", list(row(body.inertia, index, 3), " kg·m²")];
+      yield ["centre of mass", list(row(body.ipos, index, 3), " m")];
+      yield ["position", list(row(body.pos, index, 3), " m")];
+      if (body.mocap[index] >= 0) yield ["mocap", "moved by the program"];
+    }
+    const columns = (scene as any)[kind];
+    if (columns?.body && kind !== "body") yield ["body", this.link({ kind: "body", index: columns.body[index] })];
+    if (kind === "joint") {
+      const { joint } = scene, unit = joint.type[index] === SLIDE;
+      const shown = (value: number) => (unit ? `${neat(value)} m` : degrees(value));
+      if (joint.limited[index]) yield ["range", `${shown(joint.range[2 * index])} … ${shown(joint.range[2 * index + 1])}`];
+      if (joint.type[index] >= SLIDE) yield ["axis", list(row(joint.axis, index, 3))];
+      yield ["in qpos", `${joint.qpos[index]}`];
+    }
+    if (kind === "geom" || kind === "site") {
+      const data = kind === "geom" ? scene.geom.data[index] : -1;
+      if (data < 0) yield ["size", list(row(columns.size, index, 3), " m")];
+      yield ["group", String(columns.group[index])];
+      const material = columns.material[index], rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
+      yield ["colour", h("span", {}, h("i", { className: "swatch", style: `background:rgba(${rgba.slice(0, 3).map((each) => Math.round(255 * each))},${rgba[3]})` }), material >= 0 ? scene.material.name[material] || `material#${material}` : list(rgba))];
+      if (kind === "geom") {
+        yield ["collides", columns.contype[index] || columns.conaffinity[index] ? `contype ${columns.contype[index]}, conaffinity ${columns.conaffinity[index]}` : "no"];
+        yield ["body's mass", `${neat(scene.body.mass[columns.body[index]])} kg`];
+      }
+    }
+    if (kind === "camera") yield ["field of view", `${neat(scene.camera.fovy[index])}°`];
+    if (kind === "actuator") {
+      const { actuator } = scene, type = actuator.transmission[index], target = actuator.target[2 * index];
+      const moved = TRANSMISSIONS[type] ?? "";
+      if (moved === "joint" || moved === "tendon" || moved === "site" || moved === "body") yield [moved, this.link({ kind: moved, index: target })];
+      if (actuator.limited[actuator.control[index]]) yield ["control", `${neat(actuator.range[2 * index])} … ${neat(actuator.range[2 * index + 1])}`];
+    }
+  }
+
+  private place(place: Place | null): HTMLElement | null {
+    if (!place) return null;
+    const { files } = this.model.scene.origins, { editor } = this.model.scene, [file, line, column] = place;
+    const text = `${files[file]}:${line}`, path = editor?.files[files[file]];
+    if (!path) return h("code", { title: "copy", className: "place", onclick: () => copy(text) }, text);
+    if (host) return h("a", { className: "place", href: "#", title: "open in the editor", onclick: (event: Event) => { event.preventDefault(); host!.open(path, line, column); } }, text);
+    const href = editor!.template.replaceAll("{file}", path.split("/").map(encodeURIComponent).join("/")).replaceAll("{line}", String(line)).replaceAll("{column}", String(column));
+    return h("a", { className: "place", href, title: "open in the editor" }, text);
+  }
+
+  private *origin([place, part, words, changes]: NonNullable<Origin>): Generator<HTMLElement> {
+    yield h("h3", {}, "Where it comes from");
+    yield h("p", {}, words && h("span", {}, `${words} `), this.place(place));
+    if (part >= 0) {
+      const [what, at] = this.model.scene.origins.parts[part];
+      yield h("p", {}, h("span", {}, "part ", ...ticked(what), " "), this.place(at));
+    }
+    if (changes.length) {
+      yield h("h3", {}, "What changed it");
+      yield h("ul", { className: "changes" }, ...changes.map((each) => this.change(each)));
+    }
+  }
+
+  private change([what, before, after, words, place]: Change): HTMLElement {
+    const shown = what ? h("span", {}, h("b", {}, what), ` ${before ?? "unset"} → ${after ?? "unset"} `) : null;
+    return h("li", {}, shown, h("span", { className: "why" }, ...ticked(words), " "), this.place(place));
+  }
+}
+
+/** Words with names between backticks. */
+export const ticked = (text: string): Node[] => text.split("`").map((each, k) => (k % 2 ? h("code", {}, each) : document.createTextNode(each)));

@@ -1,0 +1,51 @@
+// The page of a server: new models as they are built, faults, and physics that run there.
+import type { App } from "./app";
+import type { Model, Scene } from "./data";
+import { elementAt } from "./lines";
+import { host, Http, type Wire } from "./wire";
+
+export class Live {
+  private readonly wire: Wire = host ?? new Http();
+  private readonly blobs = new Map<string, ArrayBuffer>();
+  private playing = false;
+  private loading: Promise<void> = Promise.resolve();
+  private version = -1;
+
+  constructor(private readonly app: App) {
+    app.server = {
+      play: () => void this.wire.post("play", { playing: !this.playing, qpos: Array.from(app.world.pose.qpos), ctrl: app.sliders.ctrl, key: app.key }),
+      pose: () => { if (this.playing) void this.wire.post("pose", { ctrl: app.sliders.ctrl }); },
+      choose: (name, value) => void this.wire.post("choose", { name, value }),
+    };
+    this.wire.listen((name, data) => this.take(name, data), () => app.notice("the server does not answer"));
+    host?.follow((name) => app.theme(name), (files, places) => {
+      const found = this.version >= 0 && elementAt(app.world.model.scene, files, places, app.selection);
+      if (found) app.select(found, true);
+    });
+  }
+
+  private take(name: string, data: any): void {
+    if (name === "model") this.loading = this.loading.then(() => this.load(data.version));
+    else if (name === "fault") this.app.setFault(data.text);
+    else if (name === "state") {
+      const { qpos, playing, version } = data;
+      if (playing !== this.playing) this.app.setPlaying((this.playing = playing));
+      if (qpos && version === this.version) this.app.setQpos(qpos);
+    }
+  }
+
+  private async load(version: number): Promise<void> {
+    if (version === this.version) return;
+    const scene = JSON.parse(new TextDecoder().decode(await this.wire.get(`model/${version}`))) as Scene;
+    const used = new Set([...scene.mesh, ...[...scene.hfield, ...scene.texture, ...scene.skin, ...scene.flex].map((each) => each.blob)]);
+    await Promise.all([...used].filter((name) => !this.blobs.has(name)).map(async (name) => {
+      this.blobs.set(name, await this.wire.get(`blob/${name}`));
+    }));
+    for (const name of this.blobs.keys()) if (!used.has(name)) this.blobs.delete(name);
+    const model: Model = { scene, blobs: this.blobs };
+    await this.app.show([model]);
+    this.version = version;
+    this.app.setFault(null);
+    void this.wire.post("shown", { version });
+  }
+}

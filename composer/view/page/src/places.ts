@@ -1,0 +1,21 @@
+// The places on which a part may hang, with what a recipe says for it.
+import type { Element, Model } from "./data";
+import { copy, h, icon } from "./dom";
+
+export function places(model: Model, choose: (element: Element) => void, hover: (element: Element | null) => void): HTMLElement {
+  const { scene } = model;
+  const entry = (kind: "site" | "body", index: number, name: string): HTMLElement => {
+    const text = `attach:\n  tool:\n    model: ./tool.xml\n    ${kind}: ${name}\n`;
+    return h("div", { className: "place-row", onclick: () => choose({ kind, index }), onpointerenter: () => hover({ kind, index }), onpointerleave: () => hover(null) },
+      h("span", { className: "name" }, name),
+      h("button", { className: "small", title: "copy the name", onclick: (event: Event) => { event.stopPropagation(); void copy(name); } }, icon("copy")),
+      h("button", { className: "small wide", title: "copy an entry of `attach`", onclick: (event: Event) => { event.stopPropagation(); void copy(text); } }, "attach:"));
+  };
+  const named = (kind: "site" | "body"): HTMLElement[] =>
+    scene[kind].name.flatMap((name, index) => (name && !(kind === "body" && index === 0) ? [entry(kind, index, name)] : []));
+  const sites = named("site"), bodies = named("body");
+  return h("div", { className: "places" },
+    h("p", { className: "hint" }, "A part hangs on a site or a body by its name; without one it stands in the world."),
+    h("h3", {}, `Sites (${sites.length})`), ...sites,
+    h("h3", {}, `Bodies (${bodies.length})`), ...bodies);
+}

@@ -1,0 +1,161 @@
+// The canvas: camera, controls, and drawing when something has changed.
+import { Box3, Color, ColorManagement, LinearSRGBColorSpace, PCFShadowMap, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, NoToneMapping } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { type Element, row } from "./data";
+import { rotated } from "./kinematics";
+import type { World } from "./world";
+
+// Colours go to the screen as MuJoCo has them.
+ColorManagement.enabled = false;
+
+export class Stage {
+  readonly renderer: WebGLRenderer;
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(45, 1, 0.01, 1000);
+  readonly controls: OrbitControls;
+  world: World | null = null;
+  /** The camera of the model through which the page looks. */
+  through: number | null = null;
+  beforeFrame: (() => void) | null = null;
+  private due = false;
+  private readonly left: World[] = [];
+  frames = 0;
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.toneMapping = NoToneMapping;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("start", () => { this.through = null; });
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+    canvas.addEventListener("webglcontextrestored", () => this.draw());
+  }
+
+  /** Show a model in place of the one before; the camera stays where it is unless there was none. */
+  show(world: World): void {
+    const first = this.world === null;
+    const before = this.world;
+    if (before) this.scene.remove(before.root, before.headlight);
+    this.world = world;
+    this.scene.add(world.root, world.headlight);
+    const sky = world.painter.sky();
+    this.scene.background = sky;
+    // The up of three.js is y.
+    this.scene.backgroundRotation.set(Math.PI / 2, 0, 0);
+    if (first) this.fit();
+    if (before) this.left.push(before);
+    this.draw();
+  }
+
+  resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement!;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  /** The whole model or a part of it in the picture, from where it is looked at or from where its author looks. */
+  fit(box?: Box3): void {
+    const { look } = this.world!.model.scene, whole = !box;
+    const wanted = box && !box.isEmpty() ? box : this.world!.box();
+    const asked = look.azimuth === 90 && look.elevation === -45 ? [135, -22] : [look.azimuth, look.elevation];
+    const [azimuth, elevation] = asked.map((each) => each * Math.PI / 180);
+    const forward = whole
+      ? new Vector3(Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation))
+      : this.camera.getWorldDirection(new Vector3());
+    this.camera.fov = look.fovy > 1 && look.fovy < 150 ? look.fovy : 45;
+    const right = new Vector3().crossVectors(forward, this.camera.up).normalize();
+    const up = new Vector3().crossVectors(right, forward);
+    const high = Math.tan(this.camera.fov * Math.PI / 360) / 1.12, wide = high * this.camera.aspect;
+    const target = wanted.getCenter(new Vector3());
+    let distance = 0;
+    for (let k = 0; k < 8; k++) {
+      const corner = new Vector3(k & 1 ? wanted.max.x : wanted.min.x, k & 2 ? wanted.max.y : wanted.min.y, k & 4 ? wanted.max.z : wanted.min.z).sub(target);
+      const depth = corner.dot(forward);
+      distance = Math.max(distance, Math.abs(corner.dot(right)) / wide - depth, Math.abs(corner.dot(up)) / high - depth);
+    }
+    distance = Math.max(distance, 1e-3 * look.extent);
+    this.through = null;
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(forward, -distance);
+    this.clip();
+    this.controls.update();
+    this.draw();
+  }
+
+  private clip(): void {
+    const { extent } = this.world!.model.scene.look;
+    const reach = this.world!.box(true), size = reach.getSize(new Vector3()).length();
+    const away = this.camera.position.distanceTo(reach.getCenter(new Vector3())) + size + 15 * extent;
+    this.camera.near = Math.max(0.002 * extent, 1e-5);
+    this.camera.far = Math.max(60 * extent, 4 * away);
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Look through a camera of the model, and follow it. */
+  lookThrough(index: number): void {
+    this.through = index;
+    this.follow();
+    this.draw();
+  }
+
+  private follow(): void {
+    if (this.through === null || !this.world) return;
+    const { camera, look } = this.world.model.scene, { pose } = this.world, index = this.through;
+    const b = camera.body[index];
+    const place = rotated(pose.quat, 4 * b, camera.pos, 3 * index).map((each, k) => each + pose.pos[3 * b + k]);
+    const turned = (v: number[]) => {
+      const own = rotated(row(camera.quat, index, 4), 0, v, 0);
+      return new Vector3(...rotated(pose.quat, 4 * b, own, 0));
+    };
+    this.camera.position.fromArray(place);
+    const forward = turned([0, 0, -1]), up = turned([0, 1, 0]);
+    const target = camera.target[index];
+    if (camera.mode[index] >= 3 && target >= 0) forward.fromArray(pose.pos, 3 * target).sub(this.camera.position).normalize();
+    this.camera.up.copy(camera.mode[index] >= 3 ? new Vector3(0, 0, 1) : up);
+    this.camera.fov = camera.fovy[index];
+    this.camera.lookAt(this.camera.position.clone().add(forward));
+    this.camera.up.set(0, 0, 1);
+    this.controls.target.copy(this.camera.position).addScaledVector(forward, Math.max(0.3 * look.extent, 0.05));
+    this.clip();
+  }
+
+  pick(x: number, y: number): Element | null {
+    const box = this.canvas.getBoundingClientRect();
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height), this.camera);
+    return this.world?.pick(ray) ?? null;
+  }
+
+  background(colour: string | null): void {
+    this.scene.background = colour === null ? this.world?.painter.sky() ?? null : new Color(colour);
+    this.draw();
+  }
+
+  draw(): void {
+    if (this.due) return;
+    this.due = true;
+    requestAnimationFrame(() => { if (this.due) this.now(); });
+  }
+
+  now(): void {
+    this.due = false;
+    if (!this.world) return;
+    this.beforeFrame?.();
+    this.follow();
+    this.world.headlight.position.copy(this.camera.position);
+    this.renderer.render(this.scene, this.camera);
+    // Only now: what models have in common, such as programs of the GPU, is used again.
+    for (const world of this.left.splice(0)) world.dispose();
+    this.frames++;
+    document.documentElement.dataset.frames = String(this.frames);
+  }
+}

@@ -1,0 +1,137 @@
+// The composition as a tree: parts, their bodies, and what stands on these.
+import type { Element, Model } from "./data";
+import { h } from "./dom";
+
+const LEAVES = ["joint", "geom", "site", "camera", "light"] as const;
+const MARKS: Record<string, string> = { body: "◆", joint: "↻", geom: "■", site: "◎", camera: "▣", light: "✷", part: "▸", tendon: "∿", skin: "▒", flex: "▒", actuator: "⚙", key: "⚑" };
+
+export class Tree {
+  readonly root = h("div", { className: "tree", role: "tree" });
+  private readonly rows = new Map<string, HTMLElement>();
+  private readonly children: number[][];
+  private readonly on = new Map<number, Element[]>();
+  private readonly partOf: number[];
+  private selected: HTMLElement | null = null;
+
+  constructor(private readonly model: Model, private readonly choose: (element: Element) => void, private readonly hover: (element: Element | null) => void, private readonly mark: (element: Element) => string = () => "") {
+    const { scene } = model;
+    this.children = scene.body.name.map(() => []);
+    scene.body.parent.forEach((parent: number, b: number) => { if (b > 0) this.children[parent].push(b); });
+    for (const kind of LEAVES) {
+      scene[kind].body.forEach((b: number, index: number) => {
+        if (!this.on.has(b)) this.on.set(b, []);
+        this.on.get(b)!.push({ kind, index });
+      });
+    }
+    const origins = scene.origins.of.body ?? [];
+    this.partOf = scene.body.name.map((_, b) => origins[b]?.[1] ?? -1);
+    this.fill();
+  }
+
+  private fill(): void {
+    const { scene } = this.model, roots = new Map<number, number[]>();
+    scene.body.name.forEach((_, b) => {
+      if (b > 0 && (scene.body.parent[b] === 0 || this.partOf[b] !== this.partOf[scene.body.parent[b]])) {
+        const part = this.partOf[b];
+        if (!roots.has(part)) roots.set(part, []);
+        roots.get(part)!.push(b);
+      }
+    });
+    const world = this.on.get(0) ?? [];
+    this.root.append(this.fold("body", "world", { kind: "body", index: 0 }, world.length, () => world.map((each) => this.leaf(each)), false));
+    for (const part of [...roots.keys()].sort((a, b) => a - b)) {
+      const rows = () => roots.get(part)!.map((b) => this.body(b));
+      if (part < 0 && roots.size === 1) this.root.append(...rows());
+      else {
+        const words = part < 0 ? "base" : scene.origins.parts[part][0].replaceAll("`", "");
+        const name = words.split(" ")[0];
+        this.root.append(this.fold("part", name, null, roots.get(part)!.length, rows, true, words.slice(name.length)));
+      }
+    }
+    for (const kind of ["tendon", "actuator", "skin", "flex"] as const) {
+      const count = kind === "skin" || kind === "flex" ? scene[kind].length : scene[kind].name.length;
+      if (count) this.root.append(this.fold(kind, `${kind}s`, null, count, () => Array.from({ length: count }, (_, index) => this.leaf({ kind, index })), false));
+    }
+  }
+
+  private body(b: number): HTMLElement {
+    const inside = this.on.get(b) ?? [], below = this.children[b].filter((each) => this.partOf[each] === this.partOf[b]);
+    const rows = () => [...inside.map((each) => this.leaf(each)), ...below.map((each) => this.body(each))];
+    return this.fold("body", nameOf(this.model, { kind: "body", index: b }), { kind: "body", index: b }, inside.length + below.length, rows, false);
+  }
+
+  private fold(kind: string, name: string, element: Element | null, count: number, rows: () => HTMLElement[], open: boolean, more = ""): HTMLElement {
+    const list = h("div", { className: "below", role: "group" });
+    const toggle = h("button", { className: "toggle", tabIndex: -1, ariaLabel: "fold", onclick: (event: Event) => { event.stopPropagation(); flip(); } }, count ? "›" : "");
+    const line = this.line(kind, name, element, toggle, more);
+    const whole = h("div", { className: "fold", role: "treeitem", ariaExpanded: "false" }, line, list);
+    const flip = (to = !whole.classList.contains("open")) => {
+      if (to && !list.hasChildNodes()) list.append(...rows());
+      whole.classList.toggle("open", to);
+      whole.ariaExpanded = String(to);
+    };
+    (whole as any).flip = flip;
+    if (!element) line.addEventListener("click", () => flip());
+    else line.addEventListener("dblclick", () => flip());
+    if (open) flip(true);
+    return whole;
+  }
+
+  private leaf(element: Element): HTMLElement {
+    return this.line(element.kind, nameOf(this.model, element), element, null);
+  }
+
+  private line(kind: string, name: string, element: Element | null, toggle: HTMLElement | null, more = ""): HTMLElement {
+    const line = h("div", { className: `row ${kind} ${element ? this.mark(element) : ""}`, tabIndex: 0, title: `${kind} ${name}` },
+      toggle ?? h("span", { className: "toggle" }), h("span", { className: "mark" }, MARKS[kind]), h("span", { className: "name" }, name), more && h("span", { className: "more" }, more));
+    if (element) {
+      this.rows.set(`${element.kind} ${element.index}`, line);
+      line.addEventListener("click", () => this.choose(element));
+      line.addEventListener("keydown", (event) => { if (event.key === "Enter") this.choose(element); });
+      line.addEventListener("pointerenter", () => this.hover(element));
+      line.addEventListener("pointerleave", () => this.hover(null));
+    }
+    return line;
+  }
+
+  /** Open the tree as far as an element, and mark it. */
+  select(element: Element | null): void {
+    this.selected?.classList.remove("selected");
+    this.selected = null;
+    if (!element) return;
+    const { scene } = this.model;
+    const list: number[] = [];
+    let b = element.kind === "body" ? scene.body.parent[element.index] : (scene as any)[element.kind]?.body?.[element.index] ?? -1;
+    if (element.kind === "body" && element.index === 0) b = -1;
+    for (; b > 0; b = scene.body.parent[b]) list.unshift(b);
+    if (b === 0 && element.kind !== "body" && !list.length) list.unshift(0);
+    for (const each of list) (this.rows.get(`body ${each}`)?.parentElement as any)?.flip?.(true);
+    const line = this.rows.get(`${element.kind} ${element.index}`);
+    if (!line) return;
+    line.classList.add("selected");
+    line.scrollIntoView({ block: "nearest" });
+    this.selected = line;
+  }
+
+  /** Show only what has a text in its name. */
+  search(text: string): HTMLElement[] {
+    const found: HTMLElement[] = [], wanted = text.toLowerCase();
+    for (const kind of ["body", ...LEAVES, "tendon", "actuator"] as const) {
+      this.model.scene[kind].name.forEach((name, index) => {
+        if (found.length < 200 && name.toLowerCase().includes(wanted)) {
+          const line = this.line(kind, name, null, null);
+          line.addEventListener("click", () => this.choose({ kind, index }));
+          found.push(line);
+        }
+      });
+    }
+    return found;
+  }
+}
+
+/** An element's name; without one what it is, and its number. */
+export function nameOf(model: Model, { kind, index }: Element): string {
+  const columns = (model.scene as any)[kind];
+  const name = Array.isArray(columns) ? "" : columns.name[index];
+  return name || (kind === "body" && index === 0 ? "world" : `${kind}#${index}`);
+}

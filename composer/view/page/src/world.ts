@@ -1,0 +1,330 @@
+// The model as three.js draws it. Things of one form and material are drawn at once; the pose moves them.
+import {
+  AmbientLight, Box3, BufferGeometry, Color, DirectionalLight, DynamicDrawUsage, Group, InstancedMesh, Matrix4,
+  Mesh, MeshBasicMaterial, Object3D, PointLight, Quaternion, Raycaster, SpotLight, Vector3, type Material,
+} from "three";
+import { row, type Columns, type Element, type Model } from "./data";
+import { Pose } from "./kinematics";
+import { colourOf, Painter } from "./paint";
+import { PLANE, shapeOf } from "./shapes";
+import { Softs } from "./soft";
+
+type Drawn = "geom" | "site";
+
+interface Batch { mesh: InstancedMesh; members: number[]; kind: Drawn; group: number; collides: boolean }
+
+/** Models with more geoms have rounder things drawn with fewer corners. */
+const MANY = 1500;
+
+export class World {
+  readonly root = new Group();
+  readonly pose: Pose;
+  readonly painter: Painter;
+  readonly softs: Softs;
+  readonly lights: Object3D[] = [];
+  private readonly batches: Batch[] = [];
+  private readonly forms = new Map<string, BufferGeometry>();
+  private readonly local: Record<Drawn, Matrix4[]> = { geom: [], site: [] };
+  private readonly bodies: Matrix4[];
+  private readonly marks = new Group();
+  private readonly marked: { mesh: Mesh; kind: Drawn; index: number }[] = [];
+  private readonly tinted: { mesh: Mesh; kind: Drawn; index: number }[] = [];
+  private readonly far: number;
+  readonly headlight = new PointLight(0xffffff, 0, 0, 0);
+  private readonly followers: { light: PointLight | SpotLight | DirectionalLight; index: number }[] = [];
+
+  /** Surfaces that the model `before` has, too, are taken from there. */
+  constructor(readonly model: Model, private before?: World) {
+    const { scene } = model;
+    this.pose = new Pose(scene);
+    this.painter = new Painter(model);
+    this.softs = new Softs(model, this.painter, this.pose);
+    this.bodies = scene.body.name.map(() => new Matrix4());
+    this.far = Math.max(12 * scene.look.extent, 10);
+    this.root.add(this.marks, this.softs.root);
+  }
+
+  async load(): Promise<void> {
+    await this.painter.load();
+    this.batch("geom", this.model.scene.geom);
+    this.batch("site", this.model.scene.site);
+    this.before = undefined;
+    this.softs.build();
+    this.light();
+    this.update();
+  }
+
+  private batch(kind: Drawn, columns: Columns): void {
+    const { scene } = this.model, fine = columns.name.length < MANY;
+    const found = new Map<string, { members: number[]; make: () => InstancedMesh; batch: Omit<Batch, "mesh" | "members"> }>();
+    const colours: Color[] = [];
+    columns.type.forEach((type: number, index: number) => {
+      const size = row(columns.size, index, 3), material = columns.material[index];
+      const data = kind === "geom" ? columns.data[index] : -1;
+      const shape = shapeOf(this.model, type, size, data, this.far, fine);
+      const rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
+      const [w, x, y, z] = row(columns.quat, index, 4);
+      this.local[kind].push(new Matrix4().compose(
+        new Vector3(...(row(columns.pos, index, 3) as [number, number, number])), new Quaternion(x, y, z, w),
+        new Vector3(...shape.scale)));
+      colours.push(new Color().setRGB(rgba[0], rgba[1], rgba[2]));
+      const textured = material >= 0 && scene.material.texture[material] >= 0;
+      const endless = shape.key === "endless";
+      const mapped = data >= 0 && textured && this.form(shape).hasAttribute("uv");
+      // What a texture depends on where the surface has no coordinates of its own.
+      const measure = endless ? [0, 0, this.far] : !textured || mapped ? null : data >= 0 ? meshSize(this.form(shape)) : size;
+      const collides = kind === "geom" && (columns.contype[index] > 0 || columns.conaffinity[index] > 0);
+      const batch = { kind, group: columns.group[index], collides };
+      const key = [shape.key, material, rgba[3], measure, ...Object.values(batch)].join("|");
+      if (!found.has(key)) {
+        found.set(key, { members: [], batch, make: () => {
+          const paint = this.painter.material(material, rgba[3], measure, endless);
+          const mesh = new InstancedMesh(this.form(shape), paint, found.get(key)!.members.length);
+          mesh.castShadow = rgba[3] >= 1 && type !== PLANE;
+          mesh.receiveShadow = true;
+          mesh.visible = rgba[3] > 0;
+          mesh.renderOrder = rgba[3] < 1 ? 1 : 0;
+          return mesh;
+        } });
+      }
+      found.get(key)!.members.push(index);
+    });
+    for (const { members, make, batch } of found.values()) {
+      const mesh = make();
+      mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+      mesh.frustumCulled = false;
+      members.forEach((index, at) => mesh.setColorAt(at, colours[index]));
+      this.batches.push({ mesh, members, ...batch });
+      this.root.add(mesh);
+    }
+  }
+
+  private form(shape: { key: string; make: () => BufferGeometry }): BufferGeometry {
+    let found = this.forms.get(shape.key);
+    if (!found) this.forms.set(shape.key, (found = this.before?.give(shape.key) ?? shape.make()));
+    return found;
+  }
+
+  /** Only of a mesh the key says all, the hash of its bytes. */
+  private give(key: string): BufferGeometry | undefined {
+    const found = key.startsWith("mesh ") ? this.forms.get(key) : undefined;
+    if (found) this.forms.delete(key);
+    return found;
+  }
+
+  /** Lights of the model and the one at the camera; where none is on, that one is bright enough. */
+  private light(): void {
+    const { light, look } = this.model.scene;
+    const ambient = new Color(0, 0, 0);
+    let shadows = 0, lit = false;
+    light.type.forEach((type: number, index: number) => {
+      if (!light.active[index]) return;
+      const three = (name: string) => row(light[name], index, 3) as [number, number, number];
+      ambient.add(new Color().setRGB(...three("ambient")));
+      const colour = new Color().setRGB(...three("diffuse"));
+      if (colour.r + colour.g + colour.b === 0) return;
+      lit = true;
+      const made = type === 1 ? new DirectionalLight(colour, Math.PI)
+        : type === 0 && light.cutoff[index] < 90
+          ? new SpotLight(colour, Math.PI, 0, light.cutoff[index] * Math.PI / 180, Math.min(1, light.exponent[index] / 20 + 0.15), 0)
+          : new PointLight(colour, Math.PI, 0, 0);
+      if (light.shadow[index] && shadows < 2 && !(made instanceof PointLight)) {
+        shadows++;
+        made.castShadow = true;
+        made.shadow.mapSize.set(2048, 2048);
+        made.shadow.bias = -0.0005;
+        made.shadow.normalBias = 0.02 * look.meansize;
+        if (made instanceof DirectionalLight) {
+          const r = 1.5 * look.extent, lens = made.shadow.camera;
+          lens.left = lens.bottom = -r; lens.right = lens.top = r;
+          lens.near = 0.01 * look.extent; lens.far = 12 * look.extent;
+        } else {
+          made.shadow.camera.near = 0.05 * look.extent;
+          made.shadow.camera.far = 20 * look.extent;
+        }
+      }
+      this.followers.push({ light: made, index });
+      this.root.add(made);
+      if (!(made instanceof PointLight)) this.root.add(made.target);
+    });
+    const { headlight } = look;
+    const colour = new Color().setRGB(...(headlight.diffuse as [number, number, number]));
+    const around = new Color().setRGB(...(headlight.ambient as [number, number, number]));
+    if (headlight.active) ambient.add(around);
+    this.headlight.intensity = headlight.active ? Math.PI : 0;
+    if (!lit) {
+      colour.setRGB(Math.max(colour.r, 0.6), Math.max(colour.g, 0.6), Math.max(colour.b, 0.6));
+      ambient.setRGB(Math.max(ambient.r, 0.3), Math.max(ambient.g, 0.3), Math.max(ambient.b, 0.3));
+      this.headlight.intensity = Math.PI;
+    }
+    this.headlight.color.copy(colour);
+    this.root.add(new AmbientLight(ambient, Math.PI));
+  }
+
+  /** Put everything where the pose has it. */
+  update(): void {
+    const { pose } = this, place = new Vector3(), turn = new Quaternion(), one = new Vector3(1, 1, 1);
+    this.bodies.forEach((matrix, b) => {
+      place.fromArray(pose.pos, 3 * b);
+      turn.set(pose.quat[4 * b + 1], pose.quat[4 * b + 2], pose.quat[4 * b + 3], pose.quat[4 * b]);
+      matrix.compose(place, turn, one);
+    });
+    const matrix = new Matrix4();
+    for (const { mesh, members, kind } of this.batches) {
+      const on = this.model.scene[kind].body;
+      members.forEach((index, at) => mesh.setMatrixAt(at, matrix.multiplyMatrices(this.bodies[on[index]], this.local[kind][index])));
+      mesh.instanceMatrix.needsUpdate = true;
+      mesh.boundingSphere = null;
+    }
+    for (const { mesh, kind, index } of [...this.marked, ...this.tinted]) this.matrixOf(kind, index, mesh.matrix);
+    for (const { light, index } of this.followers) this.follow(light, index);
+    this.softs.update();
+  }
+
+  private follow(light: PointLight | SpotLight | DirectionalLight, index: number): void {
+    const { light: columns, look } = this.model.scene, on = this.bodies[columns.body[index]];
+    light.position.fromArray(columns.pos, 3 * index).applyMatrix4(on);
+    if (light instanceof PointLight) return;
+    const along = new Vector3().fromArray(columns.dir, 3 * index).transformDirection(on);
+    if (light instanceof DirectionalLight) {
+      // It comes from everywhere: its shadows shall be where the model is.
+      const middle = new Vector3().fromArray(look.center);
+      light.position.copy(middle).addScaledVector(along, -4 * look.extent);
+      light.target.position.copy(middle);
+    } else light.target.position.copy(light.position).add(along);
+  }
+
+  bodyMatrix(body: number): Matrix4 {
+    return this.bodies[body];
+  }
+
+  matrixOf(kind: Drawn, index: number, into = new Matrix4()): Matrix4 {
+    return into.multiplyMatrices(this.bodies[this.model.scene[kind].body[index]], this.local[kind][index]);
+  }
+
+  /** The box around all geoms, or also all sites; planes have no end and count only where nothing else is. */
+  box(sites = false): Box3 {
+    const found = new Box3(), planes = new Box3();
+    for (const { mesh, members, kind } of this.batches) {
+      if (!mesh.visible || (kind !== "geom" && !sites)) continue;
+      mesh.geometry.computeBoundingBox();
+      members.forEach((index) => {
+        const box = mesh.geometry.boundingBox!.clone().applyMatrix4(this.matrixOf(kind, index));
+        if (kind !== "geom" || this.model.scene.geom.type[index] !== PLANE) found.union(box);
+        else if (this.model.scene.geom.size[3 * index] > 0) planes.union(box);
+      });
+    }
+    found.union(this.softs.box());
+    if (!found.isEmpty()) return found;
+    return planes.isEmpty() ? new Box3(new Vector3(-1, -1, 0), new Vector3(1, 1, 1)) : planes;
+  }
+
+  boxOf(element: Element): Box3 {
+    const found = new Box3();
+    const drawn = this.drawnOf(element);
+    for (const { kind, index } of drawn) {
+      const geometry = this.geometryOf(kind, index);
+      geometry.computeBoundingBox();
+      found.union(geometry.boundingBox!.clone().applyMatrix4(this.matrixOf(kind, index)));
+    }
+    return found;
+  }
+
+  show(visible: (kind: Drawn, group: number, collides: boolean) => boolean): void {
+    for (const each of this.batches) {
+      const material = each.mesh.material as Material;
+      each.mesh.visible = material.opacity > 0 && visible(each.kind, each.group, each.collides);
+    }
+  }
+
+  pick(ray: Raycaster): Element | null {
+    const hits = ray.intersectObjects([...this.batches.filter(({ mesh }) => mesh.visible).map(({ mesh }) => mesh), ...this.softs.targets()], false);
+    const hit = hits[0];
+    if (!hit) return null;
+    const batch = this.batches.find(({ mesh }) => mesh === hit.object);
+    if (batch) return { kind: batch.kind, index: batch.members[hit.instanceId!] };
+    return this.softs.element(hit.object, hit.instanceId);
+  }
+
+  /** Colour elements in another way than the model does. What has a texture gets the colour on top of it. */
+  recolour(colours: (kind: string, index: number) => Color | null): void {
+    this.uncover(this.tinted);
+    const { scene } = this.model, paints = new Map<number, MeshBasicMaterial>();
+    for (const { mesh, members, kind } of this.batches) {
+      const columns = scene[kind];
+      members.forEach((index, at) => {
+        const colour = colours(kind, index);
+        if (!colour) return;
+        mesh.setColorAt(at, colour);
+        const material = columns.material[index];
+        if (material < 0 || scene.material.texture[material] < 0) return;
+        const paint = paints.get(colour.getHex()) ?? overlay(colour.getHex(), 0.6);
+        paints.set(colour.getHex(), paint);
+        this.cover(this.tinted, kind, index, paint);
+      });
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+    }
+  }
+
+  /** Mark what is selected. */
+  mark(element: Element | null, colour: number): void {
+    this.uncover(this.marked);
+    if (!element) return;
+    const paint = overlay(colour, 0.42);
+    for (const { kind, index } of this.drawnOf(element)) this.cover(this.marked, kind, index, paint);
+  }
+
+  private cover(list: typeof this.marked, kind: Drawn, index: number, paint: MeshBasicMaterial): void {
+    const mesh = new Mesh(this.geometryOf(kind, index), paint);
+    mesh.matrixAutoUpdate = false;
+    mesh.renderOrder = 3;
+    this.matrixOf(kind, index, mesh.matrix);
+    this.marks.add(mesh);
+    list.push({ mesh, kind, index });
+  }
+
+  private uncover(list: typeof this.marked): void {
+    for (const { mesh } of list) this.marks.remove(mesh);
+    list.length = 0;
+  }
+
+  private drawnOf({ kind, index }: Element): { kind: Drawn; index: number }[] {
+    const { scene } = this.model;
+    if (kind === "geom" || kind === "site") return [{ kind, index }];
+    const body = kind === "body" ? index : kind === "joint" ? scene.joint.body[index] : -1;
+    if (body <= 0) return [];
+    const found: { kind: Drawn; index: number }[] = [];
+    for (const { mesh, members, kind: drawn } of this.batches) {
+      if (!mesh.visible || drawn !== "geom") continue;
+      for (const geom of members) if (scene.geom.body[geom] === body) found.push({ kind: drawn, index: geom });
+    }
+    return found;
+  }
+
+  private geometryOf(kind: Drawn, index: number): BufferGeometry {
+    return this.batches.find((each) => each.kind === kind && each.members.includes(index))!.mesh.geometry;
+  }
+
+  dispose(): void {
+    for (const form of this.forms.values()) form.dispose();
+    for (const { mesh } of this.batches) {
+      (mesh.material as Material).dispose();
+      mesh.dispose();
+    }
+    this.softs.dispose();
+    this.painter.dispose();
+    this.root.traverse((each) => {
+      if (each instanceof SpotLight || each instanceof DirectionalLight) each.shadow.map?.dispose();
+    });
+  }
+}
+
+function overlay(color: number, opacity: number): MeshBasicMaterial {
+  return new MeshBasicMaterial({ color, transparent: true, opacity, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2 });
+}
+
+function meshSize(geometry: BufferGeometry): number[] {
+  geometry.computeBoundingBox();
+  const size = geometry.boundingBox!.getSize(new Vector3());
+  return [size.x / 2, size.y / 2, size.z / 2];
+}

@@ -1,0 +1,91 @@
+"""Physics that run on the server while a page looks on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from threading import Event, Lock, Thread
+from typing import Any
+
+from composer import engine
+from composer.view.workshop import KEPT, Workshop
+
+_RATE = 30
+State = dict[str, Any]
+
+
+def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
+    """Run some ``seconds`` from a state, for `composer.engine.call`; a state has qpos, qvel, act, ctrl and time.
+
+    Of an incomplete one the rest is that of the keyframe ``key``, or of the reference.
+    """
+    data = mujoco.MjData(model)
+    key = asked.get("key", -1)
+    if 0 <= key < model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, key)
+    for name in ("qpos", "qvel", "act", "ctrl"):
+        value = asked.get(name)
+        array = getattr(data, name)
+        if value is not None and len(value) == len(array):
+            array[:] = value
+    data.time = asked.get("time", 0.0)
+    end = data.time + asked["seconds"]
+    while data.time < end:
+        mujoco.mj_step(model, data)
+    return {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {
+        "time": float(data.time)
+    }
+
+
+class Physics:
+    """Runs while somebody has asked for it; `send` is called with each configuration."""
+
+    def __init__(self, workshop: Workshop, send: Callable[[State], None]) -> None:
+        self.workshop, self.send = workshop, send
+        self._going, self._stop, self._lock = Event(), Event(), Lock()
+        self._state: State = {}
+        self._version = -1
+        self._thread = Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def play(self, playing: bool, state: State) -> None:
+        """Begin from a state of the page, or pause."""
+        with self._lock:
+            if playing:
+                self._state, self._version = dict(state), self.workshop.shown.version
+                self._going.set()
+            else:
+                self._going.clear()
+            self.send({"playing": playing})
+
+    def control(self, ctrl: list[float]) -> None:
+        """New controls while it runs."""
+        self._state = {**self._state, "ctrl": ctrl}
+
+    def close(self) -> None:
+        self._stop.set()
+        self._going.set()
+
+    def _run(self) -> None:
+        while True:
+            self._going.wait()
+            if self._stop.is_set():
+                return
+            started = time.monotonic()
+            self._advance()
+            time.sleep(max(0.0, 1 / _RATE - (time.monotonic() - started)))
+
+    def _advance(self) -> None:
+        with self.workshop.lock:
+            if self.workshop.shown.version != self._version:
+                self.play(False, {})  # another model: its state would mean nothing
+                return
+            asked = {**self._state, "seconds": 1 / _RATE}
+            answer = engine.call(self.workshop.session, advance, [KEPT], asked)
+        if not answer.ok:
+            self.play(False, {})
+            return
+        with self._lock:
+            if self._going.is_set():  # or it was paused meanwhile, and every page has heard of that
+                self._state = {**self._state, **answer.value}
+                self.send({"playing": True, "qpos": answer.value["qpos"], "version": self._version})

@@ -1,0 +1,189 @@
+"""The server, with a browser that looks on."""
+
+from __future__ import annotations
+
+import http.client
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Event, Thread
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+
+from composer.cli.reporting import words_of
+from composer.context import Context
+from composer.engine import Session
+from composer.view.asked import Asked
+from composer.view.live import Service, serve, started
+from composer.view.server import Server
+from composer.view.workshop import Workshop
+
+MODEL = '<mujoco><worldbody><body name="arm"><joint name="elbow"/><geom name="{}" size="0.1"/></body></worldbody></mujoco>'
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+MESHED = """<mujoco><asset><mesh name="m" file="m.obj"/></asset>
+<worldbody><geom type="mesh" mesh="m" rgba="{}"/></worldbody></mujoco>"""
+RECIPE = """recipe: 1
+base: ./arm.xml
+variants: {size: {small: {}, large: {edit: [{select: {body: arm}, scale: {mass: 2}}]}}}
+"""
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[Server]:
+    (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
+    (tmp_path / "arm.yaml").write_text(RECIPE)
+    with running("arm.yaml", tmp_path) as found:
+        yield found
+
+
+@contextmanager
+def running(target: str, folder: Path, key: str | None = None) -> Iterator[Server]:
+    """A server of a target, which watches."""
+    with Session() as session:
+        workshop = Workshop(target, Asked(), session, lambda: Context(folder=folder), words_of, key)
+        found = started(workshop, Service(), Context())
+        assert found is not None
+        stop = Event()
+        thread = Thread(target=serve, args=(found, False, lambda line: None, stop, lambda shown: None))
+        thread.start()
+        yield found
+        stop.set()
+        thread.join()
+
+
+def _asked(
+    server: Server, path: str = "", headers: dict[str, str] | None = None, method: str = "GET", body: str = ""
+) -> int:
+    address = urlsplit(server.address)
+    connection = http.client.HTTPConnection(str(address.hostname), address.port, timeout=10)
+    connection.request(method, f"{address.path}{path}", body, headers or {})
+    status = connection.getresponse().status
+    connection.close()
+    return status
+
+
+def test_only_its_own_pages_are_answered(server: Server) -> None:
+    assert _asked(server) == 200 and _asked(server, "page.js") == 200
+    assert _asked(server, headers={"Host": "evil.example"}) == 403
+    assert _asked(server, "play", {"Origin": "http://evil.example"}, "POST", "{}") == 403
+    assert _asked(server, "../../etc/passwd") == 404 and _asked(server, "arm.xml") == 404
+    for kind, body in (("text/plain", "{}"), ("application/json", "no"), ("application/json", "{}")):
+        assert _asked(server, "play", {"Content-Type": kind}, "POST", body) == 400
+
+
+def test_a_port_that_is_taken_is_a_line(server: Server) -> None:
+    context = Context()
+    port = int(server.address.split(":")[2].split("/")[0])
+    assert started(server.workshop, Service(port=port), context) is None
+    (fault,) = context.sink.errors
+    assert fault.code == "no-server" and "already in use" in fault.message and "--port" in str(fault.help)
+
+
+@pytest.mark.slow
+def test_what_is_saved_is_shown_and_what_is_common_stays(
+    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    page = open_page(server.address)
+    other = open_page(server.address)
+    page.evaluate("mjcompose.setQpos([0.7])")
+    page.evaluate("mjcompose.select({kind: 'body', index: 1}, true)")
+    page.evaluate("mjcompose.stage.camera.position.set(3, 2, 1)")
+    (tmp_path / "arm.xml").write_text(MODEL.format("sphere"))
+    for each in (page, other):
+        each.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+        assert each.evaluate("mjcompose.world.model.scene.geom.name") == ["sphere"]
+    assert page.evaluate(
+        "[mjcompose.world.pose.qpos[0], mjcompose.selection.index, mjcompose.stage.camera.position.x]"
+    ) == [0.7, 1, 3]
+
+
+@pytest.mark.slow
+def test_a_new_model_is_drawn_once_and_its_meshes_are_not_made_again(
+    tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    (tmp_path / "m.obj").write_text(TETRAHEDRON)
+    (tmp_path / "meshed.xml").write_text(MESHED.format("1 0 0 1"))
+    with running("meshed.xml", tmp_path) as server:
+        page = open_page(server.address)
+        page.wait_for_timeout(300)
+        page.evaluate("window.before = mjcompose.world; before.surface = before.batches[0].mesh.geometry")
+        frames = page.evaluate("mjcompose.stage.frames")
+        (tmp_path / "meshed.xml").write_text(MESHED.format("0 1 0 1"))
+        page.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+        page.wait_for_timeout(300)
+        assert page.evaluate("mjcompose.world !== before")
+        assert page.evaluate("mjcompose.world.batches[0].mesh.geometry === before.surface")
+        assert page.evaluate("mjcompose.stage.frames") == frames + 1
+
+
+@pytest.mark.slow
+def test_a_fault_is_shown_above_the_last_good_model(
+    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    page = open_page(server.address)
+    (tmp_path / "arm.yaml").write_text("recipe: 1\nbase: ./arn.xml\n")
+    page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+    words = page.locator(".fault pre").inner_text()
+    assert "arm.yaml:2:7: error[source-not-found]" in words and "^^^^" in words
+    assert page.evaluate("mjcompose.world.model.scene.geom.name") == ["ball"]
+    (tmp_path / "arm.yaml").write_text(RECIPE)
+    page.wait_for_selector(".fault", state="hidden", timeout=20_000)
+    (tmp_path / "arm.xml").unlink()
+    page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+
+
+@pytest.mark.slow
+def test_the_first_build_may_fail_until_the_missing_file_is_there(
+    tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    (tmp_path / "models").mkdir()
+    (tmp_path / "arm.yaml").write_text("recipe: 1\nbase: ./models/arm.xml\n")
+    with running("arm.yaml", tmp_path) as server:
+        page = open_page(server.address, models=None)
+        page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+        assert "arm.yaml:2:7: error[source-not-found]" in page.locator(".fault pre").inner_text()
+        (tmp_path / "models" / "arm.xml").write_text(MODEL.format("ball"))
+        page.wait_for_selector("html[data-shown='1']", state="attached", timeout=20_000)
+        page.wait_for_selector(".fault", state="hidden")
+
+
+@pytest.mark.slow
+def test_a_page_that_lost_the_server_for_a_while_goes_on(
+    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    page = open_page(server.address)
+    server.hub.close()  # as after a sleep: no stream is left
+    (tmp_path / "arm.xml").write_text(MODEL.format("sphere"))
+    page.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+
+
+def test_a_keyframe_that_does_not_exist_is_a_fault(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
+    with running("arm.xml", tmp_path, key="home") as server:
+        assert server.workshop.build().fault is not None
+        assert "keyframe `home`" in str(server.workshop.shown.fault) and server.workshop.shown.version == -1
+
+
+@pytest.mark.slow
+def test_a_menu_chooses_another_variant(server: Server, open_page: Callable[..., Any]) -> None:
+    page = open_page(server.address)
+    mass = "mjcompose.world.model.scene.body.mass[1]"
+    before = page.evaluate(mass)
+    page.get_by_label("variant size").select_option("large")
+    page.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+    assert abs(page.evaluate(mass) / before - 2) < 1e-6
+    assert json.loads(server.workshop.shown.text)["choices"][0]["value"] == "large"
+
+
+@pytest.mark.slow
+def test_physics_run_on_the_server(server: Server, open_page: Callable[..., Any]) -> None:
+    page = open_page(server.address)
+    page.evaluate("mjcompose.setQpos([0.7])")
+    page.get_by_title("physics (space)").click()
+    page.wait_for_selector(".tool.on", timeout=20_000)
+    page.wait_for_timeout(500)
+    page.get_by_title("physics (space)").click()
+    page.wait_for_selector(".tool.on", state="detached", timeout=20_000)
