@@ -49,6 +49,7 @@ class ActuatorModel:
 
     @property
     def kp(self) -> float:
+        # From 0.0, as a minus sign alone would make -0 of a zero.
         return 0.0 - self.biasprm[1] if self.bias == "affine" else 0.0
 
     @property
@@ -66,6 +67,8 @@ class ActuatorModel:
             return "+".join(INPUTS[each] for each in self.inputs)
         if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
             return "other"
+        # MuJoCo 4.0 compiles `<position kp="3" kv="0.5"/>` to a gain of 3 and a bias of 0 -3 -0.5, and `<velocity
+        # kv="3"/>` to a gain of 3 and a bias of 0 0 -3.
         gain = self.gainprm[0]
         if self.kp and gain == self.kp:
             return "position"
@@ -80,14 +83,16 @@ class ActuatorModel:
 
 
 def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
-    """What each actuator does, from MuJoCo; None where the model as it is cannot be compiled, which is told."""
+    """What each actuator does, from MuJoCo; None where the model as it is cannot be compiled, which is reported."""
     if linking.measure is None:
         sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
         return None
     unit = linking.flat()
+    # `user` finds an actuator again: where a `<replicate>` multiplies some, MuJoCo puts their copies behind the others.
     marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}
     everything = unit.root.findall("actuator/*")
     users = {node: node.get("user") for node in everything}
+    # MuJoCo 4.0 refuses a mark that is wider than `nuser_actuator`: "user has more values than nuser_actuator".
     sizes = [(size, size.attrib.pop("nuser_actuator", "")) for size in unit.root.iterchildren("size")]
     try:
         for node in everything:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from lxml.etree import _Element as Node
 
 from composer.compose.elements import ElementBuilder, make
-from composer.compose.reference_check import not_there
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.link.inertia import has_mass
 from composer.link.linking import Linking
 from composer.plan.steps.add_element import AddElement
 from composer.tree.classes import NESTED, own
+from composer.tree.references import unresolved
 
 
 def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
@@ -26,12 +26,14 @@ def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)
     node = make(step.element, kind.children.get(step.element.tag, kind), making)
     making.register(node, "worldbody")
-    for place in node.iter("body", "frame"):  # a later entry may add to it
+    for place in node.iter("body", "frame", "site"):  # a later entry may add to it, a part hang on it
         if name := place.get("name"):
             linking.names.declared.setdefault(str(place.tag), {}).setdefault(str(name), place)
     if holder is None:
-        return  # its names count as declared: that they are referred to is no second fault
+        return  # its names count as declared: that they are referred to is not a second fault
     if step.to_kind == "world" and linking.base_class is not None:
+        # Each child says it by itself: of `<worldbody childclass="c">` MuJoCo 4.0 says "World body cannot have
+        # attributes".
         if node.tag in NESTED:
             if node.get("childclass") is None:
                 node.set("childclass", linking.base_class)
@@ -42,10 +44,11 @@ def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
 
 
 def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementBuilder) -> None:
-    """Tell of a geom that adds no mass where it would have, had the rules of its model not to be written out."""
+    """Report of a geom that adds no mass where it would have, had the rules of its model not to be written out."""
     body: Node | None = node.getparent()
     while body is not None and body.tag in ("frame", "replicate"):
         body = body.getparent()
+    # An inertial that is written wins over geoms, also over those that are added later.
     if body not in linking.notes.inertia_written:
         return
     geoms = [node] if node.tag == "geom" else own(node, "geom") if node.tag in ("frame", "replicate") else []
@@ -59,13 +62,14 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
 
 
 def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
-    written = "to: {frame: NAME}" if step.to_kind == "frame" else "to: NAME"
-    if (coming := linking.request.later_places.get((step.to_kind, step.to))) is not None:
+    written = "to: {frame: {}}" if step.to_kind == "frame" else "to: {}"
+    later = linking.later_places.stands_on(step.to_kind, step.to) if linking.later_places else None
+    if later is not None:
         making.sink.error(
             "unknown-name",
-            f"there is no {step.to_kind} `{step.to}` to add to yet: a later entry adds it",
+            f"the {step.to_kind} `{step.to}` to add to does not exist yet: a later entry adds it",
             step.to_span,
-            notes=(Note("it is added here", coming),),
+            notes=(Note("it is added here", later[1]),),
             help="put that entry above this one",
             subjects=(step.to,),
         )
@@ -81,6 +85,8 @@ def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None
         holder = site.getparent() if site is not None else None
         if holder is not None and holder.tag == "body" and holder.get("name"):
             help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that it stands in"
-    not_there(
-        linking, making.sink, step.to_kind, step.to, step.to_span, written, purpose=" to add to", help=help
+    making.sink.add(
+        unresolved(
+            linking, step.to_kind, step.to, step.to_span, written=written, purpose=" to add to", help=help
+        )
     )

@@ -11,7 +11,7 @@ from composer.compose.reference_check import check_class
 from composer.compose.replicate import copy_pose
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note, renaming
 from composer.document.node import locate
 from composer.link import numbers
 from composer.link.bodies import effective_pose
@@ -53,8 +53,11 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
     elif joint == "mocap":
         part.mocap = True
     elif joint == "free":
+        # A `<freejoint>` and not `<joint type="free">`: MuJoCo 4.0 gives the second one the joint defaults, an
+        # `armature` of all six for instance.
         part.joints = (Joint("freejoint", named),)
     elif joint == "ball":
+        # A `<joint>` takes the joint defaults at its place, meant for other joints. A `<freejoint>` takes none.
         part.joints = (Joint("joint", {**named, "type": "ball", "class": "main"}),)
     elif isinstance(joint, tuple):
         part.joints = tuple(
@@ -76,7 +79,7 @@ def _places(joint: Element, making: ElementBuilder) -> dict[str, Span]:
 
 
 def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> None:
-    """Tell classes of those joints that are not there, once all classes of the model are known."""
+    """Report classes of those joints that do not exist, once all classes of the model are known."""
     joint = step.attachment.joint
     elements = (
         joint if isinstance(joint, tuple) else () if joint is None or isinstance(joint, str) else (joint,)
@@ -143,7 +146,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
     if (scaled := scaled_above(element)) is not None:
         making.sink.error(
             "attach-place",
-            f"`{name}` of `{step.prefix}` is inside a frame that scales: where it is cannot be told",
+            f"`{name}` of `{step.prefix}` is inside a frame that scales: where it is cannot be computed",
             locate(making.document, (*step.at, "mate")),
             notes=(Note("the frame", unit.origins.span(scaled, unit.file, "scale")),),
             help="mate with a site outside the frame",
@@ -163,6 +166,9 @@ def _computed(
     """The place with an offset that a key of the part gives."""
     offset = _written(pose)
     span = locate(making.document, (*step.at, key), key=True)
+    if not pose.is_finite:
+        message = f"`{key}` puts `{step.prefix}` where no finite numbers lead"
+        making.sink.error("out-of-range", message, span, help="write finite numbers", subjects=(step.prefix,))
     return replace(place, offset=offset, written=dict.fromkeys(offset, span), computed=key)
 
 
@@ -198,4 +204,5 @@ def _no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
         notes=[exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"],
         help=did_you_mean(name, [each for names in known.values() for each in names], "mate: {}"),
         subjects=(name, step.prefix),
+        fix=renaming(name, [each for names in known.values() for each in names]),
     )

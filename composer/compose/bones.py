@@ -28,4 +28,5 @@ def rename_in_skins(editing: Editing, names: Mapping[str, str], at: KeyPath) -> 
         if use is None:
             unit.contents = {**unit.contents, skin.path: content}
         else:
+            # Not shared: another part may use the same file with the old name.
             files[files.index(use)] = use._replace(content=content, shared=False)

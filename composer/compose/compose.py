@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -14,7 +14,12 @@ from lxml.etree import _Element as Node
 from composer.bundle.collect import check_files
 from composer.compose.add import add
 from composer.compose.attach import add_joints, check_joints, part_of
+from composer.compose.class_angles import check_class_angles
+from composer.compose.collisions import set_collisions
+from composer.compose.early_additions import EarlyAdditions
+from composer.compose.edit_cost import EditCost
 from composer.compose.elements import ElementBuilder, settle_joints
+from composer.compose.holding import hold_poses
 from composer.compose.intervals import check_intervals
 from composer.compose.keyframe import write_keyframes
 from composer.compose.load import Key, Library, Loader, key_of
@@ -27,30 +32,36 @@ from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate
+from composer.limits import advice, in_force
 from composer.link.angles import model_angle
+from composer.link.attached_size import attached_size
 from composer.link.files import add_file
 from composer.link.key_layouts import remove_keys
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.request import Request
-from composer.link.validate_values import STUMBLES, malformed, put_right
+from composer.link.source_check import STUMBLES, check_source, put_right
 from composer.plan.drawn import Drawn, Tabled
+from composer.plan.foreseen import EditOutcome
 from composer.plan.part_record import PartRecord
 from composer.plan.plan import BASE, Plan, called
 from composer.plan.steps.add_element import AddElement
 from composer.plan.steps.append_element import AppendElement
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.set_collisions import SetCollisions
 from composer.plan.steps.set_default import SetDefault
 from composer.plan.steps.set_singleton import SetSingleton
 from composer.plan.steps.step import Step
 from composer.plan.steps.table import STEPS
 from composer.plan.steps.write_keyframe import WriteKeyframe
+from composer.reading.door import NOTHING
 from composer.recipe.fault import Path as KeyPath
 from composer.recipe.rows import check_rows
 from composer.sources.source import Source
 from composer.tree.classes import MAIN
+from composer.tree.expansion import check_size, written
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
@@ -61,8 +72,9 @@ if TYPE_CHECKING:
     from composer.link.subtree import Subtree
 
 Result = TypeVar("Result")
+# What else is added would change what `settotalmass` of the base gives each body: MuJoCo scales the whole model to it.
 _WEIGHTLESS = ("site", "camera", "light")
-# What writes a step into the joined model. The steps after these wait until all of it is there: edits and draws
+# What writes a step into the joined model. The steps after these wait until all of it exists: edits and draws
 # (`model_edits.py`), and keys (`keyframe.py`).
 _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
     AddElement: add,
@@ -70,7 +82,7 @@ _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
     SetDefault: set_default,
     AppendElement: append,
 }
-_AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe)
+_AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe, SetCollisions)
 check_rows("the steps that composer/compose/compose.py carries out", [*_WRITE, *_AFTERWARDS], STEPS)
 
 
@@ -86,7 +98,13 @@ class Composed:
 
 
 class Composer:
-    """Composes plans. `subtrees` has what became of the models of which only one body is taken, by recipe and path."""
+    """Composes plans.
+
+    `checks_sources` says whether all of a source has to be MJCF, or only what is looked at. `subtrees` has what became
+    of the models of which only one body is taken, by recipe and path. `parts` says of an element what the recipe calls
+    the part that it came from, where `notes_parts` asks for that or the plan needs it. `edits` has what each
+    entry of `edit` did, by recipe and path.
+    """
 
     def __init__(
         self,
@@ -95,52 +113,61 @@ class Composer:
         session: Session | None = None,
         watch: Watch = nobody,
         library: Library | None = None,
+        checks_sources: bool = False,
+        notes_parts: bool = False,
     ) -> None:
         self.context, self.measure, self.watch = context, measure, watch
-        self.selects_parts = False
-        self.loader = Loader(context, session, watch, library)
+        self.notes_parts = notes_parts
+        self.loader = Loader(context, session, watch, library, checks_sources)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
+        self.edits: dict[tuple[str, KeyPath], EditOutcome] = {}
+        self.cost = EditCost()
         self.hung: dict[Node, list[Hung]] = {}
         self.parts: dict[Node, str] = {}
 
     def compose(self, plan: Plan) -> Composed | None:
         """The model of a plan, or None where there were errors, those of earlier stages included."""
-        self._expect(plan)
-        self.selects_parts = plan.selects_parts
+        self.expect(plan)
+        self.notes_parts = self.notes_parts or plan.selects_parts
         composed = self._compose(plan, True)
         if composed is None or self.context.sink.has_errors:
             return None
         return replace(composed, members=placed(self.hung[composed.model.root], composed.model.root))
 
+    def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
+        """The base or a part of a plan by itself, cut down to what is wanted of it; None where it is at fault."""
+        return self.guarded(plan, wanted.stands, partial(Composer._unit, plan=plan, wanted=wanted))
+
     def look(self, plan: Plan) -> None:
         """Take the subtrees of a plan, and compose no more than they are taken of."""
-        self._expect(plan)
+        self.expect(plan)
         self._look(plan, True)
 
     def _look(self, plan: Plan, stands: bool) -> None:
         for each in wanted(plan, stands):
             if each.body is not None or each.drop:
-                wanted_alone = replace(each, edit=())
-                self._guarded(plan, stands, partial(Composer._unit, plan=plan, wanted=wanted_alone))
+                self.unit_of(plan, replace(each, edit=()))
             elif isinstance(each.model, Plan):
                 self._look(each.model, each.stands)
 
-    def _expect(self, plan: Plan, stands: bool = True) -> None:
+    def expect(self, plan: Plan, stands: bool = True) -> None:
+        """Note which sources the plan needs, and how often."""
         for place in plan.walk(stands):
             if isinstance(place.model, Source):
                 self.loader.expect(place.model, place.stands)
 
     def _compose(self, plan: Plan, stands: bool) -> Composed | None:
         """The model of a plan; `stands` says that it is fixed in the world of what is made in the end."""
-        return self._guarded(plan, stands, partial(Composer._composed, plan=plan, stands=stands))
+        return self.guarded(plan, stands, partial(Composer._composed, plan=plan, stands=stands))
 
-    def _guarded(self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None]) -> Result | None:
+    def guarded(self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None]) -> Result | None:
         """What the work gives; None where it stumbles over a source that says what MJCF does not have."""
         try:
             return work(self)
         except STUMBLES:
             library = dict(self._anew(plan, stands))
-            if not malformed(library.values(), self.context.sink):
+            faulty = [unit for unit in library.values() if not check_source(unit, self.context.sink)]
+            if not faulty:
                 raise
             self._try_put_right(plan, stands, work, library)
             return None
@@ -153,26 +180,51 @@ class Composer:
     def _try_put_right(
         self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None], library: Library
     ) -> None:
-        """Do the work aside with the malformed values put right: what it raises then is a bug, to be seen."""
+        """Do the work aside with the faults of the sources put right: what it raises then is a bug, to be seen."""
         for unit in library.values():
             put_right(unit)
         again = Composer(
             replace(self.context, sink=Sink()), self.measure, self.loader.session, library=library
         )
-        again.selects_parts = self.selects_parts
-        again._expect(plan, stands)
+        again.notes_parts = self.notes_parts
+        again.expect(plan, stands)
         with suppress(RecursionError):
             work(again)
 
     def _composed(self, plan: Plan, stands: bool) -> Composed | None:
-        base, *units = [self._unit(plan, each) for each in wanted(plan, stands)]
-        if base is None:
+        read = self._units(plan, stands)
+        if read is None or read[0] is None:
             return None
+        base, *units = read
+        assert base is not None
         given = [unit for unit in units if unit is not None]
         if len(given) == len(units):
             return self._joined(plan, base, given, stands)
+        # Only for the errors that can still be found: a model without some of its parts is not given.
         self._joined(self._without_lost(plan, units), base, given, stands)
         return None
+
+    def _units(self, plan: Plan, stands: bool) -> list[Unit | None] | None:
+        """The base and the parts; None where they have too many elements together, which is reported where it shows."""
+        units: list[Unit | None] = []
+        elements, text, limits = 0, 0, in_force()
+        for each in wanted(plan, stands):
+            unit = self._unit(plan, each)
+            if unit is not None:
+                check_size(unit, self.context.sink, attached_size(unit))
+                elements += written(unit.root)
+                text += unit.origins.size
+            for name, count, most in (
+                ("elements", elements, limits.elements), ("bytes of XML", text, limits.xml_size)
+            ):  # fmt: skip
+                if count > most:
+                    message = f"the parts up to here have {count} {name}; {most} are allowed"
+                    span = locate(plan.document, (*each.at, "model"))
+                    limit = "elements" if most == limits.elements else "xml-size"
+                    self.context.sink.error("limit-exceeded", message, span, help=advice(limit))
+                    return None
+            units.append(unit)
+        return units
 
     def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
         """The plan of the parts that there are, in which more faults can be found."""
@@ -192,6 +244,7 @@ class Composer:
         making = ElementBuilder(
             plan.document, plan.file, self.context.sink, plan.readings,
             "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
+            self.context.door_of_text,
         )  # fmt: skip
         base.origins.texts[plan.file] = plan.path
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
@@ -199,14 +252,17 @@ class Composer:
             base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
         )
         self.watch(linking.units, linking)
-        if self.selects_parts:
+        if self.notes_parts:
             self._note_parts(plan, units)
+        # Whether the model is in degrees is known only with all parts.
         making.model_angle = model_angle(linking)
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making)
+        early = EarlyAdditions(plan, linking, making)
+        linking.later_places = early
         if not link(linking):
             return None
-        _carry_out(plan, linking, making)
+        _carry_out(plan, linking, making, early.done)
         changes = self._changes(plan, linking, making)
         are_named = True
         if changes and self.context.sink.has_errors:  # without what is at fault a selector means other things
@@ -217,13 +273,18 @@ class Composer:
         if are_named:
             write_keyframes(plan, linking, making)
         if self.context.sink.has_errors:
+            # A missing file is reported beside other errors. What a joint moves is not known without what is at fault.
             check_files(linking.base, linking.files, self.context.sink, self.context.shown)
         elif are_named:
             for step, part in zip(plan.parts, parts, strict=True):
                 check_mass(step, part, linking, making)
+        check_size(linking.base, self.context.sink, attached_size(linking.base))
         if self.context.sink.error_count > before:
             return None
         finish(linking)
+        hold_poses(plan, linking, making, self.context, self.loader.session)
+        linking.watch(linking.units, hold_poses)
+        set_collisions(plan, linking, making, self.context, self.loader.session)
         check_names_of_keys(linking, making)
         if changes:
             changes.of_keys()
@@ -245,7 +306,7 @@ class Composer:
             return None
         from composer.compose.model_edits import Changes  # few recipes need it
 
-        return Changes(plan, linking, making, self.parts)
+        return Changes(plan, linking, making, self.parts, self.cost, self.edits)
 
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
         """From which part each element comes, before they are one model; a nested recipe has noted its own."""
@@ -260,7 +321,7 @@ class Composer:
         for place in plan.walk(stands):
             if isinstance(place.model, Source) and place.model.format == "mjcf":
                 path = place.model.path
-                unit = parse_file(path, Sink(), file=self.context.shown(path))
+                unit = parse_file(path, Sink(), file=self.context.shown(path), door=place.model.door)
                 if unit is not None:
                     yield key_of(place.model, place.stands), unit
 
@@ -276,19 +337,21 @@ class Composer:
             if subtree is None:
                 return None
             self.watch([unit], subtree)
-            self.subtrees[plan.file, wanted.at] = subtree
+            self.subtrees[plan.place_of(wanted.at)] = subtree
         if wanted.drop or wanted.edit:
             from composer.compose.part_edits import OwnEdits  # few recipes need it
 
-            edits = OwnEdits(plan, wanted, unit, self.context, self.measure, self.watch)
+            edits = OwnEdits(
+                plan, wanted, unit, self.context, self.measure, self.watch, self.cost, self.edits
+            )
             dropped = edits.carry_out()
             if dropped is None:
                 return None
             if wanted.drop:
                 from composer.link.subtree import Subtree
 
-                known = self.subtrees.get((plan.file, wanted.at), Subtree(None, ()))
-                self.subtrees[plan.file, wanted.at] = Subtree(known.body, (*known.left, *dropped))
+                known = self.subtrees.get(plan.place_of(wanted.at), Subtree(None, ()))
+                self.subtrees[plan.place_of(wanted.at)] = Subtree(known.body, (*known.left, *dropped))
         return unit
 
     def _whole(self, wanted: PartRequest, span: Span) -> Unit | None:
@@ -307,7 +370,7 @@ def _top_tags(plan: Plan) -> Iterator[str]:
 
 
 def _empty(plan: Plan) -> Unit:
-    return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
+    return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem, door=NOTHING)
 
 
 def _request(plan: Plan) -> Request:
@@ -316,7 +379,6 @@ def _request(plan: Plan) -> Request:
         requested_keys=plan.asked if plan.keyframes else None,
         isolated_tags=frozenset(_top_tags(plan)),
         adds_mass=_adds_mass(plan),
-        later_places=plan.added_places,
     )  # fmt: skip
 
 
@@ -332,9 +394,9 @@ def _adds_mass(plan: Plan) -> bool:
     )
 
 
-def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
+def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, done: Collection[Step]) -> None:
     for step in plan.steps:
-        if (write := _WRITE.get(type(step))) is not None:
+        if step not in done and (write := _WRITE.get(type(step))) is not None:
             write(step, linking, making)
             linking.watch(linking.units, step)
     if making.pending:
@@ -344,13 +406,15 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
             return joint_type(joint, classes)
 
         settle_joints(making, kind)
+        check_class_angles(linking, making)
         linking.watch(linking.units, settle_joints)
     check_names(linking, making)
     linking.watch(linking.units, check_names)
     for part in plan.parts:
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
-        add_file(linking, making.folder_of(node, attribute), node, attribute, name)
+        folder, door = making.folder_of(node, attribute), making.door_of(node, attribute)
+        add_file(linking, folder, node, attribute, name, door, making.span_of(node, attribute))
     if making.files:
         linking.watch(linking.units, add_file)
     making.files.clear()

@@ -57,6 +57,13 @@ class ControlUnits:
             self.known[actuator] = self._found(actuator)
         return self.known[actuator]
 
+    def is_position(self, actuator: Node) -> bool:
+        """Whether its control is the position of what it moves."""
+        control = None if actuator.tag in _UNLIKE else self._control(actuator)
+        if control is None and actuator.tag not in _UNLIKE and not self.in_doubt:
+            control = self._laws[actuator].control if actuator in self._laws else "other"
+        return control is not None and control.startswith(_POSITION)
+
     def _found(self, actuator: Node) -> Meant:
         joint = actuator.get("joint") or actuator.get("jointinparent")
         if actuator.tag in _UNLIKE or self.joints.get(str(joint)) != "hinge":
@@ -92,6 +99,8 @@ class ControlUnits:
                 "velocity",
                 "motor",
             }
+            # With `<default><position kp="50" kv="2"/></default>` MuJoCo 4.0 compiles `<velocity joint="j"/>` to a gain
+            # of 1 all the same.
             return None if dynamic else _BY_TAG[tag]
         if tag != "general" or given - {"general"}:
             return None

@@ -1,4 +1,4 @@
-"""Verb `convert`: an actuator becomes one of another kind that does the same, or it is told what is lost.
+"""Verb `convert`: an actuator becomes one of another kind that does the same, or it is reported what is lost.
 
 What an actuator does is asked of MuJoCo, which knows how its attributes and classes add up: a gain, a bias and the
 dynamics of an activation. That is what the attributes of the new kind are written from.
@@ -35,6 +35,7 @@ _PLAIN = {
     "gaintype": "fixed", "biastype": "none", "dyntype": "none", "gainprm": "1", "biasprm": "0", "dynprm": "1",
 }  # fmt: skip
 _GAINS = {"position": "kp", "pid": "kp", "velocity": "kv"}
+# MuJoCo 4.0: "kv and dampratio cannot both be defined", and "ctrlrange and inheritrange cannot both be defined".
 _INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritrange", "posrange")}
 # What no attribute of another kind says: it is lost where that has none of the same name.
 _UNSAID = ("actrange", "actearly", "actdim")
@@ -52,7 +53,7 @@ def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at:
         if law is None:
             editing.sink.error(
                 "not-supported",
-                f"{editing.called(node)} cannot be converted: MuJoCo does not tell what it does",
+                f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does",
                 editing.span(at),
                 notes=(Note("it is written here", editing.span_of(node)),),
                 subjects=editing.subjects(node),
@@ -63,7 +64,7 @@ def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at:
         for loss in _converted(editing, node, to, law, given, at):
             lost.setdefault(loss, []).append(was)
     if lost:
-        _tell(editing, to, lost, at)
+        _report(editing, to, lost, at)
 
 
 def _given(
@@ -124,6 +125,8 @@ def _converted(
         )
     if limits is None:
         lost.append("`ctrlrange`, which limits another thing")
+        # The range goes, and a class may limit it all the same: with `ctrllimited="true"` and no range MuJoCo 4.0 says
+        # "invalid control range for actuator".
         limits = {"ctrllimited": "false"}
         node.attrib.pop("ctrlrange", "")
     wrong = [name for name in map(str, node.keys()) if name not in kind.attributes]
@@ -173,6 +176,7 @@ def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
 
 def _keeps_activation(to: str, written: Mapping[str, str]) -> bool:
     """Whether the new kind has an activation, which an `actrange` can limit."""
+    # MuJoCo 4.0 refuses the range of what does not exist: "actrange specified but dyntype is 'none'".
     with_activation = {"position": ("timeconst",), "pid": ("ki", "slewmax")}.get(to, ())
     return to == "general" or any(any(numbers.read(written.get(name, "0"))) for name in with_activation)
 
@@ -201,56 +205,76 @@ def _written_for(
     editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> tuple[dict[str, str], list[str]]:
     """The attributes by which the new kind does what the law says, and what of it cannot be said."""
-    lost: list[str] = []
     if to == "general":
-        return _general(editing, law), lost
-    is_pid = law.gain == "pid"
-    dynamics = law.dynamics if law.dynamics != "none" else ""
-    if is_pid or (to == "position" and law.dynamics == "filterexact"):
-        dynamics = ""
-    if dynamics:
-        lost.append(f"its dynamics, `{dynamics}`")
-    if is_pid and to != "pid":
-        ki, slewmax = law.gainprm[0], law.slewmax
-        lost += [f"its integral gain, {ki:g}"] if ki else []
-        lost += [f"its slew rate, {slewmax:g}"] if slewmax else []
+        return _general(editing, law), []
+    lost = _lost_with(to, law)
     if to == "motor":
-        if law.form != "force" or law.kp or law.kv:
-            lost.append(_of_law(law))
-        elif law.gainprm[0] != 1 and not is_pid:
-            lost.append(f"its gain of {law.gainprm[0]:g}")
-        return {}, lost
-    gain = _GAINS[to]
-    made: dict[str, str] = {}
+        return {}, [*lost, *_lost_by_motor(law)]
     if to in ("position", "pid"):
-        if "kp" not in given:
-            may_be_none = to == "pid" and (is_pid or law.form == "velocity")
-            if may_be_none or ((law.is_affine or is_pid) and law.kp > 0):
-                made["kp"] = numbers.text([law.kp])
-            else:
-                _needs(editing, node, to, gain, at)
-        if "kv" not in given and "dampratio" not in given:
-            made["kv"] = numbers.text([max(law.kv, 0.0)])
-        if to == "position" and "timeconst" not in given:
-            made["timeconst"] = numbers.text(law.dynprm[:1]) if law.dynamics == "filterexact" else "0"
-        if to == "pid" and "input" not in given and (is_pid or law.form in ("position", "velocity")):
-            made["input"] = " ".join(law.inputs) or ("pos" if law.form == "position" else "vel")
-        if made.get("timeconst") == "0" and not _in_classes(editing):
-            del made["timeconst"]
-        if to == "pid" and is_pid:
-            made |= _integral(editing, law)
-        if law.form not in ("position", "velocity", "force") and not is_pid:
+        if law.form not in ("position", "velocity", "force") and law.gain != "pid":
             lost.append(_of_law(law))
-        return made, lost
+        return _position(editing, node, to, law, given, at), lost
+    made: dict[str, str] = {}
     if "kv" not in given:
-        if not (law.is_affine or is_pid) or law.kv <= 0:
-            _needs(editing, node, to, gain, at)
+        if not (law.is_affine or law.gain == "pid") or law.kv <= 0:
+            _needs(editing, node, to, _GAINS[to], at)
         made["kv"] = numbers.text([law.kv])
     if law.kp:
         lost.append(f"its position gain, {law.kp:g}")
     elif law.form == "other":
         lost.append(_of_law(law))
     return made, lost
+
+
+def _lost_with(to: str, law: ActuatorModel) -> list[str]:
+    """The dynamics and the integral part that the new kind cannot have."""
+    lost = []
+    is_pid = law.gain == "pid"
+    # A pid has its dynamics by itself; `timeconst` of a position actuator is `filterexact`.
+    kept = is_pid or law.dynamics == "none" or (to == "position" and law.dynamics == "filterexact")
+    if law.dynamics and not kept:
+        lost.append(f"its dynamics, `{law.dynamics}`")
+    if is_pid and to != "pid":
+        ki, slewmax = law.gainprm[0], law.slewmax
+        lost += [f"its integral gain, {ki:g}"] if ki else []
+        lost += [f"its slew rate, {slewmax:g}"] if slewmax else []
+    return lost
+
+
+def _lost_by_motor(law: ActuatorModel) -> list[str]:
+    """The law, or a gain, of which a motor, whose force is its control, has nothing."""
+    if law.form != "force" or law.kp or law.kv:
+        return [_of_law(law)]
+    if law.gainprm[0] != 1 and law.gain != "pid":
+        return [f"its gain of {law.gainprm[0]:g}"]
+    return []
+
+
+def _position(
+    editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
+) -> dict[str, str]:
+    """The attributes of a `position` or a `pid`, but for those that are given."""
+    is_pid = law.gain == "pid"
+    made: dict[str, str] = {}
+    if "kp" not in given:
+        may_be_none = to == "pid" and (is_pid or law.form == "velocity")
+        if may_be_none or ((law.is_affine or is_pid) and law.kp > 0):
+            made["kp"] = numbers.text([law.kp])
+        else:
+            _needs(editing, node, to, _GAINS[to], at)
+    if "kv" not in given and "dampratio" not in given:
+        # Written also if it is 0: a class may give another one.
+        made["kv"] = numbers.text([max(law.kv, 0.0)])
+    if to == "position":
+        if "timeconst" not in given:
+            made["timeconst"] = numbers.text(law.dynprm[:1]) if law.dynamics == "filterexact" else "0"
+        if made.get("timeconst") == "0" and not _in_classes(editing):
+            del made["timeconst"]
+        return made
+    # Without it a pid has two controls, position and velocity: `<pid joint="j" kp="1"/>` makes `nu` 2 in MuJoCo 4.0.
+    if "input" not in given and (is_pid or law.form in ("position", "velocity")):
+        made["input"] = " ".join(law.inputs) or ("pos" if law.form == "position" else "vel")
+    return made | (_integral(editing, law) if is_pid else {})
 
 
 def _integral(editing: Editing, law: ActuatorModel) -> dict[str, str]:
@@ -263,6 +287,8 @@ def _integral(editing: Editing, law: ActuatorModel) -> dict[str, str]:
 
 def _in_classes(editing: Editing) -> bool:
     """Whether a class may give something to an actuator: all of them share what classes set."""
+    # In MuJoCo 4.0 `<default><position kp="50"/></default>` gives a `<general joint="j"/>` a gain of 50, so that what
+    # is not written need not be zero.
     tags = tuple(GRAMMAR.section("actuator").children)
     return any(True for section in editing.root.iterchildren("default") for _ in section.iter(*tags))
 
@@ -328,6 +354,8 @@ def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> di
     if to in ("position", "pid") and inherits and any(numbers.read(inherits)):
         node.attrib.pop("inheritrange", "")
         found |= {"inheritrange": "0"} if _in_classes(editing) else {}
+    # MuJoCo takes `inheritrange` for limits of the control as well: of a joint with `range="0 90"` in degrees,
+    # `inheritrange="1"` gives a `ctrlrange` of 0 1.5708 in 4.0.
     if limited != "false" and editing.effective(node, "ctrlrange"):
         node.attrib.pop("ctrlrange", "")
         found |= {"ctrllimited": "false"} if _in_classes(editing) else {}
@@ -361,7 +389,7 @@ def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
     _fault(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
 
 
-def _tell(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:
+def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:
     count = len({each for names in lost.values() for each in names})
     what = next(iter(lost.values()))[0] if count == 1 else f"{count} actuators"
     notes = [

@@ -38,6 +38,10 @@ def _section(editing: Editing, tag: str, path: Path) -> list[Node]:
     found = (
         sections if tag in _SETTINGS else [each for section in sections for each in section.iterchildren("*")]
     )
+    unit = editing.linking.base
+    if any(each.path.startswith(f"{tag}/") for each in unit.adopted):
+        unit.adopted = tuple(each for each in unit.adopted if not each.path.startswith(f"{tag}/"))
+        return found
     if not found:
         message = f"`{editing.linking.base.label}` has nothing in `{tag}` that could be left out"
         editing.sink.error("selector", message, editing.span(path), help=f"take `{tag}` out of `drop`")

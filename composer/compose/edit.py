@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import os
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path as FilePath
 from typing import Any
 
 from lxml.etree import _Element as Node
 
+from composer.compose.class_angles import check_class_angles
 from composer.compose.convert import convert
+from composer.compose.edit_cost import of_values
 from composer.compose.edit_values import POLYNOMIALS, Unusable, Values
 from composer.compose.editing import Editing, is_angular
 from composer.compose.elements import settle_joints, update
 from composer.compose.mass import Masses
 from composer.compose.move import move
-from composer.compose.reference_check import not_there
-from composer.compose.remove import remove
+from composer.compose.reference_check import refer_to_top_class
+from composer.compose.remove import remove, what_it_is
 from composer.compose.rename import rename
 from composer.compose.select import counted
-from composer.compose.unset import missed, tell_missed, unset
+from composer.compose.unset import missed, report_missed, unset
+from composer.compose.zeros import only_zeros, report_only_zeros
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.span import Span
 from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_python
@@ -29,9 +36,12 @@ from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.link.files import add_file
 from composer.link.layout import joint_type
-from composer.link.names import may_be_generated
+from composer.link.subtree import Left
+from composer.plan.foreseen import EditOutcome
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.edit_elements import EditElements
+from composer.reading.door import Door
+from composer.reading.refused import Refused
 from composer.recipe.angles import bare_angle
 from composer.recipe.element import Element
 from composer.recipe.fault import Fault, Path
@@ -42,28 +52,38 @@ from composer.recipe.value import read_value
 from composer.recipe.verbs.remove import CASCADE
 from composer.recipe.verbs.table import VERBS
 from composer.recipe.verbs.values import MASS
+from composer.tree.attributes import assign, changing, replace
 from composer.tree.classes import MAIN, ORIENTATIONS
 from composer.tree.effective import levels
+from composer.tree.files import written_path
 from composer.tree.kinds import kind_of, section_of
-from composer.tree.names import WORLD, references
+from composer.tree.names import own_references
+from composer.tree.references import resolves, unresolved
 from composer.tree.selector import paths_of
 
 
-def edit(step: EditElements, editing: Editing) -> None:
-    """Do to every element that is selected what the entry says; what is wrong is told, once an entry."""
+def edit(step: EditElements, editing: Editing) -> EditOutcome | None:
+    """Do to every element that is selected what the entry says; what is wrong is reported, once an entry.
+
+    Gives what it did; None where something was wrong.
+    """
     entry = step.edit
     found = counted(
-        editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, (*entry.at, "expect")
-    )
+        editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, (*entry.at, "expect"),
+        of_values(entry.verbs),
+    )  # fmt: skip
     if not found:
-        return
+        is_right = entry.expect == 0 or entry.optional
+        return EditOutcome({}) if is_right and not editing.cost.ended else None
+    selected = Counter(what_it_is(node, section_of(node)) for node in found)
     work = _Entry(editing, found, Masses(editing, found))
     try:
         for name, value in entry.verbs.items():
             _CARRY_OUT[name](work, value, (*entry.at, name))
         work.check()
     except Unusable:
-        return
+        return None
+    return EditOutcome(selected, tuple(work.gone))
 
 
 def is_of_keys(step: EditElements | DrawValues) -> bool:
@@ -80,6 +100,7 @@ class _Entry:
     found: list[Node]
     masses: Masses
     checks: list[Callable[[], None]] = field(default_factory=list)
+    gone: list[Left] = field(default_factory=list)
 
     def check(self) -> None:
         while self.checks:
@@ -89,7 +110,7 @@ class _Entry:
 def _unset(work: _Entry, value: Any, at: Path) -> None:
     if not isinstance(value, Mapping):
         lacked = {node: missed(work.editing, node) for node in work.found}
-        work.checks.append(lambda: tell_missed(work.editing, lacked, value, at))
+        work.checks.append(lambda: report_missed(work.editing, lacked, value, at))
     unset(work.editing, work.found, value, at)
 
 
@@ -99,6 +120,15 @@ def _assigning(verb: str) -> Callable[[_Entry, Any, Path], None]:
             Change(work.editing, verb, work.masses).carry_out(node, index, value, at)
 
     return assign
+
+
+def _scale(work: _Entry, value: Any, at: Path) -> None:
+    zeros = only_zeros(work.editing, work.found, value)
+    _assigning("scale")(work, value, at)
+    for key in zeros:
+        written = f'"{key}"' if "[" in key else key
+        help = f"write the value itself, `set: {{{written}: …}}`, or what is added to it, by `offset`"
+        report_only_zeros(work.editing, work.found, key, (*at, key), help)
 
 
 def _convert(work: _Entry, value: Any, at: Path) -> None:
@@ -119,13 +149,13 @@ def _rename(work: _Entry, value: Any, at: Path) -> None:
 
 
 def _remove(work: _Entry, value: Any, at: Path) -> None:
-    remove(work.editing, work.found, cascade=value == CASCADE, at=at)
+    work.gone += remove(work.editing, work.found, cascade=value == CASCADE, at=at)
 
 
 _CARRY_OUT: Mapping[str, Callable[[_Entry, Any, Path], None]] = {
     "unset": _unset,
     "set": _assigning("set"),
-    "scale": _assigning("scale"),
+    "scale": _scale,
     "offset": _assigning("offset"),
     "convert": _convert,
     "move": _move,
@@ -196,16 +226,17 @@ class Change:
         assert read is not None
         if attribute.name in ("pos", *ORIENTATIONS):
             self._without_ends(node, attribute.name, at)
-        editing.forget(node)
-        if attribute.name in ORIENTATIONS or attribute.name == "fromto":
-            for other in ORIENTATIONS:
-                node.attrib.pop(other, "")
         element = Element(str(node.tag), {attribute.name: read}, at=at[:-1])
         making = editing.making
         making.made[node] = element
-        update(node, element, kind_of(node), making)
-        settle_joints(making, lambda each: joint_type(each, editing.classes))
-        editing.note(node)
+        with changing(editing, node):
+            if attribute.name in ORIENTATIONS or attribute.name == "fromto":
+                # MuJoCo 4.0 takes one orientation ("multiple orientation specifiers are not allowed"), so that the one
+                # before has to go.
+                replace(node, dict.fromkeys(ORIENTATIONS))
+            update(node, element, kind_of(node), making)
+            settle_joints(making, lambda each: joint_type(each, editing.classes))
+        check_class_angles(editing.linking, making)
         _take_files(editing)
         if attribute.is_reference or attribute.refers_by is not None:
             _check_references(editing, node, attribute, at)
@@ -233,6 +264,7 @@ class Change:
 
     def _without_ends(self, node: Node, name: str, at: Path) -> None:
         """`fromto` says where an element is, whatever else is written."""
+        # MuJoCo 4.0 passes over an `euler` beside `fromto` without a word, and refuses a `pos`.
         ends = self.editing.effective(node, "fromto")
         if ends and "nan" not in ends.lower():
             self._fault(
@@ -248,7 +280,7 @@ class Change:
     def _reckon(
         self, values: Values, attribute: Attribute, subscript: int | None, written: Any, at: Path
     ) -> None:
-        """Numbers that depend on what is there: one of several, a multiple, a sum."""
+        """Numbers that depend on the present ones: one of several, a multiple, a sum."""
         editing, node = self.editing, values.node
         text = editing.effective(node, attribute.name)
         if not attribute.is_number or not text or not text.split():
@@ -293,13 +325,8 @@ class Change:
             self._without_ends(node, attribute.name, at)
         if attribute.is_interval:
             editing.making.intervals[node, attribute.name] = editing.span(at)
-        editing.forget(node)
         editing.write(node, {attribute.name: at})
-        if attribute.name in ORIENTATIONS:
-            for other in ORIENTATIONS:
-                node.attrib.pop(other, "")
-        node.set(attribute.name, to_text(attribute, result))
-        editing.note(node)
+        assign(editing, node, {attribute.name: to_text(attribute, result)})
 
     def _without_defaults(self, node: Node, attribute: Attribute, have: list[float]) -> list[float]:
         """The numbers up to the last that is not MuJoCo's own default anyway: an older MuJoCo may know fewer."""
@@ -360,9 +387,9 @@ class Change:
         self.masses.change(node, self.verb, float(given), now, at)
 
     def _fault(self, fault: Fault, node: Node) -> None:
-        """Tell what is wrong with one element, and leave the entry: the others would only say the same."""
+        """Report what is wrong with one element, and leave the entry: the others would only say the same."""
         editing = self.editing
-        notes = [Note(remark.message) for remark in fault.remarks]
+        notes = fault.all_notes()
         if fault.code != "bare-angle":
             notes.append(Note(f"{editing.called(node)} is written here", editing.span_of(node)))
         editing.sink.error(
@@ -372,6 +399,7 @@ class Change:
             notes=notes,
             help=fault.help,
             subjects=editing.subjects(node),
+            fix=fault.fix,
         )
         raise Unusable
 
@@ -380,31 +408,41 @@ def _take_files(editing: Editing) -> None:
     """A file that an edit names is relative to the recipe."""
     making, linking = editing.making, editing.linking
     for node, attribute, name in making.files:
-        folder = making.folder_of(node, attribute)
+        folder, door, span = (
+            making.folder_of(node, attribute), making.door_of(node, attribute), making.span_of(node, attribute),
+        )  # fmt: skip
         linking.files = [
             use for use in linking.files if use.element is not node or use.attribute != attribute
         ]
         if editing.own:
-            node.set(attribute, (folder / name).resolve().as_posix())
+            _take_own_file(editing, node, attribute, FilePath(os.path.realpath(folder / name)), door, span)
         else:
-            add_file(linking, folder, node, attribute, name)
+            add_file(linking, folder, node, attribute, name, door, span)
     making.files.clear()
 
 
-def _check_references(editing: Editing, node: Node, attribute: Attribute, at: Path) -> None:
-    """A name that is set must be there."""
-    if attribute.refers == "default" and node.get(attribute.name) == MAIN:
-        if editing.linking.base_class is not None:
-            editing.forget(node)
-            node.set(attribute.name, editing.linking.base_class)
-            editing.note(node)
+def _take_own_file(
+    editing: Editing, node: Node, attribute: str, file: FilePath, door: Door, span: Span
+) -> None:
+    """Into the part, whose own door it need not pass: it is the recipe that names it."""
+    try:
+        door.admit(file)
+    except Refused as refused:
+        refused.report(editing.sink, span)
         return
-    written = set(str(node.get(attribute.name)).split()) | {str(node.get(attribute.name))}
-    for namespace, name in references(node, section_of(node)):
-        if name not in written or (namespace == "body" and name == WORLD):
-            continue
-        if editing.names.find(namespace, name) is None and not may_be_generated(name, editing.root):
-            not_there(
-                editing.linking, editing.sink, namespace, name, editing.span(at), f"{attribute.name}: NAME"
-            )
+    unit = editing.linking.base
+    node.set(attribute, file.as_posix())
+    unit.contents = {**unit.contents, written_path(unit.settings, node, file.as_posix()): file}
+
+
+def _check_references(editing: Editing, node: Node, attribute: Attribute, at: Path) -> None:
+    """A name that is set must exist."""
+    if attribute.refers == "default" and node.get(attribute.name) == MAIN:
+        with changing(editing, node):
+            refer_to_top_class(editing.linking, node, attribute.name)
+        return
+    for name, namespace, value, typed_by in own_references(node, section_of(node)):
+        if name == attribute.name and not resolves(editing, namespace, value):
+            span, written = editing.span(at), f"{name}: {{}}"
+            editing.sink.add(unresolved(editing, namespace, value, span, written=written, typed_by=typed_by))
             raise Unusable

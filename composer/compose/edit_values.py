@@ -1,4 +1,4 @@
-"""The values of an edit for one element: `${…}` evaluated with what is there now, angles in the model's unit."""
+"""The values of an edit for one element: `${…}` evaluated with the present values, angles in the model's unit."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ RESERVED = ("name", "parent", "index")
 
 
 class Unusable(Exception):
-    """A value that cannot be had; it has been told."""
+    """A value that cannot be had; it has been reported."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,10 +78,12 @@ class Values:
             )
             if attribute is not None and (now := self.now(attribute)) is not None:
                 return self.evaluated(text, at, {**scope, attribute.name: now}, needs_value=needs_value)
-            self._tell(error, at, scope, needs_value)
+            self._report(error, at, scope, needs_value)
             raise Unusable from None
 
-    def _tell(self, error: ExpressionError, at: Path, scope: Mapping[str, Value], needs_value: bool) -> None:
+    def _report(
+        self, error: ExpressionError, at: Path, scope: Mapping[str, Value], needs_value: bool
+    ) -> None:
         editing = self.editing
         node = find(editing.making.document, at)
         span = locate(editing.making.document, at)
@@ -100,7 +102,7 @@ class Values:
         subjects = (error.name, *subjects)
         if error.name == VALUE and needs_value:
             what = next(step for step in reversed(at) if isinstance(step, str))
-            message = f"there is no `value`: {editing.called(self.node)} has no `{what}` yet"
+            message = f"`value` does not exist: {editing.called(self.node)} has no `{what}` yet"
             editing.sink.error("expression", message, span, notes=notes, subjects=subjects)
             return
         if error.name in kind_of(self.node).attributes:
@@ -109,14 +111,14 @@ class Values:
             return
         editing.sink.error(
             "unknown-name",
-            f"there is no `{error.name}` in this expression",
+            f"`{error.name}` does not exist in this expression",
             span if not isinstance(node, Scalar) else node.span,
             notes=(exists_note("name", list(scope), error.name),),
             help=did_you_mean(error.name, list(scope)),
             subjects=subjects,
         )
 
-    # -- what is there now -------------------------------------------------------------------------------------
+    # -- the present values -------------------------------------------------------------------------------------
 
     def now(self, attribute: Attribute, index: int | None = None) -> Value | None:
         """The value in effect, angles in the recipe's unit, in radians where it has none; None where there is none."""

@@ -8,6 +8,7 @@ from functools import cached_property
 
 from lxml.etree import _Element as Node
 
+from composer.compose.edit_cost import EditCost
 from composer.compose.elements import ElementBuilder
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -31,7 +32,7 @@ _LAID_OUT = (*JOINTS, "default")
 @dataclass(eq=False)
 class Editing:
     """A model that is edited: one unit alone, or the flat one. `parts` has the part of each element, `scope` the
-    values of the recipe's parameters.
+    values of the recipe's parameters. `cost` is what the edits of the whole composition have cost.
     """
 
     linking: Linking
@@ -39,6 +40,7 @@ class Editing:
     scope: Mapping[str, Value] = field(default_factory=dict)
     parts: Mapping[Node, str] = field(default_factory=dict)
     own: bool = False
+    cost: EditCost = field(default_factory=EditCost)
 
     def __post_init__(self) -> None:
         self.linking.keys.edited = True
@@ -69,6 +71,18 @@ class Editing:
     def find_node(self, namespace: str, name: str) -> Node | None:
         """The element of a name."""
         return self.names.find(namespace, name)
+
+    def known_names(self, namespace: str) -> list[str]:
+        """The names of a namespace."""
+        return list(self.names.declared.get(namespace, ()))
+
+    def kinds_of(self, name: str) -> list[str]:
+        """The namespaces in which something has a name."""
+        return self.linking.kinds_of(name)
+
+    def may_generate(self, name: str) -> bool:
+        """Whether MuJoCo may make the name itself."""
+        return self.linking.may_generate(name)
 
     def names_of(self, node: Node) -> list[tuple[str, str]]:
         """Namespace and name of everything that goes with an element."""

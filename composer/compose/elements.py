@@ -21,8 +21,10 @@ from composer.grammar.degrees import is_in_degrees
 from composer.grammar.element import ElementType
 from composer.grammar.format import to_text
 from composer.link import numbers
+from composer.link.angles import in_sequence
 from composer.numerics.pose import quat_from_euler
 from composer.plan.angle_context import Reading, Readings
+from composer.reading.door import Door
 from composer.recipe.element import Element, Single, Value
 from composer.recipe.reader import CONFIG
 from composer.tree.classes import MAIN
@@ -35,10 +37,12 @@ class ElementBuilder:
     """What is needed to turn a recipe's elements into nodes of one model, and what has been made so far.
 
     `readings` say what the recipe's bare angles are in, `model_angle` what the model's are; `folder` is the one that
-    the paths of files in messages count from.
+    the paths of files in messages count from, `door_of_text` gives what a recipe in a folder may name.
     `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
     below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is
-    known; `of_keys` what refers to keys, which waits until these are laid out. `intervals` are the pairs of a lower
+    known; `of_keys` what refers to keys, which waits until these are laid out,
+    `of_classes` the numbers in classes that would be others for
+    an angle than for a length, and whether they are angles. `intervals` are the pairs of a lower
     and an upper end that the recipe writes, each with its place.
     """
 
@@ -51,11 +55,13 @@ class ElementBuilder:
     folder: Path
     base_file: str
     origins: Origins
+    door_of_text: Callable[[Path], Door]
     made: dict[Node, Element] = field(default_factory=dict)
     fragments: dict[Node, int] = field(default_factory=dict)
     registered: list[tuple[Node, str]] = field(default_factory=list)
     pending: list[tuple[Node, Element, str]] = field(default_factory=list)
     of_keys: list[tuple[Node, str, str, str]] = field(default_factory=list)
+    of_classes: list[tuple[Node, Element, str, bool]] = field(default_factory=list)
     files: list[tuple[Node, str, str]] = field(default_factory=list)
     intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
 
@@ -103,10 +109,14 @@ class ElementBuilder:
         """The folder of the recipe that writes the value of an attribute; files are relative to that."""
         return (self.folder / self.span_of(node, attribute).file).parent
 
+    def door_of(self, node: Node, attribute: str) -> Door:
+        """What may be named by the recipe that writes the value of an attribute."""
+        return self.door_of_text(self.folder_of(node, attribute))
+
     def written(self, node: Node) -> Collection[str]:
         """The attributes of a node that the recipe wrote."""
         if node in self.fragments:
-            return [str(name) for name in node.keys()]  # noqa: SIM118 (an element is no mapping)
+            return [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
         made = self.made.get(node)
         return made.attributes if made is not None else ()
 
@@ -150,7 +160,7 @@ def make(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
 
 
 def update(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
-    """Write a recipe element's attributes over those of a node that is there; children the same way."""
+    """Write a recipe element's attributes over those of a node that exists; children the same way."""
     before = making.origins.owner(node, making.base_file)
 
     def place(attribute: str | None) -> Span:
@@ -185,10 +195,13 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
         inner = making.turned(angle, making.reading_of(element, name), numbers.orientation_radians)
         node.set(name, numbers.text([*map(float, axis), inner]))
     elif attribute.angle == "joint":
+        # The `range` of a hinge is an angle and that of a slide is not: of `range="0 90"` in degrees MuJoCo 4.0 makes 0
+        # 1.5708 and 0 90.
         making.pending.append((node, element, name))
     else:
         if attribute.type == "file":
             making.files.append((node, name, str(value)))
+        # `fovy` and `cutoff` are in degrees whatever `<compiler angle="radian"/>` says.
         unit = "degree" if is_in_degrees(str(node.tag), name) else "radian"
         node.set(name, to_text(attribute, _plain(value, unit)))
 
@@ -196,12 +209,23 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
 def _set_euler(node: Node, element: Element, name: str, value: object, making: ElementBuilder) -> None:
     assert isinstance(value, tuple)
     reading = making.reading_of(element, name)
-    if reading.eulerseq != making.model_eulerseq and node.tag != "replicate":
+    turned = [making.turned(angle, reading, numbers.orientation_radians) for angle in value]
+    if reading.eulerseq == making.model_eulerseq:
+        node.set(name, numbers.text(turned))
+    elif node.tag != "replicate":
         radians = [in_radians(angle, reading) for angle in value]
         node.set("quat", numbers.text(quat_from_euler(radians, reading.eulerseq)))
-        return
-    turned = [making.turned(angle, reading, numbers.orientation_radians) for angle in value]
-    node.set(name, numbers.text(turned))
+    # The schema has no `quat` for a `<replicate>`: only a turn about one axis can be written in another sequence.
+    elif (moved := in_sequence(turned, reading.eulerseq, making.model_eulerseq)) is not None:
+        node.set(name, numbers.text(moved))
+    else:
+        making.sink.error(
+            "not-supported",
+            f"`{name}` of a `replicate` turns about several axes in the sequence `{reading.eulerseq}`, the model reads "
+            f"`{making.model_eulerseq}`",
+            making.span(element, name),
+            help="give each axis a `replicate` of its own",
+        )
 
 
 def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:
@@ -211,12 +235,14 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
         values = value if isinstance(value, tuple) else (value,)
         kind = joint_type(node)
         angular = kind == "hinge" or (kind == "ball" and name in ("range", "springyield"))
-        if not angular:
-            node.set(name, numbers.text([float(_plain(v, "radian")) for v in values]))  # type: ignore[arg-type]
-            continue
-        bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
         reading = making.reading_of(element, name)
-        if bare and reading.angle is None:
+        as_length = numbers.text([float(_plain(v, "radian")) for v in values])  # type: ignore[arg-type]
+        as_angle = numbers.text([making.turned(v, reading, numbers.joint_radians) for v in values])
+        node.set(name, as_angle if angular else as_length)
+        if as_angle != as_length and next(node.iterancestors("default"), None) is not None:
+            making.of_classes.append((node, element, name, angular))
+        bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
+        if angular and bare and reading.angle is None:
             number = values[bare[0]]
             making.sink.error(
                 "bare-angle",
@@ -224,7 +250,6 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
                 _item_span(making, node, element, name, bare[0]),
                 help=f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe",
             )
-        node.set(name, numbers.text([making.turned(v, reading, numbers.joint_radians) for v in values]))
     making.pending.clear()
 
 
@@ -283,6 +308,7 @@ def plain(value: Single) -> float:
 
 def _parsed(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
     """A fragment of MJCF: its angles are in the recipe's unit, like everything in the recipe."""
+    # A recipe may be somebody else's: its text opens no file and no address.
     parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
     node = etree.fromstring(element.xml or "", parser)
     for name, value in element.attributes.items():

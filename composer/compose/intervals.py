@@ -16,6 +16,7 @@ def check_intervals(making: ElementBuilder) -> None:
     """
     for (node, attribute), span in making.intervals.items():
         ends = numbers.read(str(node.get(attribute) or ""))
+        # MuJoCo 4.0 compiles `<joint range="1 0"/>` to a joint without limits, and refuses it with `limited="true"`.
         if len(ends) != 2 or ends[0] < ends[1] or not any(ends):
             continue
         name = name_of(node)

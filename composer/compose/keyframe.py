@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -13,7 +14,8 @@ from composer.compose.control_units import ControlUnits
 from composer.compose.elements import ElementBuilder, in_radians, plain
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, did_you_mean, exists_note
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note, renaming
+from composer.diagnostics.unknown import unknown_name
 from composer.document.node import find, locate
 from composer.expr.angle import Angle
 from composer.link import numbers
@@ -21,17 +23,17 @@ from composer.link.key_layouts import final_layout
 from composer.link.layout import BLOCK, Layout, Slot
 from composer.link.linking import Linking
 from composer.link.multiplied import Copy
-from composer.link.names import may_be_generated
 from composer.link.part_keys import part_keys
 from composer.plan.plan import Plan
 from composer.plan.steps.write_keyframe import WriteKeyframe
+from composer.recipe.controls import JOINT
 from composer.recipe.element import Single
 from composer.recipe.keyframe import FROM, TIME, VECTORS, Entry
 from composer.recipe.shown import shown
 from composer.tree.classes import through_frames
 from composer.tree.key import Key
 from composer.tree.key_number import KeySource, Number, taken
-from composer.tree.names import word
+from composer.tree.names import may_be_generated, word
 
 _Holder = tuple[Node, Slot | None]
 """A joint, an actuator or a mocap body; the slot is None for what always has the same width."""
@@ -71,7 +73,9 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
     units = ControlUnits(linking, making.sink, types, making.sink.has_errors)
     for step in plan.keyframes:
-        linking.keys.written.append(_Writing(step, linking, making, holders, parts, units, unnamed).key())
+        linking.keys.written.append(
+            _Writing(step, linking, making, holders, parts, units, unnamed, layout.actuators).key()
+        )
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
@@ -116,6 +120,7 @@ class _Writing:
     parts: frozenset[str]
     units: ControlUnits
     unnamed: Sequence[Node]
+    actuators: Mapping[Any, Slot]
     values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
 
     def key(self) -> Key:
@@ -131,10 +136,76 @@ class _Writing:
                 self.values.setdefault(vector, {}).update(columns)
             if asked.time is None and source.time is not None:
                 self._take_time(key, source)
+        self._hold()
         for vector, entries in asked.values.items():
             for name, entry in entries.items():
-                self._set(vector, name, entry)
+                self._set(vector, name, entry, (name,))
+        for joint, entry in asked.controls.joints.items():
+            found = self._of_joint(joint)
+            if found is not None:
+                self._place("ctrl", joint, found, entry, (JOINT, joint))
         return key
+
+    def _hold(self) -> None:
+        """Make room for the controls that hold the pose: what they are is known when the key is laid out."""
+        controls = self.step.key.controls
+        if controls.hold is not None:
+            for actuator, slot in self.actuators.items():
+                self._to_hold(actuator, slot, ("hold",))
+        for path in controls.held:
+            if path[0] == JOINT and len(path) > 1:
+                found = self._of_joint(path[1])
+            else:
+                found = self.holders["actuator"].get(path[0])
+                if found is None:
+                    self._unknown("ctrl", path[0])
+            if found is not None:
+                self._to_hold(found[0], found[1], path)
+
+    def _to_hold(self, actuator: Node, slot: Slot | None, path: tuple[str, ...]) -> None:
+        width = 1 if slot is None else slot.widths[0]
+        source = KeySource("entry", "ctrl", span=self._at("ctrl", *path))
+        self.values.setdefault("ctrl", {})[actuator] = [Number("0", source, at) for at in range(width)]
+
+    def _of_joint(self, joint: str) -> _Holder | None:
+        """The actuator that is meant by its joint: the only one, or the only servo for positions."""
+        found = [
+            (node, slot)
+            for node, slot in self.actuators.items()
+            if not isinstance(node, Copy) and joint in (node.get("joint"), node.get("jointinparent"))
+        ]
+        if len(found) > 1:
+            servos = [each for each in found if self.units.is_position(each[0])]
+            found = servos if len(servos) == 1 else found
+        if len(found) == 1:
+            return found[0]
+        span = self._at("ctrl", JOINT, joint, key=True)
+        if found:
+            named = [f"`{_name(node)}`" for node, _ in found if _name(node)]
+            self.making.sink.error(
+                "unknown-name",
+                f"{len(found)} actuators act on the joint `{joint}`: which one is meant?",
+                span,
+                notes=(Note(f"those with a name: {', '.join(named)}"),) if named else (),
+                help="write it by the name of the actuator: `ctrl: {ACTUATOR: …}`",
+                subjects=(joint,),
+            )
+            return None
+        driven = [
+            str(end)
+            for node in self.actuators
+            if not isinstance(node, Copy) and (end := node.get("joint") or node.get("jointinparent"))
+        ]
+        exists = self.linking.names.find("joint", joint) is not None
+        self.making.sink.error(
+            "unknown-name",
+            f"the joint `{joint}` has no actuator" if exists else f"the joint `{joint}` does not exist",
+            span,
+            notes=(Note(f"joints with an actuator: {', '.join(dict.fromkeys(driven)) or 'none'}"),),
+            help=did_you_mean(joint, driven) if not exists else "write the actuator by its name",
+            subjects=(joint,),
+        )
+        return None
 
     def _written(self, element: Node, attribute: str | None) -> Span:
         path = (*self.step.key.at, attribute or "")
@@ -156,15 +227,13 @@ class _Writing:
                 found.append((there.depth, _taken(key, self._at(FROM, part))))
                 continue
             if part not in self.parts:
-                continue  # the plan tells it
+                continue  # the plan reports it
             names = there.names if there is not None else []
-            self.making.sink.error(
-                "unknown-name",
-                f"`{part}` has no key `{name}`",
-                self._at(FROM, part),
-                notes=(exists_note("key", names, name),),
-                help=did_you_mean(name, names, f"{part}: {{}}"),
-                subjects=(part, name),
+            span, message = self._at(FROM, part), f"`{part}` has no key `{name}`"
+            self.making.sink.add(
+                unknown_name(
+                    "key", name, names, span, message=message, written=f"{part}: {{}}", about=(part,)
+                )
             )
         return [key for _, key in sorted(found, key=lambda each: each[0])]
 
@@ -182,23 +251,27 @@ class _Writing:
                 subjects=(key.name,),
             )
 
-    def _set(self, vector: str, name: str, entry: Entry) -> None:
+    def _set(self, vector: str, name: str, entry: Entry, path: tuple[str, ...]) -> None:
         known = self.holders[VECTORS[vector]].get(name)
         if known is None:
             self._unknown(vector, name)
-            return
+        else:
+            self._place(vector, name, known, entry, path)
+
+    def _place(self, vector: str, name: str, known: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
+        """Write the numbers of an entry, which stands at a path below its vector."""
         node, slot = known
         if slot is not None:
             width = slot.widths[vector in ("qvel", "act")]
             if len(entry) != width:
-                self._wrong_width(vector, name, slot, entry, width)
+                self._wrong_width(vector, name, slot, entry, width, path)
                 return
         meant = self._meant(vector, name, node, slot, len(entry))
         values = [
-            plain(value) if words is None else self._angle(vector, name, value, words)
+            plain(value) if words is None else self._angle(vector, value, words, path)
             for value, words in zip(entry, meant, strict=True)
         ]
-        source = KeySource("entry", vector, span=self._at(vector, name))
+        source = KeySource("entry", vector, span=self._at(vector, *path))
         self.values.setdefault(vector, {})[node] = [
             Number(text, source, at) for at, text in enumerate(numbers.text(values).split())
         ]
@@ -219,25 +292,29 @@ class _Writing:
         moves = f"`{vector}` of `{name}`, which moves the hinge `{joint}`, is"
         return [each and f"{moves} {each}" for each in words]
 
-    def _angle(self, vector: str, name: str, value: Single, words: str) -> float:
-        reading = self.making.readings.at((*self.step.key.at, vector, name))
+    def _angle(self, vector: str, value: Single, words: str, path: tuple[str, ...]) -> float:
+        reading = self.making.readings.at((*self.step.key.at, vector, *path))
         if reading.angle is None and not isinstance(value, Angle) and value != 0:
             self.making.sink.error(
                 "bare-angle",
                 f"{words} and {shown(value)} has no unit",
-                self._at(vector, name),
+                self._at(vector, *path),
                 help=f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe",
             )
+        # Keys are in radians in any model: `<key qpos="90"/>` of a hinge is 90 in MuJoCo 4.0 under `angle="degree"`,
+        # too.
         return in_radians(value, reading, numbers.joint_radians)
 
-    def _wrong_width(self, vector: str, name: str, slot: Slot, entry: Entry, width: int) -> None:
+    def _wrong_width(
+        self, vector: str, name: str, slot: Slot, entry: Entry, width: int, path: tuple[str, ...]
+    ) -> None:
         kind = "actuator" if slot.kind == "actuator" else f"{slot.kind} joint"
         count = f"{width} number{'' if width == 1 else 's'}" if width else "no numbers"
         meant = _MEANT.get((slot.kind, vector))
         self.making.sink.error(
             "wrong-length",
             f"`{vector}` of the {kind} `{name}` has {count}, got {len(entry)}",
-            self._at(vector, name),
+            self._at(vector, *path),
             help=f"write {meant}" if meant else "leave it out" if not width else None,
             subjects=(name,),
         )
@@ -273,14 +350,20 @@ class _Writing:
                 help = f"{named} {verb} {kind}{'s' * (len(drives) > 1)} of that {others[0]}"
         if kind == "actuator" and self.unnamed:
             notes.append(Note(f"{_count(len(self.unnamed))} no name, and a key goes by names"))
+            driven = [each for each in self.unnamed if name in (each.get("joint"), each.get("jointinparent"))]
+            if driven and vector == "ctrl":
+                # What has a name may be another actuator than the one that is meant.
+                also = f"; {help}" if help else ""
+                help = f"write it by its joint: `{vector}: {{joint: {{{name}: …}}}}`{also}"
             help = help or _naming(self.unnamed, name)
         sink.error(
             "unknown-name",
-            f"there is no {kind} `{name}` to set `{vector}` of",
+            f"the {kind} `{name}` to set `{vector}` of does not exist",
             span,
             notes=notes,
             help=help,
             subjects=(name,),
+            fix=None if others else renaming(name, names),
         )
 
 

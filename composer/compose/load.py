@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 from composer.context import Context
 from composer.diagnostics.span import Span
+from composer.link.source_check import check_source
 from composer.sources.source import Source
+from composer.tree.admitted import all_admitted
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
@@ -28,13 +30,15 @@ Library = dict[Key, Unit]
 class Loader:
     """The units of source files. `expect` says before how often one is needed: the last use needs no copy.
 
-    What is in the `library` is not read again, and what is read goes there.
+    What is in the `library` is not read again, and what is read goes there. `checks` says whether all of a file has to
+    be MJCF, or only what is looked at.
     """
 
     context: Context
     session: Session | None = None
     watch: Watch = nobody
     library: Library | None = None
+    checks: bool = False
     parsed: dict[Key, Unit | None] = field(default_factory=dict)
     uses: Counter[Key] = field(default_factory=Counter)
 
@@ -45,10 +49,13 @@ class Loader:
         """The unit of a source, None where it has faults; `stands` says that it is fixed in the world."""
         key = key_of(model, stands)
         if key not in self.parsed:
-            refused = self.parsed.get((*key[:2], not key[2]), ...) is None  # one fault of a file is told once
+            refused = (
+                self.parsed.get((*key[:2], not key[2]), ...) is None
+            )  # one fault of a file is reported once
             self.parsed[key] = None if refused else self._known(key) or self._read(model, span, stands)
         unit = self.parsed[key]
         self.uses[key] -= 1
+        # Linking uses a unit up.
         if unit is not None and self.uses[key] > 0:
             unit = unit.copied()
         if unit is not None:
@@ -70,7 +77,13 @@ class Loader:
             from composer.compose.urdf import urdf_unit  # few recipes need it
 
             return urdf_unit(model, self.context, self.session, span, stands=stands)
-        return parse_file(model.path, self.context.sink, file=self.context.shown(model.path), span=span)
+        sink, shown = self.context.sink, self.context.shown
+        unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door)
+        if unit is None or not all_admitted(unit, sink, shown):
+            return None
+        if self.checks and not check_source(unit, sink):
+            return None
+        return unit
 
 
 def key_of(model: Source, stands: bool) -> Key:

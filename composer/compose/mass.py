@@ -26,7 +26,7 @@ _DEFAULT = Settings()
 
 
 class Masses:
-    """The masses of selected bodies; MuJoCo is asked once for those that only it can tell."""
+    """The masses of selected bodies; MuJoCo is asked once for those that only it knows."""
 
     def __init__(self, editing: Editing, bodies: Collection[Node]) -> None:
         self.editing, self.bodies = editing, bodies
@@ -108,6 +108,8 @@ class Masses:
         """The `<inertial>` that counts."""
         inertials = own(body, "inertial")
         geoms = own(body, "geom")
+        # With `inertiafromgeom="true"` an `<inertial>` holds only on bodies whose geoms have no mass: this weighs 2 kg.
+        #   <body><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/><geom size="1" mass="2"/></body>
         if self.editing.linking.flat().settings.inertiafromgeom == "true" and any(
             has_mass(geom, self.editing.classes) for geom in geoms
         ):
@@ -118,6 +120,7 @@ class Masses:
         editing = self.editing
         inertial = self._inertial(body)
         if inertial is not None:
+            # The moments follow the mass, as if the same body were of another material.
             for name in ("mass", "diaginertia", "fullinertia"):
                 text = inertial.get(name)
                 if text:
@@ -129,6 +132,7 @@ class Masses:
             self._nothing(body, at)
         for geom in geoms:
             mass = editing.classes.effective(geom, childclass_of(geom), "mass")
+            # `mass="nan"` takes back the mass that a class gives: then the density counts.
             if mass is not None and not math.isnan(numbers.read(mass)[0]):
                 name, value = "mass", numbers.read(mass)[0]
             else:
@@ -144,7 +148,14 @@ class Masses:
             f"{editing.called(body)} has no mass of its own that could be scaled",
             editing.span(at, key=True),
             notes=(Note("it is written here", editing.span_of(body)),),
-            help="set `mass` or `density` of a geom in it",
+            help=self._instead(body),
             subjects=editing.subjects(body),
         )
         raise Unusable
+
+    def _instead(self, body: Node) -> str:
+        """What to write where a body has no mass: the body that the joint of a part brings has none of its own."""
+        name = body.get("name", "")
+        if name.endswith(self.editing.linking.request.separator) and own(body, "body"):
+            return f'`{name}` only carries the joint of the part; its bodies are `body: "{name}?**"`'
+        return "set `mass` or `density` of a geom in it"

@@ -25,7 +25,7 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
 
 def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
-    """Report the bodies without mass; nothing where only MuJoCo can tell.
+    """Report the bodies without mass; nothing where only MuJoCo knows.
 
     MuJoCo asks for mass of what moves with the joint: the body itself, or a body that is fixed to it.
     """
@@ -74,6 +74,8 @@ def _fixed(body: Node) -> Iterator[Node]:
     """The body and those below that no joint moves against it."""
     yield body
     for child in own(body, "body"):
+        # In MuJoCo 4.0 the mass of a child counts for the joint above it, unless a joint of its own stands between:
+        # then "mass and inertia of moving bodies must be larger than mjMINVAL".
         if not own(child, "joint", "freejoint"):
             yield from _fixed(child)
 

@@ -24,7 +24,9 @@ from composer.sources.source import Source
 from composer.tree.classes import MAIN
 from composer.tree.settings import read_settings
 
+# These three reach every body of the model, of whatever part.
 _MASSES = frozenset({"boundmass", "boundinertia", "settotalmass"})
+# With these a part has fewer bodies or geoms than its source alone, so that there is nothing to compare.
 _RESHAPING = frozenset({"fusestatic", "discardvisual"})
 # What `drop` leaves out of a part without making it another: settings, of which a model has one, and its keys.
 _WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size", "keyframe"})
@@ -182,9 +184,12 @@ def _place(each: Hung, degrees: bool, sequence: str) -> PartRecord:
     pose: Pose | None = IN_PLACE
     node = each.content
     while node is not None and node.tag in ("frame", "replicate"):
+        # A replicate has many poses, and no single one.
         known = pose if node.tag == "frame" else None
         pose = None if known is None else read_pose(node, degrees, sequence) @ known
         node = node.getparent()
+    if pose is not None and not pose.is_finite:
+        pose = None
     if node is None or node.tag != "body":
         return replace(each.member, pose=pose)
     name = node.get("name")

@@ -9,6 +9,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.compose.edit import edit, is_of_keys
+from composer.compose.edit_cost import EditCost
 from composer.compose.editing import Editing
 from composer.compose.elements import ElementBuilder
 from composer.compose.randomize import draw_values
@@ -20,9 +21,11 @@ from composer.link.key_layouts import keys_of
 from composer.link.keyframes import lay_out_replaced
 from composer.link.linking import Linking
 from composer.plan.drawn import Drawn, Tabled
+from composer.plan.foreseen import EditOutcome, Place
 from composer.plan.plan import Plan
 from composer.plan.steps.edit_elements import EditElements
 
+# What is wrong whatever the missing things are: a name, an attribute or a selector that can mean nothing.
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
 _UNNAMING = {"remove", "rename"}  # after which an element does not have its name any more
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
@@ -36,6 +39,8 @@ class Changes:
     linking: Linking
     making: ElementBuilder
     parts: Mapping[Node, str]
+    cost: EditCost
+    outcomes: dict[Place, EditOutcome] = field(default_factory=dict)
     drawn: list[Drawn] = field(default_factory=list)
     tabled: list[Tabled] = field(default_factory=list)
 
@@ -49,16 +54,16 @@ class Changes:
 
         Whether the elements have the names then that keys call them by.
         """
-        making, told = self.making, self.making.sink
-        making.sink = self.linking.sink = aside = told.fork()
+        making, own = self.making, self.making.sink
+        making.sink = self.linking.sink = aside = own.fork()
         aside.suppress_about(_declared(self.plan.document))
         try:
             return self._edit_by_name(aside)
         finally:
-            making.sink = self.linking.sink = told
+            making.sink = self.linking.sink = own
             for each in aside.errors:
                 if each.code in _CERTAIN:
-                    told.add(each)
+                    own.add(each)
 
     def _edit_by_name(self, sink: Sink) -> bool:
         editing = self._editing()
@@ -66,7 +71,7 @@ class Changes:
             before, selector = sink.error_count, step.edit.select
             is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
             if is_certain and not is_of_keys(step):
-                edit(step, editing)
+                self._carry_out(step, editing)
             if "rename" in step.edit.verbs and (not is_certain or sink.error_count > before):
                 return False
         return True
@@ -88,11 +93,16 @@ class Changes:
                 stand_ins = replaced if _UNNAMING & step.edit.verbs.keys() else []
                 replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
                 if not stand_ins:
-                    edit(step, editing)
+                    self._carry_out(step, editing)
                 self.linking.watch(self.linking.units, step)
 
+    def _carry_out(self, step: EditElements, editing: Editing) -> None:
+        outcome = edit(step, editing)
+        if outcome is not None:
+            self.outcomes[self.plan.place_of(step.edit.at)] = outcome
+
     def _draw(self, of_keys: bool) -> None:
-        """On what is there after all edits."""
+        """On the model as it is after all edits."""
         editing = self._editing()
         for step in self.plan.draws:
             if is_of_keys(step) == of_keys:
@@ -102,7 +112,7 @@ class Changes:
                 self.linking.watch(self.linking.units, step)
 
     def _editing(self) -> Editing:
-        return Editing(self.linking, self.making, self.plan.scope, self.parts)
+        return Editing(self.linking, self.making, self.plan.scope, self.parts, cost=self.cost)
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
         """Carry out an edit with keys in the model that are replaced afterwards; gives those that still are."""
@@ -110,7 +120,7 @@ class Changes:
         self.linking.base.section("keyframe").extend(keys)
         for key in keys:
             editing.note(key)
-        edit(step, editing)
+        self._carry_out(step, editing)
         left = [
             key
             for key, name in zip(keys, names, strict=True)
@@ -159,7 +169,7 @@ def _section(key: Node) -> Node:
 
 
 def _declared(document: Located) -> Iterator[str]:
-    """Every text in a recipe that may be the name of something which is not there for another fault."""
+    """Every text in a recipe that may be the name of something which does not exist for another fault."""
     for section, (_, value) in document.entries.items():
         if section not in _SECTIONS_WITHOUT_NAMES:
             yield from texts(value)

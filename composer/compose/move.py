@@ -9,13 +9,14 @@ from lxml.etree import _Element as Node
 
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
-from composer.compose.reference_check import not_there
 from composer.diagnostics.diagnostic import Note
 from composer.link.layout import JOINTS
 from composer.recipe.fault import Path
+from composer.tree.attributes import assign
 from composer.tree.classes import MAIN, NESTED, childclass_of, through_frames
 from composer.tree.kinds import kind_of
 from composer.tree.names import WORLD
+from composer.tree.references import unresolved
 
 
 def move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
@@ -59,14 +60,17 @@ def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) ->
         return editing.linking.base.section("worldbody")
     found = editing.names.find(kind, name)
     if found is None:
-        shown = "to: NAME" if kind == "body" else "to: {frame: NAME}"
-        not_there(editing.linking, editing.sink, kind, name, editing.span(at), shown, purpose=" to move to")
+        written = "to: {}" if kind == "body" else "to: {frame: {}}"
+        span = editing.span(at)
+        editing.sink.add(unresolved(editing, kind, name, span, written=written, purpose=" to move to"))
         raise Unusable
     return found
 
 
 def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
     """What floats can only stand in the world."""
+    # A frame in the world is no body: MuJoCo 4.0 takes `<frame><body><freejoint/>…`, and says of a body below a body
+    # "free joint can only be used on top level".
     outer: Node | None = target
     while outer is not None and outer.tag in ("frame", "replicate"):
         outer = outer.getparent()
@@ -101,10 +105,7 @@ def _keep_class(editing: Editing, node: Node, target: Node) -> None:
         return
     if node.tag in NESTED:
         if not node.get("childclass"):
-            editing.forget(node)
-            node.set("childclass", before or MAIN)
-            editing.note(node)
+            assign(editing, node, {"childclass": before or MAIN})
+    # `class="main"` means the top class even below a `childclass`.
     elif kind_of(node).takes_class and not node.get("class"):
-        editing.forget(node)
-        node.set("class", before or MAIN)
-        editing.note(node)
+        assign(editing, node, {"class": before or MAIN})

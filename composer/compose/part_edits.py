@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from lxml.etree import _Element as Node
 
 from composer.compose.drop import drop
 from composer.compose.edit import edit, is_of_keys
+from composer.compose.edit_cost import EditCost
 from composer.compose.editing import Editing
 from composer.compose.elements import ElementBuilder
 from composer.compose.intervals import check_intervals
@@ -21,6 +22,7 @@ from composer.link.linking import Linking, Measure
 from composer.link.multiplied import element_of
 from composer.link.request import Request
 from composer.link.subtree import Left
+from composer.plan.foreseen import EditOutcome, Place
 from composer.plan.plan import DropElements, Plan
 from composer.plan.steps.edit_elements import EditElements
 from composer.tree.key import Key, PartKeys
@@ -38,13 +40,16 @@ class OwnEdits:
     context: Context
     measure: Measure | None
     watch: Watch
+    cost: EditCost
+    outcomes: dict[Place, EditOutcome] = field(default_factory=dict)
 
     def carry_out(self) -> tuple[Left, ...] | None:
-        """Drop and edit; gives what was dropped, or None where something was wrong, which is told."""
+        """Drop and edit; gives what was dropped, or None where something was wrong, which is reported."""
         before = self.context.sink.error_count
         if self.wanted.keyframes == "none":
             remove_keys(self.unit)
         linking = Linking(self.unit, [], self.context.sink, Request(self.plan.separator), self.measure)
+        # First of all: the numbers of the keys belong to joints and actuators as the source has them.
         layouts(linking)
         editing = self._editing(linking)
         gone = self._dropped(editing) if self.wanted.drop else []
@@ -65,8 +70,9 @@ class OwnEdits:
         making = ElementBuilder(
             plan.document, plan.file, self.context.sink, plan.readings,
             unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
+            self.context.door_of_text,
         )  # fmt: skip
-        return Editing(linking, making, plan.scope, own=True)
+        return Editing(linking, making, plan.scope, own=True, cost=self.cost)
 
     def _dropped(self, editing: Editing) -> list[Left]:
         at = (*self.wanted.at, "drop")
@@ -76,7 +82,9 @@ class OwnEdits:
 
     def _edited(self, steps: list[EditElements], editing: Editing) -> None:
         for step in steps:
-            edit(step, editing)
+            outcome = edit(step, editing)
+            if outcome is not None:
+                self.outcomes[self.plan.place_of(step.edit.at)] = outcome
             self.watch([self.unit], step)
         check_intervals(editing.making)
 

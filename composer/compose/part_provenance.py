@@ -26,7 +26,7 @@ def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
 
 
 def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
-    """Whether what is selected may be of the member with that prefix, as far as the beginning of names tells."""
+    """Whether what is selected may be of the member with that prefix, as far as the beginning of names shows."""
     if selector.tag == XPATH or selector.pattern.startswith("/"):
         return True
     found = _HEAD.match(selector.pattern)

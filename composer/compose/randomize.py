@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from array import array
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
-from typing import Any
+from typing import Any, Literal
 
 from lxml.etree import _Element as Node
 
 from composer.compose.edit import Change
+from composer.compose.edit_cost import of_draws
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.compose.mass import Masses
 from composer.compose.select import counted
+from composer.compose.zeros import only_zeros, report_only_zeros
 from composer.diagnostics.diagnostic import Note
 from composer.expr.angle import Angle
 from composer.expr.value import Value
@@ -21,6 +24,7 @@ from composer.grammar.degrees import is_in_degrees
 from composer.numerics.stream import bits
 from composer.plan.angle_context import Reading
 from composer.plan.drawn import Drawn, Tabled
+from composer.plan.plan import BASE
 from composer.plan.steps.draw_values import DrawValues
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import must_not_be_negative
@@ -32,7 +36,7 @@ from composer.tree.selector import XPATH
 
 
 def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[Tabled]]:
-    """Give every selected element what is drawn for it. What cannot be is told, once a field.
+    """Give every selected element what is drawn for it. What cannot be is reported, once a field.
 
     For sample 0 nothing is written: the draws of all others are looked at, so that a fault is known before they are
     built, and given where a table is made of them.
@@ -40,20 +44,30 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[T
     entry = step.field
     assert entry.select is not None
     at = (*entry.at, "expect")
-    found = counted(editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at)
+    cost = of_draws(0 if step.sample else step.samples, step.tabled)
+    found = counted(editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at, cost)
     drawing = _Draws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
+    by: set[tuple[Any, ...]] = set()
     tabled: list[Tabled] = []
+    zeros = only_zeros(editing, found, (entry.attr,)) if entry.operation == "scale" else []
     try:
         for index, node in enumerate(found):
             if step.sample:
-                drawn.append(drawing.write(node, index))
+                one = drawing.write(node, index)
+                known = (one.element, one.attribute, one.value)
+                if entry.per not in ("body", "part") or known not in by:  # elsewhere each element has its own
+                    drawn.append(one)
+                by.add(known)
                 continue
             drawing.check(node, range(1, step.samples + 1))
             if step.tabled:
                 tabled.append(drawing.tabled(node))
     except Unusable:
         return [], []
+    for key in zeros:
+        help = "draw the value itself, or what is added to it, by `offset`"
+        report_only_zeros(editing, found, key, entry.drawn_at, help)
     return drawn, tabled
 
 
@@ -75,7 +89,7 @@ class _Draws:
         written = self._with_unit(node, drawn)
         self.editing.linking.notes.drawn.setdefault(node, {})[entry.name] = written
         Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
-        return self._told(node, drawn)
+        return self._stated(node, drawn)
 
     def _with_unit(self, node: Node, drawn: Any) -> Any:
         """The draw as it would be written beside the attribute, of whose file bare angles need not be."""
@@ -97,21 +111,51 @@ class _Draws:
     def tabled(self, node: Node) -> Tabled:
         """The draws of all samples for an element."""
         step = self.step
-        draws = [self._told(node, self._drawn(node, sample)) for sample in range(1, step.samples + 1)]
+        first = self._stated(node, self._drawn(node, 1))
         angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
         kind = kind_of(node)
         return Tabled(
-            draws[0], step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
-            tuple(each.value for each in draws), angles, self._reading.angle,
+            first, step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
+            self._numbers(node, len(first.columns())), angles, self._reading.angle,
         )  # fmt: skip
 
-    def _told(self, node: Node, drawn: Any) -> Drawn:
+    def _numbers(self, node: Node, count: int) -> tuple[Sequence[Value], ...]:
+        """What is drawn for each number of an attribute in all samples, as `_stated` has it."""
+        samples, drawing = range(1, self.step.samples + 1), self.step.field.drawing
+        if drawing.is_whole:
+            stated = {id(each): self._in_radians(node, each) for each in drawing.values}
+            lengths = {len(each) if isinstance(each, tuple) else 1 for each in stated.values()}
+            if len(lengths) > 1:
+                counts = " and ".join(map(str, sorted(lengths)))
+                message = f"the values have {counts} numbers, and each of a table has as many"
+                self._fault(
+                    "wrong-length", message, node, help="write `emit: models`, which builds every sample"
+                )
+            chosen = [stated[id(each)] for each in self._all_drawn(node, samples, 0)]
+            return tuple(zip(*chosen, strict=True)) if isinstance(chosen[0], tuple) else (chosen,)
+        angles = self._angles(node)
+        return tuple(
+            self._all_in_radians(node, self._all_drawn(node, samples, place), any(angles[place : place + 1]))
+            for place in range(count)
+        )
+
+    def _stated(self, node: Node, drawn: Any) -> Drawn:
         entry = self.step.field
         name, subscript = attribute_and_index(entry.attr)
         return Drawn(
-            entry.name, self.identity(node), name, entry.operation, self._in_radians(node, drawn),
+            entry.name, self.drawn_by(node), name, entry.operation, self._in_radians(node, drawn),
             entry.per == "sample", subscript or 0,
         )  # fmt: skip
+
+    def drawn_by(self, node: Node) -> str:
+        """What the draws of an element go by: itself, its body or its part."""
+        per = self.step.field.per
+        if per == "part":
+            return self.editing.parts.get(node, BASE)
+        if per == "body" and node.tag != "body":
+            body = next(node.iterancestors("body"), None)
+            return "world" if body is None else self.identity(body)
+        return self.identity(node)
 
     def identity(self, node: Node) -> str:
         """What an element's draws go by: its name, or else what it stands in and its number there.
@@ -122,6 +166,7 @@ class _Draws:
         if name:
             select = self.step.field.select
             return f"{node.tag} {name}" if select is not None and select.tag == XPATH else name
+        # Not by its place in the model: what is added elsewhere must not change what is drawn for it.
         parent = parent_of(node)
         if parent is None:
             return str(node.tag)
@@ -145,25 +190,43 @@ class _Draws:
 
     def _drawn(self, node: Node, sample: int) -> Any:
         """A number, a list with one for each component, or what was chosen; in the recipe's unit."""
-        entry, step = self.step.field, self.step
+        entry = self.step.field
         _, subscript = attribute_and_index(entry.attr)
-        element = "" if entry.per == "sample" else self.identity(node)
 
-        def one(component: int) -> Any:
-            found = bits(step.seed, sample, entry.name, element, component)
-            return entry.drawing.draw(found, component if subscript is None else 0)
+        def one(place: int) -> Any:
+            component, of = self._component(place)
+            found = bits(self.step.seed, sample, entry.stream, self._stream(node), component)
+            return entry.drawing.draw(found, of)
 
         if entry.drawing.is_whole or subscript is not None:
-            return one(subscript or 0)
+            return one(0)
         count = self._count(node)
-        return one(0) if count is None else [one(component) for component in range(count)]
+        return one(0) if count is None else [one(place) for place in range(count)]
+
+    def _all_drawn(self, node: Node, samples: Sequence[int], place: int) -> Sequence[Any]:
+        """The number at one place of what is drawn, in each of the samples."""
+        entry, (component, of) = self.step.field, self._component(place)
+        return entry.drawing.draw_all(
+            self.step.seed, samples, entry.stream, self._stream(node), component, of
+        )
+
+    def _stream(self, node: Node) -> str:
+        return "" if self.step.field.per == "sample" else self.drawn_by(node)
+
+    def _component(self, place: int) -> tuple[int, int]:
+        """What the number at a place is called by its bits, and whose parameters it has."""
+        _, subscript = attribute_and_index(self.step.field.attr)
+        if subscript is None:
+            return place, place
+        # Fields of a group go together, whichever number of its attribute each is about.
+        return (subscript if self.step.field.group is None else 0), 0
 
     def _count(self, node: Node) -> int | None:
         """How many numbers the attribute has; None for one alone."""
         entry, kind = self.step.field, kind_of(node)
         attribute = kind.attributes.get(entry.attr)
         if attribute is None or not attribute.is_number or attribute.max_length == 1:
-            return None  # what no such element has is told where it is written
+            return None  # what no such element has is reported where it is written
         now = self._values(node).now(attribute)
         wanted = entry.drawing.components
         have = len(now) if isinstance(now, tuple) else None
@@ -185,8 +248,8 @@ class _Draws:
 
     # -- whether it can be ---------------------------------------------------------------------------------------
 
-    def check(self, node: Node, samples: Iterable[int]) -> None:
-        """Tell the first of the samples whose draw makes a number that has no meaning; raises `Unusable`."""
+    def check(self, node: Node, samples: Sequence[int]) -> None:
+        """Report the first of the samples whose draw makes a number that has no meaning; raises `Unusable`."""
         entry = self.step.field
         name, subscript = attribute_and_index(entry.attr)
         kind = kind_of(node)
@@ -214,14 +277,15 @@ class _Draws:
             base = self.masses.of(node, entry.drawn_at) if is_mass else bases[component]
             self._check_numbers(node, samples, component, base)
 
-    def _check_numbers(self, node: Node, samples: Iterable[int], component: int, base: Any) -> None:
+    def _check_numbers(self, node: Node, samples: Sequence[int], component: int, base: Any) -> None:
         entry = self.step.field
-        for sample in samples:
-            drawn = self._drawn(node, sample)
-            one = drawn[component] if isinstance(drawn, list) else drawn
+        drawn = self._all_drawn(node, samples, component)
+        for sample, one in zip(samples, drawn, strict=True):
             number = (
                 one if entry.operation == "set" else one * base if entry.operation == "scale" else one + base
             )
+            # MuJoCo 4.0 refuses a negative mass or size, but takes a negative damping, armature, stiffness or friction
+            # without a word.
             if number < 0:
                 called = self.editing.called(node)
                 message = (
@@ -267,17 +331,30 @@ class _Draws:
         return tuple(self._one_in_radians(node, each, turned[n]) for n, each in enumerate(drawn))
 
     def _one_in_radians(self, node: Node, drawn: Value, is_angle: bool) -> Value:
-        entry = self.step.field
-        own = "deg" if is_in_degrees(str(node.tag), attribute_and_index(entry.attr)[0]) else "rad"
+        unit, own = self._units(node, is_angle)
         if isinstance(drawn, str):
             angle = Angle.read(drawn)
             return drawn if angle is None else angle.in_unit(own)
-        unit = entry.drawing.unit
-        if unit is None and is_angle and entry.operation != "scale":
-            unit = "deg" if self._reading.angle == "degree" else "rad"
         if unit is None or isinstance(drawn, tuple):
             return drawn
         return Angle(drawn, unit).in_unit(own)
+
+    def _all_in_radians(self, node: Node, drawn: Sequence[Any], is_angle: bool) -> Sequence[Value]:
+        unit, own = self._units(node, is_angle)
+        if unit is None or unit == own:
+            return drawn
+        return array("d", (Angle(each, unit).in_unit(own) for each in drawn))
+
+    def _units(
+        self, node: Node, is_angle: bool
+    ) -> tuple[Literal["deg", "rad"] | None, Literal["deg", "rad"]]:
+        """What a number that is drawn is in, None where it has no unit, and what the manifest has."""
+        entry = self.step.field
+        unit = entry.drawing.unit
+        if unit is None and is_angle and entry.operation != "scale":
+            unit = "deg" if self._reading.angle == "degree" else "rad"
+        name, _ = attribute_and_index(entry.attr)
+        return unit, "deg" if is_in_degrees(str(node.tag), name) else "rad"
 
     def _fault(self, code: str, message: str, node: Node, help: str | None = None) -> None:
         editing = self.editing

@@ -17,7 +17,7 @@ _SHOWN = 20
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[Left]:
-    """Take the nodes out; gives all that has gone. Without `cascade` it is told who refers to them, and all stays."""
+    """Take the nodes out; gives all that has gone. Without `cascade` a reference to them is an error, and all stays."""
     removal = Removal.of((editing, node) for node in nodes)
     if not cascade and removal.references:
         _still_needed(removal, editing, at)
@@ -29,6 +29,7 @@ def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> l
         gone += _named(node)
         _take_out(editing, node)
     linking = editing.linking
+    # A file that only went into what is gone does not go into the bundle.
     linking.files = [use for use in linking.files if _stands(use.element, editing.root)]
     return gone
 
@@ -41,6 +42,7 @@ def _take_out(editing: Editing, node: Node) -> None:
     for each in node.iter("*"):
         if not is_section(each) and each is not editing.root:
             editing.forget(each)
+    # The class may have made slides or balls of joints, which have other numbers in a key.
     if section_of(node) == "default":
         editing.reshaped(node)
     parent = node.getparent()
@@ -61,11 +63,12 @@ def _named(node: Node) -> list[Left]:
         naming = naming_attribute(kind_of(each))
         if declared is None and naming is None and each is not node:
             continue
-        found.append(Left(_what(each, section), declared[1] if declared else ""))
+        found.append(Left(what_it_is(each, section), declared[1] if declared else ""))
     return found
 
 
-def _what(node: Node, section: str) -> str:
+def what_it_is(node: Node, section: str) -> str:
+    """The kind of an element, as lists of elements have it."""
     if section in ("tendon", "equality", "actuator", "sensor"):
         return section
     return "joint" if node.tag == "freejoint" else word(str(node.tag))

@@ -40,6 +40,7 @@ def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
     for node, name in new.items():
         naming = naming_attribute(kind_of(node))
         assert naming is not None
+        # `explain` is asked by the name that an element has in the end, and shows how it came by it.
         if old := own_name(node, naming.name):
             editing.making.origins.renamed.setdefault(node, []).append((old, name))
         node.set(naming.name, name)
@@ -60,11 +61,13 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
         )
         raise Unusable
     now = own_name(node, naming.name)
+    # MuJoCo 4.0: "top-level default class 'main' cannot be renamed".
     if node.tag == "default" and now is None:
         editing.sink.error("wrong-type", "the top class keeps its name", span)
         raise Unusable
     name = values.of(written, at, now)
     name = name if isinstance(name, str) else str(name)
+    # The world has its name in every model: `<body name="world"/>` is "repeated name 'world' in body" in MuJoCo 4.0.
     if not name.strip() or (naming.declares == "body" and name == WORLD):
         message = "a name is empty" if not name.strip() else f"the name `{WORLD}` is taken"
         editing.sink.error(
@@ -107,7 +110,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
 
 
 def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
-    """What tells two elements apart that would get one name."""
+    """What distinguishes two elements that would get one name."""
     one, two = (Values(editing, each, 0, at) for each in (node, other))
     differ = [name for name in ("name", "parent") if one.scope[name] != two.scope[name]]
     differ += [

@@ -5,14 +5,15 @@ from __future__ import annotations
 from lxml import etree
 
 from composer.compose.elements import ElementBuilder, default_kind, make, update
-from composer.compose.reference_check import not_there
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
+from composer.grammar.element import ElementType
 from composer.link.linking import Linking
 from composer.plan.steps.append_element import AppendElement
 from composer.plan.steps.set_default import SetDefault
 from composer.plan.steps.set_singleton import SetSingleton
 from composer.tree.classes import MAIN
+from composer.tree.references import unresolved
 
 
 def set_singleton(step: SetSingleton, linking: Linking, making: ElementBuilder) -> None:
@@ -30,14 +31,14 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
     if found is None:
         parent = _parent(step, linking, making)
         found = etree.Element("default", {"class": name})
-        if parent is not None:  # else that was told, and the class counts as declared all the same
+        if parent is not None:  # else that was reported, and the class counts as declared all the same
             parent.append(found)
         linking.names.declared.setdefault("default", {})[name] = found
         making.origins.own(found, step.span)
     elif step.parent is not None:
         making.sink.error(
             "class-clash",
-            f"the default class `{step.name}` is there already, and `parent` is for a new one",
+            f"the default class `{step.name}` exists already, and `parent` is for a new one",
             making.span(step.element, "parent"),
             notes=(Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),),
             help="leave `parent` out to change the class, or choose another name",
@@ -68,7 +69,7 @@ def _parent(step: SetDefault, linking: Linking, making: ElementBuilder) -> etree
     found = linking.names.find("default", step.parent)
     if found is None:
         span = making.span(step.element, "parent")
-        not_there(linking, making.sink, "default", step.parent, span, "parent: NAME")
+        making.sink.add(unresolved(linking, "default", step.parent, span, written="parent: {}"))
     return found
 
 
@@ -80,8 +81,10 @@ def append(step: AppendElement, linking: Linking, making: ElementBuilder) -> Non
     """An element of a section in which elements follow one another."""
     section = linking.base.section(step.section)
     kind = GRAMMAR.section(step.section)
-    node = make(step.element, kind.children[step.element.tag], making)
+    child = kind.children[step.element.tag]
+    node = make(step.element, child, making)
     if step.section == "extension":
+        # The instances of one plugin stand in one element, whoever declares them.
         existing = next((plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None)
         if existing is not None:
             existing.extend(list(node))
@@ -89,8 +92,17 @@ def append(step: AppendElement, linking: Linking, making: ElementBuilder) -> Non
                 if instance in making.made:
                     making.register(instance, step.section)
             return
-    takes_class = "class" in kind.children[step.element.tag].attributes
-    if takes_class and linking.base_class is not None and node.get("class") is None:
+    if linking.base_class is not None and node.get("class") is None and _has_class(child, linking):
         node.set("class", linking.base_class)
     section.append(node)
     making.register(node, step.section)
+
+
+def _has_class(kind: ElementType, linking: Linking) -> bool:
+    """Whether an element of a section has to name the top class of the base."""
+    attribute = kind.attributes.get("class")
+    if attribute is None or attribute.since is None:
+        return attribute is not None
+    # `<texture class="c"/>` is an error in MuJoCo before 3.17, where no class sets anything of a texture either.
+    top = _class_node(linking, str(linking.base_class))
+    return kind.tag in linking.request.isolated_tags or next(top.iterchildren(kind.tag), None) is not None

@@ -1,17 +1,20 @@
-"""What the selector of an edit finds, with what is told when that is nothing or too much."""
+"""What the selector of an edit finds, with what is reported when that is nothing or too much."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache, lru_cache
 from typing import Any
 
 from lxml.etree import _Element as Node
 
+from composer.compose.edit_cost import of_condition, of_selecting
 from composer.compose.edit_values import Unusable, Values, attributes_scope, equal
 from composer.compose.editing import Editing
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.fix import Fix
+from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.expr.angle import Angle
 from composer.expr.error import ExpressionError
 from composer.expr.template import Template
@@ -24,20 +27,25 @@ from composer.recipe.subscript import attribute_and_index
 from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of
 from composer.tree.pattern import BadPattern, is_pattern
-from composer.tree.select import BadXPath, Selection
+from composer.tree.select import Selection
 from composer.tree.selector import XPATH, Selector, paths_of
+from composer.tree.xpath import BadXPath
 
 _SHOWN = 12
 
 
 def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | None:
-    """The elements, or None where the selector itself is at fault, which is told; nothing is told of none."""
+    """The elements, or None where the selector itself is at fault, which is reported; nothing is reported of none."""
     selection = _selection(editing)
+    if not editing.cost.allows(of_selecting(selector, editing.root), editing.sink, editing.span(path)):
+        return None
     try:
         return selection.of(selector)
     except BadPattern as bad:
         editing.sink.error("selector", bad.message, editing.span(path), help=bad.help)
+        editing.cost.ended |= bad.is_slow
     except BadXPath as error:
+        editing.cost.ended |= error.is_slow
         editing.sink.error(
             "selector",
             f"`{selector.pattern}` is not an XPath for elements: {error}",
@@ -49,9 +57,18 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
 
 
 def counted(
-    editing: Editing, selector: Selector, path: Path, expect: int | None, optional: bool, counted_at: Path
+    editing: Editing,
+    selector: Selector,
+    path: Path,
+    expect: int | None,
+    optional: bool,
+    counted_at: Path,
+    values: float = 1,
 ) -> list[Node]:
-    """The elements, if there are as many as there must be; that there are not is told."""
+    """The elements, if there are as many as there must be; that there are not is reported.
+
+    `values` is how many are to be written for each.
+    """
     found = select(editing, selector, path)
     if found is None:
         return []
@@ -67,7 +84,7 @@ def counted(
         return []
     if not found and not optional and expect is None:
         _nothing(editing, selector, path)
-    return found
+    return found if editing.cost.allows(len(found) * values, editing.sink, editing.span(path)) else []
 
 
 def _selection(editing: Editing) -> Selection:
@@ -83,6 +100,8 @@ def _selection(editing: Editing) -> Selection:
 
 def _holds(editing: Editing, selection: Selection, node: Node, selector: Selector) -> bool:
     at = (*selector.at, "where")
+    if not editing.cost.allows(of_condition(selector.where), editing.sink, editing.span(at)):
+        raise Unusable
     values = Values(editing, node, 0, at)
     if isinstance(selector.where, str):
         scope = {**values.scope, **attributes_scope(values)}
@@ -126,7 +145,7 @@ def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) ->
 
 @lru_cache(maxsize=64)
 def _names_in(condition: str) -> frozenset[str]:
-    """The names in a condition; what is wrong with it is told where it is evaluated."""
+    """The names in a condition; what is wrong with it is reported where it is evaluated."""
     try:
         return frozenset(each.name for each in Template.parse(condition).names())
     except ExpressionError:
@@ -154,24 +173,29 @@ def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant:
 
 
 def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
-    """Tell that nothing is meant, and which part of the selector it is that nothing fits."""
-    help = None
+    """Report that nothing is meant, and which part of the selector it is that nothing fits."""
+    help = fix = None
     if selector.tag != XPATH:
+        written = editing.span((*path, selector.tag))
         names = _selection(editing).names(selector)
         near = [] if is_pattern(selector.pattern) else closest(selector.pattern, names)
         if near:
             help = f"did you mean `{selector.tag}: {near[0]}`?"
+            renamed = renaming(selector.pattern, names)
+            fix = None if renamed is None else replace(renamed, span=written)
         elif is_glob(selector.pattern) and not selector.pattern.startswith("**"):
             separator = editing.linking.request.separator
             deeper = f"**{separator}{selector.pattern}"
             if any(map(matcher(deeper, separator), names)):
                 help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
+                fix = Fix(deeper, selector.pattern, written)
     editing.sink.error(
         "selector",
         f"`{selector}` selects nothing",
         editing.span(path),
         notes=_existing(editing, selector),
         help=help or "write `optional: true` if that is not a fault",
+        fix=fix,
     )
 
 

@@ -41,13 +41,13 @@ class PartRequest:
     edit: tuple[Edit, ...] = ()
 
     def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
-        """Cut the unit down to the body; None where that cannot be, which is told."""
+        """Cut the unit down to the body; None where that cannot be, which is reported."""
         from composer.link.subtree import take_subtree  # few recipes need it
 
         assert self.body is not None
         found = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
         if found is not None and found.cut:
-            _tell_cut(unit, found, sink, self.span)
+            _report_cut(unit, found, sink, self.span)
         return found
 
 
@@ -66,7 +66,7 @@ def wanted(plan: Plan, stands: bool) -> Iterator[PartRequest]:
         yield PartRequest(step.model, part.subtree, step.at, keyframes, span, inside, part.drop, part.edit)
 
 
-def _tell_cut(unit: Unit, found: Subtree, sink: Sink, span: Span) -> None:
+def _report_cut(unit: Unit, found: Subtree, sink: Sink, span: Span) -> None:
     """What concerns the subtree and something else is left; nobody should miss that."""
     alone = len(found.cut) == 1
     what = f"the {found.cut[0].called}" if alone else f"{len(found.cut)} elements"

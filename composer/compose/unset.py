@@ -1,4 +1,4 @@
-"""Verb `unset`: attributes are no longer written; what an element cannot do without is told when its entry is done."""
+"""Verb `unset`: removes attributes; what an element lacks then is reported when its entry is done."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from composer.compose.editing import Editing
 from composer.diagnostics.diagnostic import Note
 from composer.recipe.fault import Fault, Path
 from composer.recipe.presence import absent, clashing
+from composer.tree.attributes import assign
 from composer.tree.effective import chain
 from composer.tree.kinds import kind_of
 
-# An actuator must have one of these.
+# An actuator must have one of these: else MuJoCo 4.0 says "missing transmission target for actuator".
 _MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
 
 
 def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
-    """Take attributes away; one that no selected element writes is told."""
+    """Take attributes away; one that no selected element writes is reported."""
     if isinstance(names, Mapping):
         for tag, inner in names.items():
             below = [child for node in found for child in node.iterchildren(tag)]
@@ -41,16 +42,14 @@ def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
             )
             raise Unusable
         for node in writing:
-            editing.forget(node)
             editing.write(node, {name: (*at, position)})
-            del node.attrib[name]
-            editing.note(node)
+            assign(editing, node, {name: None})
 
 
 def missed(editing: Editing, node: Node) -> list[Fault]:
     """What an element lacks of the attributes that it cannot be without."""
     kind = kind_of(node)
-    present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is no mapping)
+    present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
     if kind.takes_class:
         present += [name for name in kind.attributes if _by_class(editing, node, name)]
     faults: list[Fault] = []
@@ -61,17 +60,17 @@ def missed(editing: Editing, node: Node) -> list[Fault]:
     return faults
 
 
-def tell_missed(
+def report_missed(
     editing: Editing, before: Mapping[Node, list[Fault]], names: tuple[str, ...], at: Path
 ) -> None:
-    """Tell the first element that lacks something now which it had `before`."""
+    """Report the first element that lacks something now which it had `before`."""
     for node, lacked in before.items():
         for fault in missed(editing, node):
             if fault in lacked:
                 continue
             meant = [n for n, name in enumerate(names) if name in fault.names]
             place = meant[0] if meant else 0
-            notes = [Note(remark.message) for remark in fault.remarks]
+            notes = fault.all_notes()
             notes.append(Note("it is written here", editing.span_of(node)))
             help = f"leave `{names[place]}` where it is, or set what takes its place in the same entry"
             editing.sink.error(

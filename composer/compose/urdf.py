@@ -1,4 +1,4 @@
-"""A URDF file becomes a unit: MuJoCo converts it, and whatever is wrong is told at its place in the URDF."""
+"""A URDF file becomes a unit: MuJoCo converts it, and whatever is wrong is reported at its place in the URDF."""
 
 from __future__ import annotations
 
@@ -22,8 +22,11 @@ from composer.engine import PACKAGE
 from composer.grammar import GRAMMAR
 from composer.link.linking import FileUse
 from composer.mujoco_errors.message import CRASHES, parse
+from composer.reading.door import held
+from composer.reading.refused import Refused
 from composer.sources import ros_package
 from composer.sources.source import Source
+from composer.tree.admitted import includes_admitted
 from composer.tree.files import join
 from composer.tree.parse import parse_text, parse_xml, read_file
 from composer.tree.unit import Unit
@@ -44,11 +47,11 @@ def urdf_unit(
     `span` is where the recipe asks for it. What `stands` in the world loses its root link to it, as it does alone.
     """
     shown = context.shown(source.path)
-    data = read_file(source.path, context.sink, file=shown, span=span)
+    data = read_file(source.path, context.sink, source.door, file=shown, span=span)
     robot = None if data is None else parse_xml(data, shown, context.sink)
     if data is None or robot is None:
         return None
-    written = Unit(robot, shown, source.path.parent, source.path.stem)
+    written = Unit(robot, shown, source.path.parent, source.path.stem, door=source.door)
     written.origins.texts[shown] = data
     given = dict(source.packages)
     return _Reading(written, data, source.path, given, context, session, span, stands).unit()
@@ -70,10 +73,19 @@ class _Reading:
     def unit(self) -> Unit | None:
         if not self._is_urdf():
             return None
-        self._tell_unread()
+        if not includes_admitted(self.written, self.context.sink, self.context.shown):
+            return None
+        self._report_unread()
         names = ros_package.packages_in(self.data.decode("utf-8", "replace"))
         packages = ros_package.folders(names, self.path, self.given)
-        converted = engine.convert_urdf(self.path, packages, stands=self.stands, session=self.session)
+        try:
+            converted = engine.convert_urdf(
+                self.path, packages, door=self.written.door, stands=self.stands, session=self.session
+            )
+        except Refused as refused:
+            span = self._span(mesh_of(self.written.root, refused.path), "filename")
+            refused.report(self.context.sink, span, self._asked(), self.context.shown)
+            return None
         for warning in converted.warnings:
             self.context.sink.warning(
                 "mujoco-warning", f"MuJoCo warns: {warning}", self._span(named_in(warning, self.written.root))
@@ -83,8 +95,9 @@ class _Reading:
             return None
         shown, sink = self.written.file, self.context.sink
         unit = parse_text(
-            converted.text, sink, file=shown, directory=self.path.parent, label=self.written.label
-        )
+            converted.text, sink, file=shown, directory=self.path.parent, label=self.written.label,
+            door=self.written.door,
+        )  # fmt: skip
         assert unit is not None, "MuJoCo writes MJCF"
         name_fused_links(unit.root)
         locate_in_urdf(unit, self.written.root, self.data)
@@ -119,7 +132,7 @@ class _Reading:
             )
         return root.tag == "robot" and macro is None
 
-    def _tell_unread(self) -> None:
+    def _report_unread(self) -> None:
         """Warn of what MuJoCo passes over in `<mujoco>`, typing errors included."""
         for section in self.written.root.iterfind("mujoco/*"):
             tag = str(section.tag)
@@ -148,11 +161,8 @@ class _Reading:
         before = self.context.sink.error_count
         self._missing(converted)
         if self.context.sink.error_count == before:
-            fault = explain(parse(converted.error or ""), self.written.root)
-            self._error(
-                "mujoco-rejects", fault.message, fault.element, fault.attribute,
-                notes=fault.notes, help=fault.help,
-            )  # fmt: skip
+            found = explain(parse(converted.error or ""), self.written.root, self._span)
+            self.context.sink.add(replace(found, notes=(*found.notes, *self._asked())))
 
     def _missing(self, converted: Converted) -> None:
         unknown: dict[str, Node] = {}
@@ -162,7 +172,7 @@ class _Reading:
             if file.startswith(PACKAGE):
                 unknown.setdefault(file.removeprefix(PACKAGE).partition("/")[0], mesh)
             else:
-                found = join(str(self.path.parent), join(converted.folder, file))
+                found = held(join(str(self.path.parent), join(converted.folder, file)))
                 uses.append(FileUse(mesh, "filename", file, found, None, shared=False))
         for name, mesh in unknown.items():
             self._unknown_package(name, mesh)

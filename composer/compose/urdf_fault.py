@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from lxml.etree import _Element as Node
 
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Diagnostic, Note
+from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.mujoco_errors.message import Fault
 from composer.mujoco_errors.sentence import Topic, read_sentence
@@ -25,39 +25,32 @@ _ADVICE = {
     Topic.SIZE: _SIZES,
     Topic.URDF_GEOMETRY: "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`",
 }
-_ELSE = "MuJoCo must be able to load the file by itself: mend it there"
+_ELSE = "MuJoCo must be able to load the file by itself: fix it there"
 
 
-@dataclass(frozen=True, slots=True)
-class UrdfFault:
-    """A fault in the words of its author; `attribute` is the one of `element` that it lies in."""
-
-    message: str
-    element: Node
-    attribute: str | None = None
-    notes: tuple[Note, ...] = ()
-    help: str = _ELSE
+Place = Callable[[Node, str | None], Span]
+"""The place of an element, or of one of its attributes."""
 
 
-def explain(fault: Fault, robot: Node) -> UrdfFault:
-    """What to tell where MuJoCo refuses the URDF whose root is `robot`."""
+def explain(fault: Fault, robot: Node, place: Place) -> Diagnostic:
+    """The error where MuJoCo refuses the URDF whose root is `robot`, in the words of its author."""
     said = " ".join(fault.message.split())
     sentence = read_sentence(said)
     element = _element(fault, robot)
     known = None if sentence.topic is None else _KNOWN.get(sentence.topic)
-    if known is not None and (found := known(element, robot)) is not None:
+    if known is not None and (found := known(element, robot, place)) is not None:
         return found
     advice = None if sentence.topic is None else _ADVICE.get(sentence.topic)
     if sentence.missing_attribute is not None:
         advice = f'write `{sentence.missing_attribute}="…"`'
     elif sentence.missing_element is not None:
         advice = f"write `<{sentence.missing_element}>` in it"
-    return UrdfFault(
-        f"MuJoCo rejects the URDF: {said}",
-        element,
-        sentence.attribute,
-        help=advice or translate(said, None).help or _ELSE,
-    )
+    help = advice or translate(said, None).diagnostic.help or _ELSE
+    return _error(f"MuJoCo rejects the URDF: {said}", place(element, sentence.attribute), help)
+
+
+def _error(message: str, span: Span, help: str, *notes: Note) -> Diagnostic:
+    return Diagnostic("mujoco-rejects", message, span, notes=notes, help=help)
 
 
 def named_in(said: str, robot: Node) -> Node:
@@ -82,74 +75,61 @@ def _element(fault: Fault, robot: Node) -> Node:
     return robot
 
 
-def _repeated(element: Node, robot: Node) -> UrdfFault | None:
+def _repeated(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     seen: set[str | None] = set()
     for link in robot.iterchildren("link"):
         name = link.get("name")
         if name in seen:
-            return UrdfFault(
-                f"two links are called `{name}`", link, "name", help="give one of them another name"
+            return _error(
+                f"two links are called `{name}`", place(link, "name"), "give one of them another name"
             )
         seen.add(name)
     return None
 
 
-def _ring(element: Node, robot: Node) -> UrdfFault | None:
+def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     """MuJoCo builds from the links that hang on nothing, and does not find those it has not come to."""
     above = {_end(joint, "child"): _end(joint, "parent") for joint in robot.iterchildren("joint")}
     ring = [str(element.get("name"))]
     while (parent := above.get(ring[-1])) is not None and parent not in ring:
         ring.append(parent)
     names = ", which hangs on ".join(f"`{name}`" for name in [*ring, parent or ring[0]])
-    return UrdfFault(
-        f"links hang on one another in a ring: {names}", element, "name",
-        help="one of them must hang on nothing: take out its joint",
-    )  # fmt: skip
+    help = "one of them must hang on nothing: take out its joint"
+    return _error(f"links hang on one another in a ring: {names}", place(element, "name"), help)
 
 
-def _two_parents(element: Node, robot: Node) -> UrdfFault | None:
+def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     name = _end(element, "child")
     joints = [str(j.get("name")) for j in robot.iterchildren("joint") if _end(j, "child") == name]
-    told = " and ".join(f"`{joint}`" for joint in joints)
-    return UrdfFault(
-        f"the link `{name}` hangs on several joints: {told}",
-        element,
-        help="a link hangs on one joint at most",
-    )
+    named = " and ".join(f"`{joint}`" for joint in joints)
+    message = f"the link `{name}` hangs on several joints: {named}"
+    return _error(message, place(element, None), "a link hangs on one joint at most")
 
 
-def _no_link(element: Node, robot: Node) -> UrdfFault | None:
+def _no_link(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     links = [str(link.get("name")) for link in robot.iterchildren("link")]
     for end in element.iterchildren("parent", "child"):
         name = str(end.get("link"))
         if name not in links:
-            return UrdfFault(
-                f"there is no link `{name}`",
-                end,
-                "link",
-                (exists_note("link", links, name),),
-                did_you_mean(name, links) or "write the link, or take the joint out",
-            )
+            help = did_you_mean(name, links) or "write the link, or take the joint out"
+            note = exists_note("link", links, name)
+            return _error(f"the link `{name}` does not exist", place(end, "link"), help, note)
     return None
 
 
-def _joint_type(element: Node, robot: Node) -> UrdfFault | None:
+def _joint_type(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     word = str(element.get("type"))
-    return UrdfFault(
-        f"URDF has no joint of type `{word}`",
-        element,
-        "type",
-        (exists_note("type", JOINT_TYPES, word),),
-        did_you_mean(word, JOINT_TYPES) or "write one of these types",
-    )
+    help = did_you_mean(word, JOINT_TYPES) or "write one of these types"
+    note = exists_note("type", JOINT_TYPES, word)
+    return _error(f"URDF has no joint of type `{word}`", place(element, "type"), help, note)
 
 
-def _no_size(element: Node, robot: Node) -> UrdfFault | None:
+def _no_size(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     """MuJoCo does not say which: geoms have no names there."""
     for each in robot.iter("box", "cylinder", "sphere", "capsule"):
         for name in ("size", "radius", "length"):
             if any(map(_is_none, str(each.get(name) or "").split())):
-                return UrdfFault(f"`{name}` of `<{each.tag}>` must be positive", each, name, help=_SIZES)
+                return _error(f"`{name}` of `<{each.tag}>` must be positive", place(each, name), _SIZES)
     return None
 
 
@@ -165,7 +145,7 @@ def _end(joint: Node, tag: str) -> str | None:
     return None if end is None else end.get("link")
 
 
-_KNOWN: Mapping[Topic, Callable[[Node, Node], UrdfFault | None]] = {
+_KNOWN: Mapping[Topic, Callable[[Node, Node, Place], Diagnostic | None]] = {
     Topic.URDF_REPEATED: _repeated,
     Topic.URDF_RING: _ring,
     Topic.URDF_PARENTS: _two_parents,

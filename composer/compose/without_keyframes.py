@@ -11,6 +11,8 @@ from lxml.etree import _Element as Node
 @contextmanager
 def without_keys(root: Node) -> Iterator[None]:
     """Take the keys out of a tree for a while."""
+    # MuJoCo 4.0 refuses numbers that are too many for the model as it is: "keyframe 0: invalid ctrl size, expected
+    # length 0".
     sections = [(root.index(section), section) for section in root.iterchildren("keyframe")]
     for _, section in sections:
         root.remove(section)

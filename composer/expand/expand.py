@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.document.merge import without_ids
 from composer.document.node import Mapping, Node, find
+from composer.document.piece import Path
 from composer.expand.parameter import Parameter
 from composer.expand.params import read_params, settle
 from composer.expand.substitute import Substitution
@@ -18,7 +19,7 @@ from composer.expand.when import Condition
 from composer.expr.value import Value
 
 # Of these nothing is left in a concrete recipe.
-SETTLED = ("extends", "params", "variants", "matrix")
+SETTLED = ("extends", "trust", "params", "variants", "matrix")
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +27,7 @@ class Concrete:
     """A recipe without parameters and variants, and what it was made with.
 
     `scope` has the values by name, those of variants as text; `lost` what is left out or in doubt
-    because it is wrong.
+    because it is wrong, `gone` the paths of the keys that are left out.
     """
 
     document: Mapping
@@ -34,10 +35,11 @@ class Concrete:
     parameters: Map[str, Parameter]
     variants: Map[str, str]
     lost: frozenset[str] = frozenset()
+    gone: frozenset[Path] = frozenset()
 
 
 def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
-    """The recipe with the values of `given`, defaults for the rest; what has a fault is told and left out.
+    """The recipe with the values of `given`, defaults for the rest; what has a fault is reported and left out.
 
     With `any` it has the items of all builds, whatever their `when` says.
     """
@@ -56,11 +58,12 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     condition = Condition(scope, axes, broken, sink, any)
     substituted = substitution.of(without_ids(condition.kept(rest), sink))
     assert isinstance(substituted, Mapping)
-    return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost | condition.in_doubt))
+    return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost | condition.in_doubt),
+                    frozenset(substitution.gone))  # fmt: skip
 
 
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
-    """The values by name that `expand` would give, without expanding anything; what is wrong is told there."""
+    """The values by name that `expand` would give, without expanding anything; what is wrong is reported there."""
     sink = Sink()
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
@@ -101,14 +104,8 @@ def _check_names(
     tried = _declared(document, "params") | _declared(document, "variants")
     for name, node in given.items():
         if name not in tried:
-            known = [*axes, *parameters]
-            sink.error(
-                "unknown-name",
-                f"the recipe has no parameter or variant `{name}`",
-                node.span,
-                notes=(exists_note("name", known, name),),
-                help=did_you_mean(name, known),
-            )
+            message = f"the recipe has no parameter or variant `{name}`"
+            sink.add(unknown_name("name", name, [*axes, *parameters], node.span, message=message))
 
 
 def _declared(document: Mapping, section: str) -> frozenset[str]:

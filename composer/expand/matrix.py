@@ -11,18 +11,27 @@ from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_key, unknown_name
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.expand.expand import expand, scope_of
 from composer.expand.plain import plain, same
-from composer.expand.substitute import tell
+from composer.expand.substitute import report
 from composer.expr.error import ExpressionError
 from composer.expr.opening import is_template
 from composer.expr.template import Template
 from composer.expr.value import Value, shown
+from composer.limits import advice, in_force
 
-KEYS = ("axes", "exclude", "include", "name")
-MAX_CELLS = 100_000
+KEYS = {
+    "axes": "The values of each variant or parameter, all combinations of which are built.",
+    "exclude": "Combinations that are not built.",
+    "include": "More combinations.",
+    "name": "What a combination is called, with `${…}` for its values.",
+    "emit": "What `build --worlds` makes of combinations that have different parts: nothing, which is an error"
+    " (`models`), or one model with the parts of all (`union`).",
+}
+"""The keys of a matrix in the order in which `fmt` writes them, each with what it means."""
+EMITS = ("models", "union")
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +88,11 @@ class _Matrix:
             self._wrong("`matrix` is a mapping", node)
         for each, _ in self.node.entries.values():
             if each.name not in KEYS:
-                help = did_you_mean(each.name, KEYS)
-                notes = (exists_note("key", KEYS),)
-                sink.error(
-                    "unknown-key", f"`matrix` has no key `{each.name}`", each.span, notes=notes, help=help
-                )
+                message = f"`matrix` has no key `{each.name}`"
+                sink.add(unknown_key(each.name, KEYS, each.span, message))
+        emit = self.node.entries.get("emit")
+        if emit is not None and not (isinstance(emit[1], Scalar) and emit[1].value in EMITS):
+            sink.error("unknown-name", "`emit` of a matrix is `models` or `union`", emit[1].span)
         self.around: dict[str, Node] = {}
         self.axes = self._axes()
 
@@ -103,7 +112,8 @@ class _Matrix:
         axes: dict[str, tuple[Node, ...]] = {}
         for key, values in entry[1].entries.values():
             if not isinstance(values, Sequence) or not values.items:
-                self._wrong(f"axis `{key.name}` is a list of values", values)
+                got = "an empty list" if isinstance(values, Sequence) else "no list"
+                self._wrong(f"axis `{key.name}` is a list of values, got {got}", values)
                 continue
             axes[key.name] = values.items
         self.around = self._around(axes)
@@ -111,13 +121,13 @@ class _Matrix:
             for value in items:  # each alone: is there such a name, and may it have that value?
                 concrete = expand(self.document, {**self.around, axis: value}, self.sink)
                 if axis not in concrete.parameters and axis not in concrete.variants:
-                    break  # that is told, and true of all its values
+                    break  # that is reported, and true of all its values
         return axes
 
     def _around(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
         """What is given, and a value of every axis that is a parameter without a default, which every cell gives.
 
-        What has no such name is told where a model is planned.
+        What has no such name is reported where a model is planned.
         """
         found = expand(self.document, self.given, Sink())
         needed = {
@@ -132,9 +142,13 @@ class _Matrix:
         size = 1
         for values in self.axes.values():
             size *= len(values)
-        if size > MAX_CELLS:
+        most = in_force().cells
+        if size > most:
             self.sink.error(
-                "out-of-range", f"the matrix has {size} cells; there may be {MAX_CELLS}", self.key.span
+                "limit-exceeded",
+                f"the matrix has {size} cells; {most} are allowed",
+                self.key.span,
+                help=advice("cells", size),
             )
             return
         excluded = list(self._entries("exclude"))
@@ -172,9 +186,8 @@ class _Matrix:
     def _are_axes(self, item: Mapping) -> bool:
         wrong = [key for key, _ in item.entries.values() if key.name not in self.axes]
         for key in wrong:
-            self.sink.error("unknown-name", f"the matrix has no axis `{key.name}`", key.span,
-                            notes=(exists_note("axis", list(self.axes), key.name),),
-                            help=did_you_mean(key.name, self.axes))  # fmt: skip
+            message = f"the matrix has no axis `{key.name}`"
+            self.sink.add(unknown_name("axis", key.name, self.axes, key.span, message=message))
         return not wrong
 
     def name_of(self, name: str, given: dict[str, Node]) -> str:
@@ -192,12 +205,12 @@ class _Matrix:
         try:
             return str(Template.parse(node.value).value({**scope, "name": name}))
         except ExpressionError as error:
-            tell(error, node, ["name", *scope], frozenset(), self.sink)
+            report(error, node, ["name", *scope], frozenset(), self.sink)
             return name
 
 
 def settled_name(name: str, scope: Map[str, Value]) -> str:
-    """A recipe's name with the values of its expressions; what is wrong with these is told when it is expanded."""
+    """A recipe's name with the values of its expressions; what is wrong with these is reported when it is expanded."""
     try:
         return str(Template.parse(name).value(scope)) if is_template(name) else name
     except ExpressionError:

@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
+from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import did_you_mean
 from composer.expr.angle import Angle
 from composer.expr.value import Value, kind, shown
 
 TYPES = ("bool", "int", "float", "string", "vector")
-
-
-class Refusal(NamedTuple):
-    """Why a value cannot be that of a parameter: code, message and what to do."""
-
-    code: str
-    message: str
-    help: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,36 +35,38 @@ class Parameter:
     def is_angle(self) -> bool:
         return self.unit in ("deg", "rad")
 
-    def read(self, value: Value) -> Value | Refusal:
-        """The value as it is kept, an angle with a unit as a number in the parameter's; or why it cannot be."""
+    def read(self, value: Value) -> Value | Diagnostic:
+        """The value as it is kept, an angle with a unit as a number in the parameter's; or the error about it."""
         if self.is_angle and isinstance(value, str) and (angle := Angle.read(value)):
             value = angle.in_unit(str(self.unit))
         if not _has_type(value, self.type):
             help = "declare it as `{type: float, …}` to have any number" if self.type == "int" else None
-            return Refusal(
-                "wrong-type", f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_told(value)}", help
+            return Diagnostic(
+                "wrong-type",
+                f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}",
+                help=help,
             )
         if self.choices and value not in self.choices:
             known = [self._shown(each) for each in self.choices]
             listed = ", ".join(f"`{each}`" for each in known)
             help = did_you_mean(self._shown(value), known)
-            return Refusal(
-                "out-of-range", f"parameter `{self.name}` is one of {listed}, got {_told(value)}", help
+            return Diagnostic(
+                "out-of-range", f"parameter `{self.name}` is one of {listed}, got {_quoted(value)}", help=help
             )
         if isinstance(value, tuple) and self.length is not None and len(value) != self.length:
-            return Refusal(
+            return Diagnostic(
                 "wrong-length", f"parameter `{self.name}` has {self.length} numbers, got {len(value)}"
             )
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, bool) or not isinstance(number, (int, float)):
                 continue
             if self.low is not None and number < self.low:
-                return Refusal(
+                return Diagnostic(
                     "out-of-range",
                     f"parameter `{self.name}` is at least {self._shown(self.low)}, got {self._shown(number)}",
                 )
             if self.high is not None and number > self.high:
-                return Refusal(
+                return Diagnostic(
                     "out-of-range",
                     f"parameter `{self.name}` is at most {self._shown(self.high)}, got {self._shown(number)}",
                 )
@@ -103,7 +97,7 @@ def _has_type(value: Value, type: str) -> bool:
     return isinstance(value, tuple) and all(_has_type(each, "float") for each in value)
 
 
-def _told(value: Value) -> str:
+def _quoted(value: Value) -> str:
     text = shown(value)
     return f"{kind(value)} `{text}`" if len(text) <= 40 else kind(value)
 

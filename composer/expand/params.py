@@ -6,18 +6,29 @@ from collections.abc import Collection
 from collections.abc import Mapping as Map
 from dataclasses import replace
 
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note, renaming
+from composer.diagnostics.unknown import unknown_key
 from composer.document.node import Key, Mapping, Node, Scalar
 from composer.expand.name import is_usable
-from composer.expand.parameter import TYPES, Parameter, Refusal, inferred
+from composer.expand.parameter import TYPES, Parameter, inferred
 from composer.expand.plain import plain
 from composer.expr.angle import UNITS, Angle
 from composer.expr.opening import is_template
 from composer.expr.value import Value
 
-KEYS = ("type", "default", "min", "max", "choices", "length", "unit", "doc")
+KEYS = {
+    "type": "what kind of value it has; without it, that of the default",
+    "default": "its value where none is given; without it, one must be given",
+    "min": "the least that it, or a component of it, may be",
+    "max": "the most that it, or a component of it, may be",
+    "choices": "the values that it may have",
+    "length": "how many numbers a vector has",
+    "unit": "for readers; `deg` and `rad` make it an angle",
+    "doc": "what it is for",
+}
+"""The keys of a parameter in the order in which `fmt` writes them, each with what it means."""
 
 
 def read_params(node: Node | None, sink: Sink) -> dict[str, Parameter]:
@@ -40,17 +51,7 @@ def read_params(node: Node | None, sink: Sink) -> dict[str, Parameter]:
 def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
     before = sink.error_count
     written = node.entries if isinstance(node, Mapping) else {"default": (key, node)}
-    for name, (each, _) in written.items():
-        if name not in KEYS:
-            notes = (exists_note("key", KEYS, name),)
-            help = did_you_mean(name, KEYS)
-            sink.error(
-                "unknown-key",
-                f"parameter `{key.name}` has no key `{name}`",
-                each.span,
-                notes=notes,
-                help=help,
-            )
+    _check_keys(key, written, sink)
 
     def part(name: str) -> tuple[Value | None, Node | None]:
         found = written.get(name)
@@ -72,14 +73,11 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
     if at_type is not None and type not in TYPES:
         help = did_you_mean(str(type), TYPES) or "`choices: […]` lists the values of a choice"
         sink.error("wrong-keyword", f"`type` of `{key.name}` is none of the types", at_type.span,
-                   notes=(exists_note("type", TYPES),), help=help)  # fmt: skip
+                   notes=(exists_note("type", TYPES),), help=help, fix=renaming(str(type), TYPES))  # fmt: skip
     if type is None and guess is None and at is None:
         sink.error("missing-key", f"parameter `{key.name}` has neither `default` nor `type`", key.span,
                    help="write `{default: …}`, or `{type: float}` for one that must be given")  # fmt: skip
     own_unit, own_doc = part("unit")[0], part("doc")[0]
-    for name, text in (("unit", own_unit), ("doc", own_doc)):
-        if name in written and not isinstance(text, str):
-            sink.error("wrong-type", f"`{name}` of `{key.name}` is text", written[name][1].span)
     unit = unit if own_unit is None else str(own_unit)
     low, high, length = (
         _number(part(name)[1], name, key.name, unit, sink) for name in ("min", "max", "length")
@@ -101,11 +99,21 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
     if default is None:
         return parameter
     settled = parameter.read(default)
-    if isinstance(settled, Refusal):
+    if isinstance(settled, Diagnostic):
         assert at is not None
-        sink.error(settled.code, settled.message, at.span, help=settled.help)
+        sink.add(replace(settled, span=at.span))
         return None
     return replace(parameter, default=settled)
+
+
+def _check_keys(key: Key, written: Map[str, tuple[Key, Node]], sink: Sink) -> None:
+    """Report keys that a parameter does not have, and what is not text where text is expected."""
+    for name, (each, value) in written.items():
+        if name not in KEYS:
+            message = f"parameter `{key.name}` has no key `{name}`"
+            sink.add(unknown_key(name, KEYS, each.span, message))
+        elif name in ("unit", "doc") and not isinstance(plain(value), str):
+            sink.error("wrong-type", f"`{name}` of `{key.name}` is text", value.span)
 
 
 def _in_unit(value: Value, unit: str | None) -> Value:
@@ -127,7 +135,7 @@ def _number(node: Node | None, what: str, name: str, unit: str | None, sink: Sin
 def settle(
     parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink, in_cells: Collection[str] = ()
 ) -> dict[str, Value]:
-    """The value of every parameter: what is given, else its default, which also stands in for what is told as wrong.
+    """The value of every parameter: what is given, else its default, which also stands in for what is wrong.
 
     One that has no default and is not given has no value. The cells of a matrix set those `in_cells`.
     """
@@ -143,13 +151,13 @@ def settle(
             continue
         value = plain(node)
         answer = (
-            Refusal("wrong-type", f"parameter `{name}` is a value")
+            Diagnostic("wrong-type", f"parameter `{name}` is a value")
             if value is None
             else parameter.read(value)
         )
-        if isinstance(answer, Refusal):
+        if isinstance(answer, Diagnostic):
             note = Note("the parameter is declared here", parameter.span)
-            sink.error(answer.code, answer.message, node.span, notes=(note,), help=answer.help)
+            sink.add(replace(answer, span=node.span, notes=(note,)))
         else:
             scope[name] = answer
     return scope

@@ -20,13 +20,16 @@ if TYPE_CHECKING:
 
 
 class Substitution:
-    """`lost` has the keys and texts of what had to be left out because an expression in it is wrong."""
+    """`lost` has the keys and texts of what had to be left out because an expression in it is wrong, `gone` the paths
+    of these keys.
+    """
 
     def __init__(
         self, scope: Map[str, Value], parameters: Map[str, Parameter], broken: frozenset[str], sink: Sink
     ) -> None:
         self.scope, self.parameters, self.broken, self.sink = scope, parameters, broken, sink
         self.lost: set[str] = set()
+        self.gone: set[Path] = set()
 
     def of(self, node: Node, path: Path = ()) -> Node | None:
         """The node with values for its expressions; None where there is none for it itself."""
@@ -44,6 +47,7 @@ class Substitution:
             found = self.of(value, (*path, name))
             if found is None:
                 self.lost.add(name)
+                self.gone.add((*path, name))
             else:
                 entries[name] = (key, found)
         return Mapping(entries, node.span)
@@ -58,7 +62,7 @@ class Substitution:
             value = template.value(self.scope)
         except ExpressionError as error:
             self.lost.add(node.text)
-            tell(error, node, [*self.scope], self.broken, self.sink)
+            report(error, node, [*self.scope], self.broken, self.sink)
             return None
         alone = self.parameters.get(template.is_one_name or "")
         if alone is not None and alone.is_angle and isinstance(value, (int, float)):
@@ -66,8 +70,10 @@ class Substitution:
         return node_of(value, node.span)
 
 
-def tell(error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink) -> None:
-    """An expression's fault, at its place in the scalar; that a `broken` name has no value is told where it broke."""
+def report(
+    error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink
+) -> None:
+    """An error in an expression, at its place in the scalar; a `broken` name was reported where it broke."""
     if isinstance(error, UnknownName) and error.name in broken:
         return
     span = within(node, error.start, error.end)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping as Map
 
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.unknown import unknown_name
 from composer.document.merge import merge
 from composer.document.node import Mapping, Node, Scalar, Sequence
 from composer.expand.name import is_usable
 
 # What belongs to the recipe as a whole and to no piece of it.
-NO_PIECE = ("recipe", "extends", "variants", "matrix", "separator", "angle", "eulerseq")
+NO_PIECE = ("recipe", "extends", "trust", "variants", "matrix", "separator", "angle", "eulerseq")
 
 Axes = dict[str, Mapping]
 
@@ -87,14 +87,9 @@ def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
 
 
 def no_value(axis: str, value: str, values: Mapping, node: Node, sink: Sink) -> None:
-    """Tell that an axis does not have a value."""
-    sink.error(
-        "unknown-name",
-        f"variant `{axis}` has no value `{value}`",
-        node.span,
-        notes=(exists_note("value", list(values.entries), value),),
-        help=did_you_mean(value, values.entries),
-    )
+    """Report that an axis does not have a value."""
+    message = f"variant `{axis}` has no value `{value}`"
+    sink.add(unknown_name("value", value, values.entries, node.span, message=message))
 
 
 def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> Mapping:

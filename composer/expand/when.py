@@ -8,9 +8,9 @@ from collections.abc import Mapping as Map
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
-from composer.document.piece import Path, is_edits
+from composer.document.piece import Path, in_own_model, is_edits
 from composer.expand.plain import plain, same
-from composer.expand.substitute import tell
+from composer.expand.substitute import report
 from composer.expand.variants import Axes, no_value
 from composer.expr.error import ExpressionError
 from composer.expr.opening import is_template
@@ -54,7 +54,7 @@ class Condition:
             if not holds:
                 return None
             node = Mapping({name: each for name, each in node.entries.items() if name != WHEN}, node.span)
-        if len(path) >= _MAX_DEPTH:
+        if len(in_own_model(path)) >= _MAX_DEPTH:
             return node
         if isinstance(node, Mapping):
             entries = {
@@ -89,7 +89,7 @@ class Condition:
         try:
             value = Template.parse(str(node.value)).value(self.scope)
         except ExpressionError as error:
-            tell(error, node, [*self.scope], self.broken, self.sink)
+            report(error, node, [*self.scope], self.broken, self.sink)
             return True
         if not isinstance(value, bool):
             self.sink.error("wrong-type", "`when` needs `true` or `false`", node.span)
@@ -100,7 +100,7 @@ class Condition:
         if key.name in self.broken:
             return True
         if key.name not in self.scope:
-            message = f"there is no variant or parameter `{key.name}`"
+            message = f"the variant or parameter `{key.name}` does not exist"
             self.sink.add(unknown_name("name", key.name, self.scope, key.span, message=message))
             return True
         axis = self.axes.get(key.name)
@@ -136,12 +136,15 @@ def has_conditions(node: Node, path: Path = ()) -> bool:
     else:
         items = node.items if isinstance(node, Sequence) else ()
         inner = [((*path, index), item) for index, item in enumerate(items)]
-    return len(path) < _MAX_DEPTH and any(has_conditions(value, below) for below, value in inner)
+    return len(in_own_model(path)) < _MAX_DEPTH and any(
+        has_conditions(value, below) for below, value in inner
+    )
 
 
 def _is_item(path: Path) -> bool:
     """Whether what stands there may belong to some builds only."""
-    return is_edits(path[:-1]) or (len(path) > 0 and len(path) == _DEPTH.get(str(path[0])))
+    own = in_own_model(path)
+    return is_edits(own[:-1]) or (len(own) > 0 and len(own) == _DEPTH.get(str(own[0])))
 
 
 def _present(entries: Map[str, tuple[Key, Node | None]]) -> Iterator[tuple[str, tuple[Key, Node]]]:

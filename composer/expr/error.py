@@ -19,10 +19,10 @@ class ExpressionError(Exception):
 
 
 class UnknownName(ExpressionError):
-    """A name that the scope does not have; who knows what there is can tell more."""
+    """A name that the scope does not have; who knows what there is can say more."""
 
     def __init__(self, name: str, start: int, end: int) -> None:
-        super().__init__(f"there is no `{name}`", start, end)
+        super().__init__(f"`{name}` does not exist", start, end)
         self.name = name
 
     def moved(self, by: int) -> UnknownName:

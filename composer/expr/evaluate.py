@@ -20,7 +20,8 @@ from composer.expr.tree import (
     Unary,
     Vector,
 )
-from composer.expr.value import MAX_INTEGER, MAX_TEXT, Value, kind, shown
+from composer.expr.value import MAX_INTEGER, Value, kind, shown
+from composer.limits import advice, in_force
 
 _MAX_EXPONENT = 1024
 _ARITHMETIC: Mapping[str, Callable[[float, float], float]] = {
@@ -95,7 +96,7 @@ def _name(tree: Name, scope: Mapping[str, Value]) -> Value:
         return CONSTANTS[tree.name]
     if tree.name.lower() in ("true", "false"):
         raise ExpressionError(
-            f"there is no `{tree.name}`", tree.start, tree.end, f"write `{tree.name.lower()}`"
+            f"`{tree.name}` does not exist", tree.start, tree.end, f"write `{tree.name.lower()}`"
         )
     if tree.name in FUNCTIONS:
         raise ExpressionError(f"`{tree.name}` is a function", tree.start, tree.end, f"write `{tree.name}(…)`")
@@ -108,13 +109,16 @@ def _item(tree: Item, scope: Mapping[str, Value]) -> Value:
         raise ExpressionError(f"{kind(vector)} has no items", tree.start, tree.end)
     if not -len(vector) <= tree.index < len(vector):
         raise ExpressionError(
-            f"there is no item {tree.index}: the vector has {len(vector)}", tree.start, tree.end
+            f"item {tree.index} does not exist: the vector has {len(vector)}", tree.start, tree.end
         )
     return vector[tree.index]
 
 
 def _number(tree: Expression, what: str, scope: Mapping[str, Value]) -> int | float:
-    value = evaluate(tree, scope)
+    return _as_number(evaluate(tree, scope), tree, what)
+
+
+def _as_number(value: Value, tree: Expression, what: str) -> int | float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ExpressionError(f"{what} needs a number, got {kind(value)}", tree.start, tree.end)
     return value
@@ -140,12 +144,12 @@ def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
         if left == (tree.operator == "or"):
             return left
         return _boolean(tree.right, tree.operator, scope)
-    if tree.operator == "+":
-        first = evaluate(tree.left, scope)
-        if isinstance(first, str):
-            return _joined(tree, first, evaluate(tree.right, scope))
+    # Each operand once: the left one of a sum is a sum, too, and twice each would be 2 to the power of the terms.
+    first = evaluate(tree.left, scope)
+    if tree.operator == "+" and isinstance(first, str):
+        return _joined(tree, first, evaluate(tree.right, scope))
     what = f"`{tree.operator}`"
-    a, b = _number(tree.left, what, scope), _number(tree.right, what, scope)
+    a, b = _as_number(first, tree.left, what), _number(tree.right, what, scope)
     if tree.operator == "**" and abs(b) > _MAX_EXPONENT:
         raise ExpressionError(
             f"an exponent is at most {_MAX_EXPONENT}, got {shown(b)}", tree.right.start, tree.right.end
@@ -156,8 +160,11 @@ def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
 def _joined(tree: Binary, left: str, right: Value) -> str:
     if not isinstance(right, str):
         raise ExpressionError(f"`+` of text and {kind(right)}", tree.start, tree.end)
-    if len(left) + len(right) > MAX_TEXT:
-        raise ExpressionError(f"text is at most {MAX_TEXT} characters long", tree.start, tree.end)
+    most = in_force().string
+    if len(left) + len(right) > most:
+        raise ExpressionError(
+            f"text is at most {most} characters long", tree.start, tree.end, advice("string")
+        )
     return left + right
 
 
@@ -189,7 +196,7 @@ def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
 
 
 def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[int | float]) -> int | float:
-    """What is no finite number, or too large a one, is a fault of the expression; `of` are the numbers it has."""
+    """What is not a finite number, or too large a one, is a fault of the expression; `of` are the numbers it has."""
     try:
         value = work()
     except ZeroDivisionError:

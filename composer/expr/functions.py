@@ -12,7 +12,7 @@ Number = int | float
 
 
 class ArgumentError(ValueError):
-    """An argument that a function does not take, said in words."""
+    """An argument that a function does not take, in words."""
 
 
 class Function(NamedTuple):

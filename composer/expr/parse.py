@@ -28,7 +28,7 @@ def parse(text: str) -> Expression:
     """The tree of an expression; raises `ExpressionError`."""
     parser = _Parser(tokens(text))
     if parser.next.kind == "end":
-        raise ExpressionError("there is no expression", 0, len(text), "write for instance `${2 * reach}`")
+        raise ExpressionError("the expression is empty", 0, len(text), "write for instance `${2 * reach}`")
     tree = parser.choice()
     if parser.next.kind != "end":
         raise parser.unexpected("an operator")
@@ -180,7 +180,7 @@ class _Parser:
     def call(self, name: Token, opened: Token) -> Expression:
         if name.text not in FUNCTIONS:
             known = ", ".join(FUNCTIONS)
-            message = f"there is no function `{name.text}`; those that exist: {known}"
+            message = f"the function `{name.text}` does not exist; those that exist: {known}"
             raise ExpressionError(message, name.start, name.end)
         arguments, end = self.items(opened, ")")
         return Call(name.text, arguments, name.start, end)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from composer.expr.error import ExpressionError
 from composer.expr.evaluate import evaluate, names
@@ -11,6 +12,7 @@ from composer.expr.opening import OPENING
 from composer.expr.parse import parse
 from composer.expr.tree import Expression, Name
 from composer.expr.value import Value, shown
+from composer.limits import advice, in_force
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +22,7 @@ class Template:
     pieces: tuple[str | tuple[int, Expression], ...]
 
     @classmethod
+    @lru_cache(maxsize=64)  # a condition is evaluated for each element
     def parse(cls, text: str) -> Template:
         """Raises `ExpressionError` with characters of the whole text.
 
@@ -28,6 +31,11 @@ class Template:
         >>> Template.parse("${2 * reach}").value({"reach": 0.25})
         0.5
         """
+        # Each gives a character as a rule, and that they give too many would be known after minutes.
+        if (count := text.count(OPENING)) > (most := in_force().string):
+            at = text.index(OPENING)
+            message = f"the text has {count} expressions; {most} are allowed"
+            raise ExpressionError(message, at, at + len(OPENING), advice("string", count))
         pieces: list[str | tuple[int, Expression]] = []
         at = 0
         while (start := text.find(OPENING, at)) >= 0:
@@ -49,7 +57,13 @@ class Template:
         values = [piece if isinstance(piece, str) else _evaluated(piece, scope) for piece in self.pieces]
         if len(values) == 1:
             return values[0]
-        return "".join(shown(value) for value in values)
+        texts = [shown(value) for value in values]
+        given = sum(len(text) for text, piece in zip(texts, self.pieces, strict=True) if text is not piece)
+        if given > (most := in_force().string):
+            at = next(piece[0] for piece in self.pieces if not isinstance(piece, str))
+            message = f"expressions give {given} characters; {most} are allowed"
+            raise ExpressionError(message, at, at + 1, advice("string", given))
+        return "".join(texts)
 
     def names(self) -> Iterator[Name]:
         """The names in the expressions, with their characters in the whole text."""

@@ -31,6 +31,7 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _MAX_TOKENS = 256
+_MAX_DIGITS = 1000
 _FOREIGN = {"&&": "and", "||": "or", "!": "not", "^": "**", "=": "=="}
 
 
@@ -52,6 +53,8 @@ def tokens(text: str) -> list[Token]:
             and (text[match.end()].isalnum() or text[match.end()] in "_.")
         ):
             raise _run_on(text, start)
+        if kind == "number" and len(token) > _MAX_DIGITS:
+            raise ExpressionError("the number is too long", start, match.end())
         found.append(Token(token if kind == "operator" or token in KEYWORDS else kind, token, start))
         at = match.end()
         if len(found) > _MAX_TOKENS:
@@ -69,7 +72,7 @@ def _unreadable(text: str, at: int) -> ExpressionError:
                 f"`{foreign}` is not an operator", at, at + len(foreign), f"write `{ours}`"
             )
     if text[at] == ".":
-        return ExpressionError("there are no attributes in expressions", at, at + 1)
+        return ExpressionError("expressions have no attributes", at, at + 1)
     return ExpressionError(f"`{text[at]}` has no meaning in an expression", at, at + 1)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 Value = bool | int | float | str | tuple["Value", ...]
 
 MAX_INTEGER = 2**63
-MAX_TEXT = 10_000
 
 
 def kind(value: Value) -> str:

@@ -20,7 +20,7 @@ _LINE_BREAK = re.compile(r"\r\n|\n")
 
 
 def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
-    """The text in its canonical layout; None where it is no YAML, or where the layout would not mean the same.
+    """The text in its canonical layout; None where it is not YAML, or where the layout would not mean the same.
 
     Comments, blank lines between entries, anchors, the choice between lines and brackets, a byte order mark and
     the line breaks (those of the first line) are kept. What is given back was read again and compared: values,
@@ -46,13 +46,13 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     first = _LINE_BREAK.search(text)
     end = first.group() if first else "\n"
     result = end.join([*write(document), ""])
-    told = _changed(node, text, result, file)
-    if told is not None:
+    changed = _changed(node, text, result, file)
+    if changed is not None:
         sink.error(
             "cannot-format",
             f"`{file}` is left as it is: in the canonical layout it would not say the same",
             Span(file, 1, 1),
-            notes=(Note(told),),
+            notes=(Note(changed),),
             help="please report it: this is a fault of `mjcompose fmt`, not of the recipe",
         )
         return None

@@ -2,45 +2,29 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path as File
+
+from composer.document.piece import in_own_model
 from composer.formatting.syntax import Collection, Entry, Leaf
 
 Path = tuple[str, ...]
 
-_TOP = tuple(
-    "recipe name description extends angle eulerseq separator conflict params base attach "
-    "compiler option size visual statistic extension default asset add deformable contact tendon equality "
-    "actuator sensor custom edit keyframe variants matrix randomize check".split()
-)
-_ATTACH = tuple(
-    "model packages with subtree drop edit site body frame mate pos quat euler axisangle xyaxes zaxis "
-    "joint prefix replicate keyframes before after when".split()
-)
-_EDIT = tuple(
-    "id select expect optional unset set scale offset convert move rename remove when".split()
-)  # select first, then the verbs in the order in which they are applied
-# Where all keys have their place; one that is not known stays behind the one that it follows. The models of the recipe
-# are compared with this when they are imported (`recipe/key_order.py`): `fmt` starts in half the time without them.
-WHOLE: dict[Path, tuple[str, ...]] = {
-    (): _TOP,
-    ("base",): _ATTACH,
-    ("attach", "*"): _ATTACH,
-    ("edit", "*"): _EDIT,
-    ("base", "edit", "*"): _EDIT,
-    ("attach", "*", "edit", "*"): _EDIT,
-    ("params", "*"): ("type", "default", "min", "max", "choices", "length", "unit", "doc"),
-    ("keyframe", "*"): ("from", "time", "qpos", "qvel", "act", "ctrl", "mpos", "mquat"),
-    ("matrix",): ("axes", "exclude", "include", "name"),
-    ("randomize",): ("seed", "samples", "emit", "fields"),
-}
+
+def _read() -> dict[str, dict[Path, tuple[str, ...]]]:
+    """What `composer/recipe/key_order.py` writes, by paths."""
+    tables = json.loads(File(__file__).with_name("key_order.json").read_text(encoding="utf-8"))
+    return {
+        name: {tuple(path.split(".")) if path else (): tuple(keys) for path, keys in table.items()}
+        for name, table in tables.items()
+    }
+
+
+_TABLES = _read()
+# Where all keys have their place; one that is not known stays behind the one that it follows.
+WHOLE = _TABLES["whole"]
 # Where some keys come first; the others stay as they are.
-FIRST: dict[Path, tuple[str, ...]] = {
-    ("add", "*"): ("id", "to"),
-    ("default", "*"): ("parent",),
-    **dict.fromkeys(
-        ((section, "*") for section in ("sensor", "actuator", "equality", "tendon")),
-        ("type",),
-    ),
-}
+FIRST = _TABLES["first"]
 
 
 def is_free(path: Path) -> bool:
@@ -98,6 +82,7 @@ def _table(path: Path) -> tuple[tuple[str, ...], bool]:
     """The keys in their order, and whether that is all of them."""
     if path[:1] == ("variants",):
         path = path[3:] if len(path) >= 3 else ("",)
+    path = tuple(map(str, in_own_model(path)))
     for known, order in WHOLE.items():
         if _fits(path, known):
             return order, True

@@ -36,7 +36,7 @@ class Entry:
     head: Comment | None = None
     """What stands on the line of the key whose value begins below."""
     inner: list[Comment] = field(default_factory=list)
-    """Comments on lines of their own between the key and a value that is no block."""
+    """Comments on lines of their own between the key and a value that is not a block."""
     trail: Comment | None = None
     """The comment behind it."""
     breaks: bool = False
@@ -74,7 +74,7 @@ class Collection:
 
 @dataclass(slots=True)
 class Document:
-    """A whole text. `preface` are the lines up to `---`, if that is there."""
+    """A whole text. `preface` are the lines up to `---`, if that exists."""
 
     preface: list[str]
     header: list[Comment]

@@ -54,7 +54,7 @@ def readings_of(
 
 
 def check_bare_angles(readings: Readings, sink: Sink) -> None:
-    """Tell angles without a unit in the files that do not say which they mean, although another one does."""
+    """Report angles without a unit in the files that do not say which they mean, although another one does."""
     if readings.whole.angle is None or all(each.angle is not None for each in readings.others.values()):
         return
     document = readings.document

@@ -55,7 +55,8 @@ def validated(path: Path, given: Given, context: Context) -> ValidRecipe | None:
     def work(own: Context) -> ValidRecipe | None:
         concrete = expanded(path, given, own)
         node = read_recipe(path, replace(own, sink=Sink())) if concrete is None else concrete.document
-        found = None if node is None else validate_what_remains(node, own.sink)
+        gone = frozenset() if concrete is None else concrete.gone
+        found = None if node is None else validate_what_remains(node, own.sink, gone)
         if found is None:
             return None
         lost = found.lost | (concrete.lost if concrete else frozenset())

@@ -2,52 +2,69 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from collections.abc import Mapping as Map
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
 
 from composer.document.node import Mapping, Node, Scalar
+from composer.plan.added_places import makers
+from composer.plan.foreseen import EditOutcome, Foreseen
 from composer.plan.plan import AttachPart, LoadBase, Plan
+from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.step import Step
 from composer.recipe.attach import Attachment
+from composer.recipe.edit import Edit
 from composer.recipe.fault import Path
 from composer.sources.source import Source
+from composer.tree.adopted import Adopted, in_words
 
 if TYPE_CHECKING:
-    from composer.link.subtree import Subtree
+    from composer.link.subtree import Left, Subtree
 
-Subtrees: TypeAlias = "Map[tuple[str, Path], Subtree]"
-"""What became of models of which one body is taken, by recipe and path in it."""
 _PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "default class": "default classes"}
 
 
-def describe(plan: Plan, subtrees: Subtrees | None = None) -> str:
+def describe(plan: Plan, foreseen: Foreseen | None = None) -> str:
     """One line a step, in the order in which they are done; nested recipes indented."""
-    return "\n".join(_lines(plan, subtrees or {}))
+    found = foreseen or Foreseen()
+    adopted = [f"  adopt {words}" for words in in_words(found.adopted)]
+    touching = [f"  {one} and {other} touch, and will not collide" for one, other in found.touching]
+    return "\n".join([*_lines(plan, found), *adopted, *touching])
 
 
-def _lines(plan: Plan, subtrees: Subtrees, indent: str = "") -> Iterator[str]:
-    yield f"{indent}{plan.name}: the model of {plan.file}"
+def _lines(plan: Plan, foreseen: Foreseen, indent: str = "") -> Iterator[str]:
+    yield f"{indent}{plan.name}: {'written in' if plan.at else 'the model of'} {plan.file}"
     inner = indent + "  "
     if plan.base.model is None:
         yield f"{inner}start from an empty model"
     else:
         yield f"{inner}start from {_model(plan.base.model)}{_body(plan.base.subtree)}"
-        yield from _own(plan.base, subtrees.get((plan.file, ("base",))), inner + "  ")
+        yield from _own(plan, plan.base, ("base",), foreseen, inner + "  ")
         if isinstance(plan.base.model, Plan):
-            yield from _lines(plan.base.model, subtrees, inner + "  ")
+            yield from _lines(plan.base.model, foreseen, inner + "  ")
     last = {part.at: part.prefix for part in plan.parts}
+    places = plan.added_places
+    early: list[Step] = []
     for part in plan.parts:
         if any(part.copy):
             continue
+        for maker in makers(places, *part.attachment.place):
+            if maker not in early:
+                early.append(maker)
+                yield inner + maker.words
         model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
         yield f"{inner}attach {_called(part, last[part.at])}: {model}, {_place(part)}"
-        yield from _own(part.attachment, subtrees.get((plan.file, part.at)), inner + "  ")
+        yield from _own(plan, part.attachment, part.at, foreseen, inner + "  ")
         if isinstance(part.model, Plan):
-            yield from _lines(part.model, subtrees, inner + "  ")
+            yield from _lines(part.model, foreseen, inner + "  ")
     for field in plan.randomize.of_parameters if plan.randomize else ():
         yield inner + field.words
     for step in plan.steps:
-        yield inner + step.words
+        if step in early:
+            continue
+        if isinstance(step, EditElements):
+            yield from _edit(step.edit, foreseen.edits.get(plan.place_of(step.edit.at)), inner)
+        else:
+            yield inner + step.words
     for words in checks_of(plan):
         yield inner + words
 
@@ -62,7 +79,7 @@ def _called(part: AttachPart, last: str) -> str:
 
 def _model(model: Source | Plan) -> str:
     if isinstance(model, Plan):
-        return f"the recipe {model.file}"
+        return "what is written here" if model.at else f"the recipe {model.file}"
     release = f" ({model.package} {model.version})" if model.package and model.version else ""
     converted = ", URDF that MuJoCo converts" if model.format == "urdf" else ""
     return f"{model.reference}{release}{converted}"
@@ -72,27 +89,51 @@ def _body(name: str | None) -> str:
     return "" if name is None else f", its body {name} alone"
 
 
-def _own(wanted: LoadBase | Attachment, subtree: Subtree | None, indent: str) -> Iterator[str]:
+def _own(
+    plan: Plan, wanted: LoadBase | Attachment, at: Path, foreseen: Foreseen, indent: str
+) -> Iterator[str]:
     """What is done to a base or a part by itself."""
     if wanted.drop:
         yield f"{indent}drop {', '.join(map(str, wanted.drop))}"
-    yield from _left(subtree, indent)
+    yield from _left(foreseen.subtrees.get(plan.place_of(at)), indent)
     for each in wanted.edit:
-        yield indent + each.words
+        yield from _edit(each, foreseen.edits.get(plan.place_of(each.at)), indent)
+
+
+def _edit(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterator[str]:
+    """An entry of `edit`, how many elements it is about, and a line for each kind of what it takes out."""
+    if outcome is None:
+        yield indent + edit.words
+        return
+    counts = ", ".join(_counted(count, kind) for kind, count in outcome.selected.items())
+    yield f"{indent}{edit.words} ({counts or 'nothing'})"
+    for kind, names in _by_kind(outcome.gone).items():
+        yield f"{indent}  removes {_listed(kind, names)}"
 
 
 def _left(subtree: Subtree | None, indent: str) -> Iterator[str]:
     """A line for each kind of what is left behind, and one for each thing that would have been cut in two."""
-    kinds: dict[str, list[str]] = {}
-    for each in subtree.left if subtree else ():
-        if each.lacks is None:
-            kinds.setdefault(each.what, []).append(each.name)
-    for kind, names in kinds.items():
-        count = f"{len(names)} {kind if len(names) == 1 else _PLURALS.get(kind, f'{kind}s')}"
-        known = ", ".join(name for name in names if name)
-        yield f"{indent}leaves {count}{f': {known}' if known else ''}"
+    left = [each for each in subtree.left if each.lacks is None] if subtree else []
+    for kind, names in _by_kind(left).items():
+        yield f"{indent}leaves {_listed(kind, names)}"
     for each in subtree.cut if subtree else ():
         yield f"{indent}leaves the {each.called}, which needs {each.lacks}"
+
+
+def _by_kind(gone: Iterable[Left]) -> dict[str, list[str]]:
+    kinds: dict[str, list[str]] = {}
+    for each in gone:
+        kinds.setdefault(each.what, []).append(each.name)
+    return kinds
+
+
+def _listed(kind: str, names: list[str]) -> str:
+    known = ", ".join(name for name in names if name)
+    return f"{_counted(len(names), kind)}{f': {known}' if known else ''}"
+
+
+def _counted(count: int, kind: str) -> str:
+    return f"{count} {kind if count == 1 else _PLURALS.get(kind, f'{kind}s')}"
 
 
 def _place(part: AttachPart) -> str:
@@ -112,29 +153,41 @@ def _place(part: AttachPart) -> str:
     return f"{place}, with {len(joint) if isinstance(joint, tuple) else 1} joint(s)"
 
 
-def as_data(plan: Plan, subtrees: Subtrees | None = None) -> dict[str, Any]:
+def as_data(plan: Plan, foreseen: Foreseen | None = None) -> dict[str, Any]:
     """The plan as JSON takes it: name, sources with their references, steps in words."""
-    found = subtrees or {}
+    found = foreseen or Foreseen()
     return {
         "name": plan.name,
         "recipe": plan.file,
         "base": _model_data(plan.base.model, found),
-        **_own_data(plan.base),
-        **_subtree_data(found.get((plan.file, ("base",)))),
+        **_own_data(plan, plan.base, found),
+        **_subtree_data(found.subtrees.get(plan.place_of(("base",)))),
         "parts": [
             {
                 "prefix": part.prefix,
                 "model": _model_data(part.model, found),
-                **_own_data(part.attachment),
-                **_subtree_data(found.get((plan.file, part.at))),
+                **_own_data(plan, part.attachment, found),
+                **_subtree_data(found.subtrees.get(plan.place_of(part.at))),
                 "place": _place(part),
             }
             for part in plan.parts
         ],
         "steps": [step.words for step in plan.steps],
+        **_edits_data(plan, [step.edit for step in plan.edits], found),
         "checks": list(checks_of(plan)),
         **_draws_data(plan),
+        **_adopted_data(found.adopted),
+        **({"touching": [list(pair) for pair in found.touching]} if found.touching else {}),
     }
+
+
+def _adopted_data(adopted: Iterable[Adopted]) -> dict[str, Any]:
+    found = [
+        {"setting": each.setting, "value": each.value, "parts": each.parts}
+        for each in adopted
+        if each.is_written
+    ]
+    return {"adopted": found} if found else {}
 
 
 def _draws_data(plan: Plan) -> dict[str, Any]:
@@ -147,9 +200,23 @@ def _draws_data(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _own_data(wanted: LoadBase | Attachment) -> dict[str, Any]:
+def _own_data(plan: Plan, wanted: LoadBase | Attachment, foreseen: Foreseen) -> dict[str, Any]:
     edits = [each.words for each in wanted.edit]
-    return {"edits": edits} if edits else {}
+    return {"edits": edits, **_edits_data(plan, wanted.edit, foreseen)} if edits else {}
+
+
+def _edits_data(plan: Plan, edits: Iterable[Edit], foreseen: Foreseen) -> dict[str, Any]:
+    """What each entry of `edit` that could be carried out selects and removes."""
+    edited = [
+        {
+            "words": each.words,
+            "selected": dict(outcome.selected),
+            "removed": [{"kind": gone.what, "name": gone.name} for gone in outcome.gone],
+        }
+        for each in edits
+        if (outcome := foreseen.edits.get(plan.place_of(each.at))) is not None
+    ]
+    return {"edited": edited} if edited else {}
 
 
 def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:
@@ -159,11 +226,11 @@ def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:
     return {"subtree": {"body": subtree.body, "left": left}} if subtree.body else {"dropped": left}
 
 
-def _model_data(model: Source | Plan | None, subtrees: Subtrees) -> Any:
+def _model_data(model: Source | Plan | None, foreseen: Foreseen) -> Any:
     if model is None:
         return None
     if isinstance(model, Plan):
-        return as_data(model, subtrees)
+        return as_data(model, foreseen)
     return {
         "reference": model.reference,
         "kind": model.kind.name,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from composer.expr.value import Value
@@ -43,7 +44,8 @@ class Tabled:
     """The draws of one element for all samples from 1, for a table; `first` is that of sample 1.
 
     `name` is the element's, if it has one; `place` the body that it stands in, which one of those of its tag it is
-    there and how many there are. `angles` says which of the numbers are angles, `unit` what bare ones are in.
+    there and how many there are. `numbers` are the draws, those of each number of the attribute by themselves. `angles`
+    says which of the numbers are angles, `unit` what bare ones are in.
     """
 
     first: Drawn
@@ -52,6 +54,6 @@ class Tabled:
     place: tuple[str, int, int] | None
     tag: str
     family: str
-    values: tuple[Value, ...]
+    numbers: tuple[Sequence[Value], ...]
     angles: tuple[bool, ...] = ()
     unit: str | None = None

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Mapping, Node, locate
 from composer.expand.expand import Concrete
-from composer.expand.parameter import Parameter, Refusal
+from composer.expand.parameter import Parameter
 from composer.expand.plain import node_of
 from composer.expr.angle import Angle
 from composer.expr.value import Value, kind
@@ -65,7 +65,7 @@ class _Source:
         field, drawing = self.field, self.field.drawing
         span = locate(self.document, (*field.at, "param"))
         if self.name in self.concrete.parameters and self.nominal is None:
-            return False  # that it has no value is told already
+            return False  # that it has no value is reported already
         if self.nominal is None:
             known = list(self.concrete.scope)
             message = f"the recipe has no parameter `{self.name}` to draw"
@@ -107,13 +107,13 @@ class _Source:
         drawing, field = self.field.drawing, self.field
         if isinstance(self.nominal, tuple) and not drawing.is_whole:
             return tuple(
-                drawing.draw(bits(seed, sample, field.name, "", n), n) for n in range(len(self.nominal))
+                drawing.draw(bits(seed, sample, field.stream, "", n), n) for n in range(len(self.nominal))
             )
-        chosen = drawing.draw(bits(seed, sample, field.name, "", 0), 0)
+        chosen = drawing.draw(bits(seed, sample, field.stream, "", 0), 0)
         return tuple(chosen) if isinstance(chosen, list) else chosen
 
     def value(self, seed: int, sample: int) -> Value | None:
-        """The value that the parameter has in a sample; None where it cannot have it, which is told."""
+        """The value that the parameter has in a sample; None where it cannot have it, which is reported."""
         drawn = self.draw(seed, sample)
         if isinstance(drawn, tuple):
             nominal = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,) * len(drawn)
@@ -123,7 +123,7 @@ class _Source:
         if self.parameter is None:
             return value
         read = self.parameter.read(value)
-        if not isinstance(read, Refusal):
+        if not isinstance(read, Diagnostic):
             return read
         self.sink.error(
             read.code,
@@ -134,7 +134,7 @@ class _Source:
         )
         return None
 
-    def _help(self, refused: Refusal) -> str | None:
+    def _help(self, refused: Diagnostic) -> str | None:
         assert self.parameter is not None
         if self.parameter.type == "int" and refused.code == "wrong-type":
             return "draw `integers: [FIRST, LAST]`"
@@ -159,5 +159,5 @@ def check_sample(plan: Plan, sample: int, sink: Sink) -> bool:
         return True
     span = None if plan.randomize is None else locate(plan.document, ("randomize", "samples"))
     there = "draws nothing" if plan.randomize is None else f"has the samples 0 to {plan.randomize.samples}"
-    sink.error("unknown-name", f"there is no sample {sample}: the recipe {there}", span)
+    sink.error("unknown-name", f"sample {sample} does not exist: the recipe {there}", span)
     return False

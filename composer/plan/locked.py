@@ -1,4 +1,4 @@
-"""A plan and its lock: what a lock of it would say, and whether one that is there still holds."""
+"""A plan and its lock: what a lock of it would say, and whether one that exists still holds."""
 
 from __future__ import annotations
 
@@ -45,16 +45,16 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
         return None
     if fetching.lock is None and fetching.locked:
         help = f"run `mjcompose lock {fetching.recipe}` and commit the lock"
-        context.sink.error("lock-stale", f"there is no lock `{context.shown(path)}`", help=help)
+        context.sink.error("lock-stale", f"the lock `{context.shown(path)}` does not exist", help=help)
         return None
     fetching.lock_file = path
     if fetching.lock is not None and fetching.locked:
-        _tell_versions(fetching.lock, context.shown(path), fetching.recipe, context)
+        _report_versions(fetching.lock, context.shown(path), fetching.recipe, context)
     return fetching
 
 
-def _tell_versions(lock: Lock, shown: str, recipe: str, context: Context) -> None:
-    """Who asks for what is locked is told that it may come out otherwise."""
+def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> None:
+    """Warn that what is locked may come out otherwise."""
     here = {"mjcompose": __version__, "MuJoCo": _mujoco()}
     made_with = {"mjcompose": lock.mjcompose, "MuJoCo": lock.mujoco}
     others = [name for name, version in made_with.items() if version and version != here[name]]
@@ -84,9 +84,9 @@ class _Use:
 def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Context) -> Lock:
     """The lock of plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
 
-    What is damaged in the store is told.
+    What is damaged in the store is reported.
     """
-    uses = _Gathering(fetching, folder, context.folder).of(plans)
+    uses = _Gathering(fetching, folder, context).of(plans)
     for id, use in uses.items():
         _is_whole(id, use, context)
     return Lock(
@@ -97,31 +97,29 @@ def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Co
 
 
 def check_lock(plan: Plan, context: Context) -> None:
-    """Tell what differs from the lock, if there is one: bytes that changed, sources that are not in it.
+    """Report what differs from the lock, if there is one: bytes that changed, sources that are not in it.
 
-    What was fetched and names files of this machine, or is no longer what was fetched, is told with or without a lock.
+    That something is no longer what was fetched is reported with or without a lock.
     """
     fetching = context.fetching
     if fetching is None or not (fetching.lock or any(each.is_fetched for each in fetching.origins.values())):
         return
     lock_file = fetching.lock_file or lock_path(plan.path)
-    uses = _Gathering(fetching, lock_file.parent, context.folder).of([plan])
-    for id, use in uses.items():
-        _check_reach(id, use, context)
+    uses = _Gathering(fetching, lock_file.parent, context).of([plan])
     whole = {id: use for id, use in uses.items() if _is_whole(id, use, context)}
     if fetching.lock is None:
         return
     shown = context.shown(lock_file)
     if fetching.locked and is_one_choice(read_recipe(plan.path, replace(context, sink=Sink()))):
-        _tell_unused(fetching.lock.sources.keys() - uses.keys(), shown, plan, context)
+        _report_unused(fetching.lock.sources.keys() - uses.keys(), shown, plan, context)
     for id, use in whole.items():
         now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
             continue
         name = next(iter(use.used_by))
         if before is None:
-            tell = context.sink.error if fetching.locked else context.sink.warning
-            tell("lock-stale", f"`{id}` is not in the lock `{shown}`", use.span,
+            report = context.sink.error if fetching.locked else context.sink.warning
+            report("lock-stale", f"`{id}` is not in the lock `{shown}`", use.span,
                  help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
         elif changes := differences(
             {
@@ -131,10 +129,10 @@ def check_lock(plan: Plan, context: Context) -> None:
             },
             now.files,
         ):
-            tell = (
+            report = (
                 context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
             )
-            tell(
+            report(
                 "source-changed",
                 f"`{id}` is not what `{shown}` pins",
                 use.span,
@@ -167,34 +165,20 @@ def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
             yield f"{what} {was} was locked, {there} is there"
 
 
-def _tell_unused(unused: Iterable[str], shown: str, plan: Plan, context: Context) -> None:
+def _report_unused(unused: Iterable[str], shown: str, plan: Plan, context: Context) -> None:
     for id in sorted(unused):
         context.sink.error("lock-stale", f"`{id}` is in the lock `{shown}`, and nothing uses it",
                            help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
 
 
-def _check_reach(id: str, use: _Use, context: Context) -> None:
-    if use.origin is None or not use.origin.is_fetched:
-        return
-    outside = sorted(name for name in use.files if name.startswith("../") or os.path.isabs(name))
-    if outside:
-        context.sink.error(
-            "source-outside",
-            f"`{id}` names files that were not fetched with it",
-            use.span,
-            notes=[Note(f"`{context.shown(use.files[name])}`") for name in outside[:_SHOWN]] + _more(outside),
-            help="a model that is fetched must hold all that it needs",
-        )
-
-
 def _is_whole(id: str, use: _Use, context: Context) -> bool:
-    """Whether the files in the store that are used are those that were fetched; it is told that they are not."""
+    """Whether the files in the store that are used are those that were fetched; it is reported that they are not."""
     if use.origin is None or context.fetching is None:
         return True
     there = {}
     for name, path in use.files.items():
         if name in use.origin.stored:
-            with contextlib.suppress(OSError):  # told by those who need it
+            with contextlib.suppress(OSError):  # reported by those who need it
                 there[name] = context.fetching.digest(path)
     stored = {name: digest for name, digest in use.origin.stored.items() if name in there}
     changes = differences(stored, there)
@@ -227,17 +211,17 @@ def _more(changes: Sequence[str]) -> list[Note]:
 
 
 def _is_gone(use: _Use, file: str) -> bool:
-    """Whether a locked file that is not used is not there either; another variant may use it."""
+    """Whether a locked file that is not used does not exist either; another variant may use it."""
     return not (use.root / file).is_file()
 
 
 class _Gathering:
     """All files of plans, each with the source that it belongs to."""
 
-    def __init__(self, fetching: Fetching, folder: Path, shown_from: Path) -> None:
+    def __init__(self, fetching: Fetching, folder: Path, context: Context) -> None:
         self.fetching = fetching
         self.folder = folder
-        self.shown_from = shown_from
+        self.context = context
         self.uses: dict[str, _Use] = {}
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _Use]:
@@ -252,15 +236,16 @@ class _Gathering:
         """The files of a recipe itself.
 
         Of the recipe that is built, and of recipes beside it that it extends, anything may change that changes no
-        source: they are not locked themselves. What is nested is, and what was fetched.
+        source: they are not locked themselves, nor what is written
+        in place in them. What is nested is, and what was fetched.
         """
-        if place.part:
+        if place.part and not plan.at:
             self._put(plan.path, [plan.path], plan.source, place.part, place.span)
         label = f"{place.part}{plan.separator}{EXTENDS}" if place.part else EXTENDS
         for source, span in plan.extended:
             if place.part or source.origin is not None:
                 self._put(source.path, [source.path, *source.licences], source, label, place.span or span)
-        for file in files_of_recipe(plan, self.shown_from):
+        for file in files_of_recipe(plan, self.context):
             main = plan.path if self.fetching.around(file) is None else file
             self._put(main, [file], None, place.part or plan.path.name, place.span)
 
@@ -298,7 +283,7 @@ def _locked(use: _Use, fetching: Fetching) -> Locked | None:
         try:
             files[name] = fetching.digest(path)
         except OSError:
-            continue  # told by those who need it
+            continue  # reported by those who need it
     if not files:
         return None
     source, origin = use.source, use.origin

@@ -86,7 +86,7 @@ def _draws_parameters(document: Mapping) -> bool:
 
 
 def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Context) -> None:
-    """Tell what a cell would draw that its parameters may not be; what else is wrong with it is told elsewhere."""
+    """Report what a cell would draw that its parameters may not be; what else is wrong is reported elsewhere."""
     found: dict[str, list[Diagnostic]] = {}
     for cell in matrix.cells:
         concrete = expanded(path, {**given, **cell.given}, replace(context, sink=Sink()))

@@ -1,4 +1,4 @@
-"""One source model in a composition: what is said of it when the composition is compared with it."""
+"""One source model in a composition: what the comparison of the composition with it needs."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from itertools import product
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import closest, renaming
 from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Mapping as Located
 from composer.document.node import locate
@@ -37,7 +37,7 @@ def in_order(parts: Mapping[str, Attachment], document: Located, sink: Sink) -> 
     """The keys of the parts in their order.
 
     A part that is moved stands right before, or right after, the other one and what was moved there earlier in the
-    file. What cannot be is told, and that part stays where it is written.
+    file. What cannot be is reported, and that part stays where it is written.
     """
     asked = {key: dict(_asked(key, parts, document, sink)) for key in parts}
     order = [key for key in parts if not asked[key]]
@@ -118,15 +118,15 @@ def _contradiction(key: str, before: str, after: str, document: Located, sink: S
 
 
 def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:
-    """Tell parts that hang on one another in a ring, which hang on nothing; the others remain."""
+    """Report parts that hang on one another in a ring, which hang on nothing; the others remain."""
     hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
-    told: set[str] = set()
+    reported: set[str] = set()
     for part in parts:
         ring = [part.prefix]
         while (mount := hangs_on.get(ring[-1])) is not None and mount not in ring:
             ring.append(mount)
-        if mount == part.prefix and part.prefix not in told:
-            told.update(ring)
+        if mount == part.prefix and part.prefix not in reported:
+            reported.update(ring)
             names = ", which hangs on ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
             alone = len(ring) == 1
             sink.error(
@@ -136,9 +136,9 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
                 help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
                 subjects=ring,
             )
-    if told:
-        sink.suppress_about(called(part, separator) for part in parts if part.prefix in told)
-    return tuple(part for part in parts if part.prefix not in told)
+    if reported:
+        sink.suppress_about(called(part, separator) for part in parts if part.prefix in reported)
+    return tuple(part for part in parts if part.prefix not in reported)
 
 
 def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
@@ -152,7 +152,7 @@ def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
 
 
 def check_part_names(plan: Plan, sink: Sink) -> None:
-    """Tell those that are no parts of the recipe, or may be two."""
+    """Report those that are not parts of the recipe, or may be two."""
     parts = list(plan.part_names)
     _of_checks(plan, parts, sink)
     _of_keys(plan, parts, sink)
@@ -172,13 +172,14 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
                 locate(plan.document, (*check.at, "unchanged", "part")),
                 message=f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
                 help=f"write `part: {near[0]}`" if near else None,
+                fix=renaming(check.part, parts),
                 about=(check.name,),
             )
         )
 
 
 def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
-    """Tell parts that keys are to be made of and that are not there."""
+    """Report parts that keys are to be made of and that do not exist."""
     for step in plan.keyframes:
         for part in step.key.sources:
             if parts.count(part) > 1:

@@ -21,7 +21,7 @@ _MAY_BE_ELSEWHERE = ("missing-key", "expression", "unknown-name")
 
 def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
     """Judge what a build leaves out: the items that `when` keeps to others, and every piece of `variants` that is not
-    chosen, each over the recipe. Tell the faults that lie in it.
+    chosen, each over the recipe. Report the faults that lie in it.
     """
     if has_conditions(document):
         _judge(document, given, None, sink)
@@ -34,12 +34,12 @@ def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
 
 
 def _judge(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:
-    """Tell the faults, in these places, of a build with the items of all builds."""
+    """Report the faults, in these places, of a build with the items of all builds."""
     aside, computed = Sink(), set(_computed(document))
     validate_what_remains(expand(document, given, aside, any=True).document, aside)
     for fault in aside.errors:
-        is_told = places is None or fault.span in places
-        if is_told and fault.code not in _MAY_BE_ELSEWHERE and fault.span not in computed:
+        is_reported = places is None or fault.span in places
+        if is_reported and fault.code not in _MAY_BE_ELSEWHERE and fault.span not in computed:
             sink.add(fault)
 
 

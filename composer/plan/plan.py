@@ -9,19 +9,20 @@ from typing import Literal
 
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
-from composer.document.node import locate
 from composer.expr.value import Value
+from composer.plan.added_places import AddedPlace, added_places
 from composer.plan.angle_context import Readings
 from composer.plan.drawn import Drawn
-from composer.plan.steps.add_element import AddElement
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.set_collisions import SetCollisions
 from composer.plan.steps.step import Step
 from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.attach import Attachment
 from composer.recipe.checks.kind import Check
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit
+from composer.recipe.fault import Path as KeyPath
 from composer.recipe.randomize import Randomize
 from composer.sources.source import Source
 
@@ -101,10 +102,23 @@ class Plan:
     """The recipe as it was resolved, where it is nested in another."""
     extended: tuple[tuple[Source, Span], ...] = ()
     """The recipes that it extends, each with the place that names it."""
+    at: KeyPath = ()
+    """Where it is written in its file, for a model that is written in place."""
     cells: int = 0
     """How many cells its matrix has, where it is the model of none of them."""
     cells_at: Span | None = None
     """Where the first of these is written."""
+
+    def place_of(self, at: KeyPath) -> tuple[str, KeyPath]:
+        """The file and the path in it of what stands at a path in this recipe."""
+        return self.file, (*self.at, *at)
+
+    @property
+    def span(self) -> Span:
+        """The place of what is true of the whole model: where its only source is named, or the recipe."""
+        named = [self.base.span, *(part.span for part in self.parts)]
+        places = [span for span in named if span is not None]
+        return places[0] if len(places) == 1 else Span(self.file, 1, 1)
 
     @property
     def keyframes(self) -> tuple[WriteKeyframe, ...]:
@@ -121,17 +135,15 @@ class Plan:
         return tuple(step for step in self.steps if isinstance(step, EditElements))
 
     @property
-    def added_places(self) -> Mapping[tuple[str, str], Span]:
-        """Where bodies, frames and sites that are added have their names, by kind and name."""
-        found: dict[tuple[str, str], Span] = {}
-        waiting = [step.element for step in reversed(self.steps) if isinstance(step, AddElement)]
-        while waiting:
-            element = waiting.pop()
-            name = element.attributes.get("name")
-            if name is not None and element.tag in ("body", "frame", "site"):
-                found.setdefault((element.tag, str(name)), locate(self.document, (*element.at, "name")))
-            waiting.extend(reversed(element.children))
-        return found
+    def excludes_touching(self) -> bool:
+        """Whether bodies that touch are excluded from colliding."""
+        steps = (step for step in self.steps if isinstance(step, SetCollisions))
+        return any(not step.collisions.sides for step in steps)
+
+    @property
+    def added_places(self) -> Mapping[tuple[str, str], AddedPlace]:
+        """The bodies, frames and sites that are added, by kind and name."""
+        return added_places(self.steps, self.document)
 
     @property
     def draws(self) -> tuple[DrawValues, ...]:
@@ -172,11 +184,20 @@ class Plan:
         return any(each.subtree is not None or each.drop for each in wanted)
 
     @property
+    def edits_elements(self) -> bool:
+        """Whether there is an entry of `edit`, here, at a part or in a nested recipe."""
+        wanted = [place.request for place in self.walk() if place.request is not None]
+        return any(plan.edits for plan in self.plans()) or any(each.edit for each in wanted)
+
+    @property
     def selects_parts(self) -> bool:
-        """Whether some edit, here or in a nested recipe, asks from which part an element came."""
+        """Whether some edit or draw, here or in a nested recipe, asks from which part an element came."""
         selectors = [step.edit.select for plan in self.plans() for step in plan.edits]
         selectors += [step.field.select for plan in self.plans() for step in plan.draws if step.field.select]
-        return any(each.part is not None for selector in selectors for each in selector.all())
+        draws_by_part = any(step.field.per == "part" for plan in self.plans() for step in plan.draws)
+        return draws_by_part or any(
+            each.part is not None for selector in selectors for each in selector.all()
+        )
 
     @property
     def prefixes(self) -> frozenset[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from collections.abc import Mapping as Map
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from composer.context import Context, as_text
@@ -13,6 +13,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping, find, locate
 from composer.expand.expand import Concrete
+from composer.limits import advice, in_force
 from composer.plan.angle_context import Reading, Readings, check_bare_angles, readings_of
 from composer.plan.concrete import Given, validated
 from composer.plan.drawn import Drawn
@@ -29,10 +30,17 @@ from composer.plan.steps.table import steps_of
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.draw_field import DrawField
+from composer.recipe.fault import Path as KeyPath
+from composer.recipe.in_place import completed
+from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe
+from composer.recipe.validate import validate_what_remains
 from composer.sources.error import SourceError
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
+
+Outer = tuple[tuple[Path, "Span | None"], ...]
+"""The recipe files that one is nested in, outermost first, each with the place that names it."""
 
 
 def make_plan(
@@ -58,7 +66,13 @@ def plan_what_remains(
     if use_lock(recipe, context) is None:
         return None
     path = context.folder / recipe
-    plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
+    try:
+        plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
+    except RecursionError:  # where the limit `nesting` was raised
+        context.sink.error(
+            "not-supported", f"recipes that `{recipe}` leads to stand too deep inside one another"
+        )
+        return None
     if name is None and plan is not None:
         matrix = read_matrix(path, context, given)
         if matrix is not None:
@@ -68,15 +82,30 @@ def plan_what_remains(
     return plan
 
 
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A recipe that was read: of a file, or `at` a path in one."""
+
+    path: Path
+    recipe: Recipe
+    document: Mapping
+    concrete: Concrete | None
+    readings: Readings
+    at: KeyPath = ()
+
+
 class _Planner:
     def __init__(self, context: Context) -> None:
         self.context = context
         self.sink = context.sink
+        self.nested = 0
+        self.sizes: dict[int, tuple[Plan, int]] = {}
+        """How many parts a plan has, those of nested recipes counted, by the identity of the plan, which is kept."""
 
     def plan(
         self,
         path: Path,
-        outer: tuple[tuple[Path, Span | None], ...],
+        outer: Outer,
         span: Span | None = None,
         *,
         given: Given,
@@ -95,13 +124,15 @@ class _Planner:
                 help="a recipe cannot be a part of itself: take one of these references out",
             )
             return None
+        if not self._may_nest(len(outer), span):
+            return None
         read = self._read(path, given)
         if read is None:
             return None
         recipe, document, concrete = read
         randomize = recipe.randomize if not outer else None
         drawn: tuple[Drawn, ...] = ()
-        if randomize is not None and randomize.emit == "table":
+        if randomize is not None and randomize.at_run_time:
             for field in randomize.of_parameters:
                 self._no_table(field, document)
         elif randomize is not None and randomize.of_parameters and concrete is not None:
@@ -112,22 +143,42 @@ class _Planner:
                     return None
                 recipe, document, concrete = read
                 randomize = recipe.randomize
-        inside = (*outer, (key, span))
-        base = self._base(recipe, document, inside)
-        parts = without_rings(tuple(self._parts(recipe, document, inside)), recipe.separator, self.sink)
+        found = _Found(path, recipe, document, concrete, self._readings(path, recipe, document, concrete))
+        return self._assembled(
+            found, (*outer, (key, span)), name or recipe.name or as_text(path.stem),
+            randomize=randomize, sample=sample, drawn=drawn, source=source,
+            extended=self.context.recipes[path].extended,
+        )  # fmt: skip
+
+    def _assembled(
+        self,
+        found: _Found,
+        inside: Outer,
+        name: str,
+        *,
+        at: KeyPath = (),
+        randomize: Randomize | None = None,
+        sample: int = 0,
+        drawn: tuple[Drawn, ...] = (),
+        source: Source | None = None,
+        extended: tuple[tuple[Source, Span], ...] = (),
+    ) -> Plan | None:
+        """The plan of a recipe that was read, with its base and its parts planned; `at` is where it is in its file."""
+        recipe, document, concrete = found.recipe, found.document, found.concrete
+        base = self._base(found, inside)
+        parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)
         if base is None:
             return None
-        readings = self._readings(path, recipe, document, concrete)
         steps = tuple(steps_of(Written(recipe, document, randomize, sample)))
         plan = Plan(
-            name=name or recipe.name or as_text(path.stem),
+            name=name,
             description=recipe.description,
-            path=path,
-            file=self.context.shown(path),
+            path=found.path,
+            file=self.context.shown(found.path),
             document=document,
             separator=recipe.separator,
             conflict=recipe.conflict,
-            readings=readings,
+            readings=found.readings,
             base=base,
             parts=parts,
             steps=steps,
@@ -141,10 +192,39 @@ class _Planner:
             sample=sample,
             drawn=drawn,
             source=source,
-            extended=self.context.recipes[path].extended,
+            extended=extended,
+            at=at,
         )
         check_part_names(plan, self.sink)
-        return plan
+        return plan if self._may_have(plan) else None
+
+    def _may_nest(self, depth: int, span: Span | None) -> bool:
+        """Whether one more recipe may be planned: recipes that use one another twice each would have no end."""
+        limits = in_force()
+        self.nested += 1
+        if depth > limits.nesting:
+            message = f"more than {limits.nesting} recipes are nested in one another"
+            self.sink.error("limit-exceeded", message, span, help=advice("nesting"))
+        elif self.nested == limits.parts + 1:  # once, however many are left
+            message = f"more than {limits.parts} recipes are nested"
+            self.sink.error("limit-exceeded", message, span, help=advice("parts"))
+        return depth <= limits.nesting and self.nested <= limits.parts
+
+    def _may_have(self, plan: Plan) -> bool:
+        """Whether a plan has not too many parts, copies and those of nested recipes counted."""
+        inner = [1 + self._size_of(part.model) for part in plan.parts]
+        size = sum(inner) + self._size_of(plan.base.model)
+        self.sizes[id(plan)] = plan, size
+        most = in_force().parts
+        if size <= most:
+            return True
+        at = plan.parts[inner.index(max(inner))].span if inner else locate(plan.document, ("base", "model"))
+        message = f"the recipe has {size} parts; {most} are allowed"
+        self.sink.error("limit-exceeded", message, at, help=advice("parts", size))
+        return False
+
+    def _size_of(self, model: Source | Plan | None) -> int:
+        return self.sizes[id(model)][1] if isinstance(model, Plan) else 0
 
     def _no_table(self, field: DrawField, document: Mapping) -> None:
         self.sink.error(
@@ -172,21 +252,19 @@ class _Planner:
         check_bare_angles(readings, self.sink)
         return readings
 
-    def _base(
-        self, recipe: Recipe, document: Mapping, inside: tuple[tuple[Path, Span | None], ...]
-    ) -> LoadBase | None:
+    def _base(self, found: _Found, inside: Outer) -> LoadBase | None:
+        recipe, document = found.recipe, found.document
         if recipe.base is None:
             return LoadBase(None, "merge", None)
         span = locate(document, ("base", "model"))
-        model = self._model(recipe.base, ("base",), document, inside, recipe)
+        model = self._model(recipe.base, ("base",), found, inside)
         if model is None:
             return None
         base = recipe.base
         return LoadBase(model, base.keyframes, span, base.subtree, base.drop, base.edit)
 
-    def _parts(
-        self, recipe: Recipe, document: Mapping, inside: tuple[tuple[Path, Span | None], ...]
-    ) -> Iterator[AttachPart]:
+    def _parts(self, found: _Found, inside: Outer) -> Iterator[AttachPart]:
+        recipe, document = found.recipe, found.document
         taken: dict[str, Span] = {}
         for key in in_order(recipe.attach, document, self.sink):
             attachment = recipe.attach[key]
@@ -207,7 +285,7 @@ class _Planner:
                 )
                 continue
             taken.update(dict.fromkeys(prefixes, span))
-            model = self._model(attachment, at, document, inside, recipe)
+            model = self._model(attachment, at, found, inside)
             if model is None:
                 self.sink.suppress_about(own for own, _ in numbered)
             else:
@@ -217,12 +295,16 @@ class _Planner:
     def _model(
         self,
         asked: Base | Attachment,
-        at: tuple[str | int, ...],
-        document: Mapping,
-        inside: tuple[tuple[Path, Span | None], ...],
-        outer: Recipe,
+        at: KeyPath,
+        around: _Found,
+        inside: Outer,
     ) -> Source | Plan | None:
         """What the mapping at `at` asks for: a source, or the plan of a nested recipe."""
+        document, outer = around.document, around.recipe
+        written = find(document, (*at, "model"))
+        if not isinstance(asked.model, str):
+            assert isinstance(written, Mapping)
+            return self._in_place(at, written, around, inside)
         span = locate(document, (*at, "model"))
         folder = folder_of(span, self.context)
         try:
@@ -237,7 +319,7 @@ class _Planner:
             return None
         given = find(document, (*at, "with"))
         if asked.packages and source.format != "urdf":
-            self._only_for("packages", "URDF", asked.model, document, at)
+            self._only_for("packages", "URDF", f"`{asked.model}`", document, at)
         if source.format == "recipe":
             values = (
                 {name: value for name, (_, value) in given.entries.items()}
@@ -246,25 +328,49 @@ class _Planner:
             )
             plan = self.plan(source.path, inside, span, given=values, source=source)
             if plan is not None and plan.separator != outer.separator:
-                self.sink.error(
-                    "separator-mismatch",
-                    f"`{asked.model}` separates names with `{plan.separator}`, this recipe with `{outer.separator}`",
-                    span,
-                    help=f'give both the same: `separator: "{plan.separator}"`',
-                )
+                self._separators(f"`{asked.model}`", plan, outer, span)
             return plan
         if given is not None:
-            self._only_for("with", "recipes", asked.model, document, at)
+            self._only_for("with", "recipes", f"`{asked.model}`", document, at)
         if not asked.packages or source.format != "urdf":
             return source
-        return replace(source, packages=tuple(self._packages(asked.packages, document, at)))
+        packages = tuple(self._packages(asked.packages, document, at))
+        door = source.door.wider(tuple(folder for _, folder in packages))
+        return replace(source, packages=packages, door=door)
+
+    def _in_place(self, at: KeyPath, model: Mapping, around: _Found, inside: Outer) -> Plan | None:
+        """The plan of a recipe that is written where a model is named."""
+        for key, what in (("with", "recipes in files"), ("packages", "URDF")):
+            if find(around.document, (*at, key)) is not None:
+                self._only_for(key, what, "a model in place", around.document, at)
+        read = validate_what_remains(completed(model, around.document), self.sink)
+        if read is None:
+            return None
+        recipe = read.recipe
+        if recipe.separator != around.recipe.separator:
+            self._separators("the model in place", recipe, around.recipe, model.span)
+        own = {"angle", "eulerseq"} & model.entries.keys()
+        others = {} if own else around.readings.others
+        readings = Readings(read.document, Reading(recipe.angle, recipe.eulerseq), others)
+        found = _Found(
+            around.path, recipe, read.document, around.concrete, readings, (*around.at, *at, "model")
+        )
+        return self._assembled(found, inside, recipe.name or str(at[-1]), at=found.at)
+
+    def _separators(self, model: str, inner: Recipe | Plan, outer: Recipe, span: Span) -> None:
+        self.sink.error(
+            "separator-mismatch",
+            f"{model} separates names with `{inner.separator}`, this recipe with `{outer.separator}`",
+            span,
+            help=f'give both the same: `separator: "{inner.separator}"`',
+        )
 
     def _only_for(
         self, key: str, what: str, model: str, document: Mapping, at: tuple[str | int, ...]
     ) -> None:
         self.sink.error(
             "unknown-key",
-            f"`{key}` is for {what}, and `{model}` is not one",
+            f"`{key}` is for {what}, and {model} is not one",
             locate(document, (*at, key), key=True),
             help=f"take `{key}` out",
             subjects=(key,),
@@ -277,6 +383,10 @@ class _Planner:
         for name, written in packages.items():
             span = locate(document, (*at, "packages", name))
             folder = folder_of(span, self.context) / written
+            door = self.context.door_of_text(folder_of(span, self.context))
+            if not door.sees(folder):
+                door.outside(str(folder)).report(self.sink, span)
+                continue
             if not folder.is_dir():
                 self.sink.error(
                     "file-not-found",

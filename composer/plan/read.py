@@ -11,12 +11,16 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import exists_note
 from composer.document import load
-from composer.document.decode import MAX_SIZE
+from composer.document.characters import check_characters
 from composer.document.merge import merge
 from composer.document.node import Mapping, Node, Scalar
 from composer.expr.opening import is_template
+from composer.limits import advice, in_force
 from composer.plan.angle_context import SETTINGS
+from composer.plan.trust import TRUST, read_trust, refuse_trust
+from composer.reading.unsaved import unsaved_text
 from composer.sources.error import SourceError
+from composer.sources.fetching import Fetching
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
 from composer.sources.suggest import model_files, nearest
@@ -27,14 +31,19 @@ _EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
     """The tree of a recipe with all that it extends, read once a run; faults go to the context's sink and give None."""
+    fetching = context.fetching = context.fetching or Fetching()
+    fetching.outer = fetching.outer or path
     known = context.recipes.get(path)
     if known is None:
         own = replace(context, sink=Sink())
-        extended: list[tuple[Source, Span]] = []
+        before, extended = fetching.trust, list[tuple[Source, Span]]()
         said: dict[str, Mapping] = {}
         node = _read(path, own, (), extended, said)
-        known = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended), said)
+        known = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended), said, fetching.trust)
+        fetching.trust = before
         context.recipes[path] = known
+    if path == fetching.outer:  # what is nested in it says nothing of itself
+        fetching.trust = fetching.trust.with_more(known.trust)
     for diagnostic in known.found:
         context.sink.add(diagnostic)
     return known.node
@@ -50,10 +59,15 @@ def _read(
     before = context.sink.error_count
     text = _text(path, context)
     node = None if text is None else load(text, context.shown(path), context.sink, empty=_EMPTY)
+    if (
+        node is not None and text is not None and b"\\" in text
+    ):  # without escapes YAML has none of them either
+        check_characters(node, context.sink)
     if node is None or context.sink.error_count > before:
         return None
     if not isinstance(node, Mapping):
         return node
+    _take_trust(node, path, context, chain[0] if chain else path)
     settings = {name: node.entries[name] for name in SETTINGS if name in node.entries}
     said[context.shown(path)] = Mapping(settings, node.span)
     if EXTENDS not in node.entries:
@@ -70,6 +84,19 @@ def _read(
             context.sink.error("wrong-type", "what is extended is not a recipe", named.span)
         return None
     return merge(lower, upper, context.sink)
+
+
+def _take_trust(node: Mapping, path: Path, context: Context, top: Path) -> None:
+    """Let count what an own recipe says, if the one at the `top` of those that extend it is the outer one."""
+    fetching = context.fetching
+    if TRUST not in node.entries or fetching is None:
+        return
+    if (origin := fetching.around(path)) is not None:
+        refuse_trust(node, origin, context.sink)
+        return
+    trust = read_trust(node, path.parent, context.sink)
+    if top == fetching.outer:
+        fetching.trust = fetching.trust.with_more(trust)
 
 
 def folder_of(span: Span, context: Context) -> Path:
@@ -102,6 +129,11 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
             help=f"start from it: `base: {named.value}`",
         )  # fmt: skip
         return None
+    most = in_force().nesting
+    if len(chain) > most:
+        sink.error("limit-exceeded", f"more than {most} recipes extend one another", named.span,
+                   help=advice("nesting"))  # fmt: skip
+        return None
     real = os.path.realpath(source.path)
     if any(os.path.realpath(each) == real for each in chain):
         ring = " → ".join([*(each.name for each in chain), source.path.name])
@@ -112,6 +144,8 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
 
 
 def _text(path: Path, context: Context) -> bytes | None:
+    if (kept := unsaved_text(path)) is not None:
+        return kept
     shown = context.shown(path)
     try:
         if path.is_fifo() and not _is_given_by_the_shell(path):
@@ -119,7 +153,7 @@ def _text(path: Path, context: Context) -> bytes | None:
             context.sink.error("file-unreadable", message, help="name a file")
             return None
         with path.open("rb") as stream:
-            text = stream.read(MAX_SIZE + 1)
+            text = stream.read(in_force().recipe_size + 1)
     except OSError as error:
         _unreadable(path, shown, error, context)
         return None
@@ -154,7 +188,7 @@ def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> Non
         if not recipes:
             help = f"`mjcompose new {shown}` writes a recipe to begin with"
         notes = [exists_note("recipe", recipes)] if recipes else []
-        context.sink.error("file-not-found", f"there is no recipe `{shown}`", notes=notes, help=help)
+        context.sink.error("file-not-found", f"the recipe `{shown}` does not exist", notes=notes, help=help)
     else:
         reason = (error.strerror or str(error)).lower()
         context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")

@@ -7,11 +7,13 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.document.node import locate
 from composer.plan.plan import Plan
 from composer.plan.steps.add_element import AddElement
 from composer.plan.steps.append_element import AppendElement
+from composer.reading.door import Door
 from composer.recipe.element import Element
 from composer.recipe.fault import Path as Place
 from composer.sources import ros_package
@@ -24,19 +26,24 @@ _FILE = re.compile(r"""\bfile\w*\s*=\s*["']([^"']+)["']""")
 
 
 def files_of_source(source: Source) -> Iterator[Path]:
-    """The files of a model that are there; what is missing or broken is told by those who read it."""
-    found = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, set())
-    yield from (path for path in (*found, *source.licences) if os.path.isfile(path))
+    """The files of a model that exist and that it may read.
+
+    What is missing, broken or outside is reported by those who read it.
+    """
+    found = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
+    seen = (path for path in found if source.door.sees(path))
+    yield from (path for path in (*seen, *source.licences) if os.path.isfile(path))
 
 
-def files_of_recipe(plan: Plan, folder: Path) -> Iterator[Path]:
-    """The files that a recipe itself names in its elements; `folder` is where the paths of spans begin."""
+def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:
+    """The files that a recipe itself names in its elements and may name."""
+    folder = context.folder
     for step in plan.steps:
         if isinstance(step, AddElement | AppendElement):
             for at, name in _named(step.element):
                 beside = folder / locate(plan.document, at).file  # a recipe that is extended, or this one
                 path = Path(join(str(beside.parent), name))
-                if os.path.isfile(path):
+                if context.door_of_text(beside.parent).sees(path) and os.path.isfile(path):
                     yield path
 
 
@@ -50,12 +57,12 @@ def _named(element: Element) -> Iterator[tuple[Place, str]]:
         yield from _named(child)
 
 
-def _of_mjcf(path: Path, seen: set[Path]) -> Iterator[Path]:
+def _of_mjcf(path: Path, door: Door, seen: set[Path]) -> Iterator[Path]:
     if path in seen:
         return
     seen.add(path)
     yield path
-    unit = parse_file(path, Sink())
+    unit = parse_file(path, Sink(), door=door) if door.sees(path) else None
     if unit is None:
         return
     yield from map(Path, unit.origins.texts)  # the included files too
@@ -63,13 +70,13 @@ def _of_mjcf(path: Path, seen: set[Path]) -> Iterator[Path]:
         yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
     for model in unit.root.iterfind("asset/model"):
         if inner := model.get("file"):
-            yield from _of_mjcf(Path(join(str(unit.directory), inner)), seen)
+            yield from _of_mjcf(Path(join(str(unit.directory), inner)), door, seen)
 
 
 def _of_urdf(source: Source) -> Iterator[Path]:
     yield source.path
     try:
-        text = source.path.read_text(encoding="utf-8", errors="replace")
+        text = source.door.read(source.path).decode("utf-8", "replace")
     except OSError:
         return
     packages = ros_package.folders(ros_package.packages_in(text), source.path, dict(source.packages))

@@ -6,24 +6,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import advised, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
 from composer.recipe.element_schema import mapping
-from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
+from composer.recipe.fault import EXCLUSIVE, Fault, Path
+from composer.recipe.form import Form
 from composer.recipe.presence import lacks
 from composer.recipe.raw import path_of
 from composer.recipe.reader import FRAGMENT, Reader, label
 from composer.recipe.reference import Schema, definition, reference
-from composer.recipe.settings import settings
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.recipe.text import is_unprintable, unprintable
 
 TO = "to"
+ID = "id"
 WORLD = "world"
 Target = tuple[Literal["world", "body", "frame"], str]
 
@@ -43,28 +42,21 @@ class Addition:
 
 
 @dataclass(frozen=True, slots=True)
-class Additions:
+class Additions(Form):
     """Marks the field `add`: a list of `{to: NAME, TAG: {…}}`. Gives a tuple of `Addition`."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         return {"type": "array", "items": reference("addition")}
 
-    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Addition, ...]:
-        reader = Reader(settings(info.context))
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Addition, ...]:
+        reader = Reader(settings, faults)
         additions: list[Addition | None] = []
         if isinstance(value, list):
             additions = [_addition(reader, item, (index,)) for index, item in enumerate(value)]
         else:
             help = f"put `- ` in front of `{TO}`" if isinstance(value, dict) and TO in value else None
             message = f"`add` expects a list of entries, got {kind_of(value)}"
-            reader.faults.append(Fault("wrong-type", message, help=help))
-        if reader.faults:
-            raise refusal(reader.faults, value)
+            faults.append(Fault("wrong-type", message, help=help))
         return tuple(each for each in additions if each is not None)
 
 
@@ -113,7 +105,7 @@ def _element(
                 f"an entry of `add` has both `{first}` and `{name}`, of which only one may stand",
                 (*at, name),
                 key=True,
-                remarks=(Remark(f"`{first}` is written here", (*at, first)),),
+                related=((f"`{first}` is written here", (*at, first)),),
                 help=f"write an entry of its own for `{name}`",
             )
         )
@@ -132,18 +124,18 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
     if name in addable("body"):
         message = f"`{name}` cannot stand in {place}, only in a body"
         return Fault("unknown-element", message, at, key=True)
-    near = closest(name, [*kinds, TO])
-    remark = Remark(exists_note("element", kinds, name).message)
-    help = f"write `{near[0]}`" if near else None
+    help, fix = advised(name, [*kinds, TO])
+    note = exists_note("element", kinds, name)
     if name in GRAMMAR.root.children:
-        help = f"write it in the section `{name}`"
+        help, fix = f"write it in the section `{name}`", None
     return Fault(
         "unknown-element",
         f"`{name}` is not an element that can be added",
         at,
         key=True,
-        remarks=(remark,),
+        notes=(note,),
         help=help,
+        fix=fix,
     )
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection
+from dataclasses import dataclass
 
+from composer.diagnostics.fix import Fix
 from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType
@@ -39,6 +41,18 @@ _FORMS = {
 }  # fmt: skip
 
 
+@dataclass(frozen=True, slots=True)
+class Advice:
+    """A help, and the exact text that it says to write, where there is one."""
+
+    help: str
+    text: str | None = None
+
+    @property
+    def fix(self) -> Fix | None:
+        return None if self.text is None else Fix(self.text)
+
+
 def form_of(attribute: Attribute) -> str | None:
     """How the numbers of an attribute are written, for those that many people write."""
     form = _FORMS.get(attribute.name)
@@ -46,52 +60,62 @@ def form_of(attribute: Attribute) -> str | None:
     return form if attribute.type == "real" and attribute.max_length == count else None
 
 
-def instead(attribute: Attribute, value: object) -> str | None:
-    """What to write instead of `'0.5'`, `90 deg`, `45°`, `pi/2`, `10cm`, `yes`; None where nobody can tell."""
+def instead(attribute: Attribute, value: object) -> Advice | None:
+    """What to write instead of `'0.5'`, `90 deg`, `45°`, `pi/2`, `10cm`, `yes`; None where nobody knows."""
     word = shown(value)
     if attribute.type == "bool" or "true" in attribute.keywords:
         # YAML 1.1 read `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`.
-        near = _WORDS.get(word.lower()) if isinstance(value, str) else None
-        return f"write `{near}`" if near else None
+        return _write(_WORDS.get(word.lower()) if isinstance(value, str) else None)
     if set(attribute.keywords) == {"enable", "disable"}:
-        near = _SWITCHES.get(word.lower())
-        return f"write `{near}`" if near else None
+        return _write(_SWITCHES.get(word.lower()))
     if not attribute.is_number:
         return None
     advice = _number(attribute, value) if isinstance(value, str) else None
     form = form_of(attribute)
-    return advice or (f"write `{attribute.name}: {form.replace(']', ']`', 1)}" if form else None)
+    return advice or (Advice(f"write `{attribute.name}: {form.replace(']', ']`', 1)}") if form else None)
 
 
-def item_instead(attribute: Attribute, item: object) -> str | None:
+def item_instead(attribute: Attribute, item: object) -> Advice | None:
     """The same for one of several numbers."""
     if not isinstance(item, str):
         return None
     parts = items(item.replace(";", " "))
     if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
-        return f"write commas between them: `{', '.join(parts)}`"
+        listed = ", ".join(parts)
+        return Advice(f"write commas between them: `{listed}`", listed)
     return _number(attribute, item)
 
 
-def _number(attribute: Attribute, text: str) -> str | None:
+def _number(attribute: Attribute, text: str) -> Advice | None:
     if found := _TEMPLATE.fullmatch(text.strip()):
-        return f'an expression is written `"${{{(found[1] or found[2]).strip()}}}"`'
+        expression = f'"${{{(found[1] or found[2]).strip()}}}"'
+        return Advice(f"an expression is written `{expression}`", expression)
     if parse_real(text) is not None:
-        return f"write `{text}` without quotes"
+        return Advice(f"write `{text}` without quotes", text.strip())
     if attribute.type != "real":
         return None
     near = text.replace("°", "deg").replace("degrees", "deg").replace("radians", "rad").replace(" ", "")
     if near != text and Angle.read(near):
-        return f"write `{near}`"
+        return _write(near)
     if found := _PI.fullmatch(text.strip()):
         sign, times, over = found.groups()
         degrees = 180 * float(times or 1) / (float(over or 1) or math.nan)
-        return None if math.isnan(degrees) else f"write `{sign or ''}{number_text(round(degrees, 9))}deg`"
-    if (found := _WITH_UNIT.fullmatch(text.strip())) and found[2] in _UNITS:
-        per, unit = _UNITS[found[2]]
-        number = number_text(float(found[1]) / per)
-        return f"write `{number}`: numbers have no unit but `deg` and `rad`, {unit} are usual"
-    return None
+        return None if math.isnan(degrees) else _write(f"{sign or ''}{number_text(round(degrees, 9))}deg")
+    return without_unit(text)
+
+
+def without_unit(text: str) -> Advice | None:
+    """What to write instead of `10cm`, `2ms`, `5kg`; None where the text is nothing of that kind."""
+    found = _WITH_UNIT.fullmatch(text.strip())
+    if found is None or found[2] not in _UNITS:
+        return None
+    per, unit = _UNITS[found[2]]
+    number = number_text(float(found[1]) / per)
+    return Advice(f"write `{number}`: numbers have no unit but `deg` and `rad`, {unit} are usual", number)
+
+
+def _write(text: str | None) -> Advice | None:
+    return None if text is None else Advice(f"write `{text}`", text)
 
 
 def without_space(text: str, keys: Collection[str]) -> str | None:

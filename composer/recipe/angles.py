@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from composer.diagnostics.fix import Fix
 from composer.grammar.attribute import Attribute
 from composer.recipe.element import Value
 from composer.recipe.fault import Fault, Path
@@ -22,18 +23,21 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     bare = [index for index in governed(attribute, len(items), joint) if _is_bare(items[index])]
     if not bare:
         return None
-    # An angle that is no whole number and less than a turn was most likely meant in radians.
+    # An angle that is not a whole number and less than a turn was most likely meant in radians.
     radians = any(not float(items[i]).is_integer() and abs(float(items[i])) <= FULL_TURN for i in bare)  # type: ignore[arg-type]
     unit, name = ("rad", "radian") if radians else ("deg", "degree")
     with_unit: list[Any] = [
         f"{shown(item)}{unit}" if index in bare else item for index, item in enumerate(items)
     ]
     instead = shown(with_unit) if isinstance(value, tuple) else with_unit[0]
+    alone = len(bare) == 1 and isinstance(value, tuple)
+    clear = radians or any(abs(float(items[i])) > FULL_TURN for i in bare)  # type: ignore[arg-type]
     return Fault(
         "bare-angle",
         f"`{attribute.name}` of {owner} is an angle without a unit",
-        (*at, bare[0]) if len(bare) == 1 and isinstance(value, tuple) else at,
+        (*at, bare[0]) if alone else at,
         help=f"write `{attribute.name}: {instead}`, or `angle: {name}` at the top of the recipe",
+        fix=Fix(with_unit[bare[0]] if alone else instead) if clear else None,
     )
 
 

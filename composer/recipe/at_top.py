@@ -29,11 +29,13 @@ def part_keys(data: Mapping[str, Any]) -> dict[str, Any]:
     return {key: each for key, each in data.items() if key in _PART_KEYS and not isinstance(each, Mapping)}
 
 
-def belongs(name: str, value: Any, beside: Mapping[str, Any]) -> str | None:
-    """What to write instead of `name: value` at the top of a recipe with the keys `beside`; None if unknown."""
+def belongs(name: str, value: Any, parts: Mapping[str, Any]) -> str | None:
+    """What to write instead of `name: value` at the top of a recipe; None if unknown.
+
+    `parts` is what stands there and only a part has.
+    """
     if isinstance(value, Mapping) and "model" in value and not closest(name, Recipe.model_fields):
         return f"a part goes under `attach`:\nattach:\n  {name}: {_flow(value)}"
-    parts = part_keys(beside)
     if name in parts and (len(parts) > 1 or name != "model"):
         entries = _flow({"model": "…", **parts})
         return f"{_keys(parts)} of a part under `attach`:\nattach:\n  PREFIX: {entries}"

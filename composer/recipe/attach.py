@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 from pydantic import (
     ConfigDict,
-    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
@@ -18,21 +17,24 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
+from composer.recipe.allow import Allowed
 from composer.recipe.base import KeyPolicy
 from composer.recipe.drop import Drop, Drops
 from composer.recipe.edit import Edit, Edits
 from composer.recipe.element import Element, Single
 from composer.recipe.element_schema import at_most_one
 from composer.recipe.fault import Fault, checked, refusal
-from composer.recipe.given import Given
-from composer.recipe.model import Model
+from composer.recipe.form import Form
+from composer.recipe.in_place import below_model
 from composer.recipe.placing import ORIENTATIONS, JointField, JointWord, Offset
 from composer.recipe.presence import exclusive
 from composer.recipe.raw import path_of
+from composer.recipe.reference import Schema
 from composer.recipe.replicate import Axes, Axis
 from composer.recipe.settings import Settings, settings
 from composer.recipe.shown import kind_of
 from composer.recipe.text import Choice, Text, is_unprintable, unprintable
+from composer.recipe.used_model import UsedModel
 
 RESERVED = "base"
 PATH_LIKE = ("/", ":")
@@ -47,34 +49,22 @@ def _restrict(schema: dict[str, Any]) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Prefix:
+class Prefix(Form):
     """Marks the field `prefix`: what stands in place of the key; empty for no prefix and no separator."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._validate)
+    def schema(self) -> Schema:
+        return {"type": "string", **_pattern("*")}
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        return {
-            "type": "string",
-            "pattern": rf"^(?!{RESERVED}$)\S*$",
-            "patternErrorMessage": f"expected a prefix: a name without spaces, and not `{RESERVED}`",
-        }
-
-    def _validate(self, value: Any, info: ValidationInfo) -> str:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> str:
         if not isinstance(value, str):
             help = f"quote it: '{value}'" if isinstance(value, int | float) else None
-            raise refusal(
-                [Fault("wrong-type", f"`prefix` expects text, got {kind_of(value)}", help=help)], value
-            )
-        fault = prefix_fault(value, settings(info.context)) if value else None
-        if fault is not None:
-            raise refusal([fault], value)
-        return value
+            faults.append(Fault("wrong-type", f"`prefix` expects text, got {kind_of(value)}", help=help))
+        elif value and (fault := prefix_fault(value, settings)) is not None:
+            faults.append(fault)
+        return str(value)
 
 
-class Attachment(Model):
+class Attachment(UsedModel):
     """A part: the model, where it hangs, how it is turned, and what stands between.
 
     `joint` is None, a word, an `Element` for one joint that is called after the prefix, or a tuple of
@@ -83,8 +73,10 @@ class Attachment(Model):
 
     model_config = ConfigDict(json_schema_extra=_restrict)
 
-    model: Annotated[str, Text("model")]
-    """A model reference: a file relative to the recipe, `package:…`, `menagerie:…`."""
+    drop: Annotated[tuple[Drop, ...], Drops()] = ()
+    """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
+    edit: Annotated[tuple[Edit, ...], Edits()] = ()
+    """Ordered changes to the part, in its own names, before it is attached."""
     site: Annotated[str | None, Text("site")] = None
     """The site that the part hangs on."""
     body: Annotated[str | None, Text("body")] = None
@@ -110,24 +102,22 @@ class Attachment(Model):
     root is kept where it may be; `weld` removes it."""
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
-    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
-    """Values of the parameters and variants of a nested recipe, by name."""
-    subtree: Annotated[str | None, Text("subtree")] = None
-    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
-    drop: Annotated[tuple[Drop, ...], Drops()] = ()
-    """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
-    edit: Annotated[tuple[Edit, ...], Edits()] = ()
-    """Ordered changes to the part, in its own names, before it is attached."""
-    keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
-    """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
     replicate: Annotated[tuple[Axis, ...], Axes()] = ()
     """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …"""
+    keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
+    """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
     before: Annotated[str | None, Text("before")] = None
     """The part right before which this one stands among its siblings."""
     after: Annotated[str | None, Text("after")] = None
     """The part right after which this one stands among its siblings."""
-    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
-    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
+    allow: Annotated[tuple[str, ...], Allowed()] = ()
+    """The codes of warnings about this part that are meant to be there."""
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """The kind and the name of what it hangs on; `world` without a name for the world."""
+        named = ((kind, getattr(self, kind)) for kind in PLACES)
+        return next(((kind, name) for kind, name in named if name is not None), ("world", ""))
 
     @model_validator(mode="wrap")
     @classmethod
@@ -136,6 +126,9 @@ class Attachment(Model):
         if isinstance(value, Mapping):
             path = path_of(value)
             owner = f"part `{path[-1]}`" if path else "the part"
+            in_place = below_model(value, owner, cls.model_fields)
+            if in_place is not None:
+                raise refusal([in_place], value)
             exclusive(PLACES, list(value), owner, (), faults)
             exclusive(ORIENTATIONS, list(value), owner, (), faults)
             if value.get("prefix") == "" and value.get("replicate"):
@@ -157,15 +150,8 @@ class Prefixes:
         parts = core_schema.dict_schema(core_schema.str_schema(), handler.generate_schema(Attachment))
         return core_schema.with_info_wrap_validator_function(self._validate, parts)
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        json = handler(schema)
-        json["propertyNames"] = {
-            "pattern": rf"^(?!{RESERVED}$)\S+$",
-            "patternErrorMessage": f"expected a prefix: a name without spaces, and not `{RESERVED}`",
-        }
-        return json
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return {**handler(schema), "propertyNames": _pattern("+")}
 
     def _validate(self, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
         faults = []
@@ -173,6 +159,12 @@ class Prefixes:
             fault = prefix_fault(prefix, settings(info.context), (prefix,), key=True)
             faults += [fault] if fault is not None else []
         return checked(handler, value, faults)
+
+
+def _pattern(times: str) -> Schema:
+    """What `prefix_fault` finds, as far as a JSON Schema can say it; `times` is `*` where it may be empty, else `+`."""
+    message = f"expected a prefix: a name without spaces, and not `{RESERVED}`"
+    return {"pattern": rf"^(?!{RESERVED}$)\S{times}$", "patternErrorMessage": message}
 
 
 def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False) -> Fault | None:

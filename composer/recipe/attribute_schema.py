@@ -87,10 +87,7 @@ def _remarks(attribute: Attribute) -> Iterator[str]:
         yield "file, relative to the recipe"
     if attribute.default is not None:
         yield f"default: {shown(attribute.default)}"
-    if attribute.since is not None:
-        yield f"since MuJoCo {attribute.since}"
-    if attribute.until is not None:
-        yield f"up to MuJoCo {attribute.until}"
+    yield from attribute.versions()
 
 
 def _values(attribute: Attribute) -> Schema:
@@ -142,7 +139,7 @@ def _snippet(count: int) -> str:
 
 
 def _words(attribute: Attribute) -> list[Any]:
-    """The keywords, and what YAML makes of those that are no text to it."""
+    """The keywords, and what YAML makes of those that it does not read as text."""
     words: list[Any] = list(attribute.keywords)
     words += [word == "true" for word in attribute.keywords if word in ("true", "false")]
     return [*words, *(int(word) for word in attribute.keywords if word.isdigit())]

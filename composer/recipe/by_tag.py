@@ -7,7 +7,7 @@ from typing import Any
 
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
-from composer.recipe.element_schema import by_name, mapping, told
+from composer.recipe.element_schema import by_name, described, mapping
 from composer.recipe.fault import Fault, Path
 from composer.recipe.reader import NAME, Reader
 from composer.recipe.reference import Schema, reference
@@ -22,7 +22,7 @@ class ByTag(Elements):
     Gives a tuple of `Element`, each with its name as an attribute.
     """
 
-    def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
+    def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         read = [
             self.element(reader, kind, name, item, (*at, name))
             for kind, items, at in self.tags(reader, value)
@@ -32,7 +32,9 @@ class ByTag(Elements):
 
     def schema(self) -> Schema:
         kinds = self.kind.children.values()
-        return mapping({kind.tag: told(by_name(reference(f"named:{kind.path}")), kind.doc) for kind in kinds})
+        return mapping(
+            {kind.tag: described(by_name(reference(f"named:{kind.path}")), kind.doc) for kind in kinds}
+        )
 
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
         owner = f"{kind.tag} `{name}`"
@@ -44,7 +46,7 @@ class ByTag(Elements):
 class Lists(Elements):
     """A mapping from tags to lists of elements: `contact`. Gives a tuple of `Element`."""
 
-    def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
+    def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         elements: list[Element] = []
         for kind, items, at in self.tags(reader, value):
             if not isinstance(items, list):
@@ -59,7 +61,7 @@ class Lists(Elements):
         kinds = self.kind.children.values()
         return mapping(
             {
-                kind.tag: told({"type": "array", "items": reference(f"element:{kind.path}")}, kind.doc)
+                kind.tag: described({"type": "array", "items": reference(f"element:{kind.path}")}, kind.doc)
                 for kind in kinds
             }
         )

@@ -6,39 +6,65 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
-
-from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.checks import equal, exists, mass, no_penetration, reachable, size, stable, unchanged
+from composer.diagnostics.suggest import advised, closest, exists_note
+from composer.recipe.checks import (
+    actuated,
+    clear,
+    equal,
+    exists,
+    limits,
+    mass,
+    no_penetration,
+    reachable,
+    size,
+    stable,
+    unchanged,
+)
+from composer.recipe.checks.form import Keyed
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import Check, Kind
-from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.fault import Fault, Path
+from composer.recipe.form import Form
 from composer.recipe.raw import path_of
+from composer.recipe.reference import Schema
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 
 KINDS: dict[str, Kind] = {
     room.KIND.word: room.KIND
-    for room in (size, mass, exists, stable, no_penetration, reachable, equal, unchanged)
+    for room in (
+        size,
+        mass,
+        exists,
+        stable,
+        no_penetration,
+        clear,
+        reachable,
+        limits,
+        actuated,
+        equal,
+        unchanged,
+    )
 }
+SEVERITY = "severity"
+SEVERITIES = ("error", "warning")
 
 
 @dataclass(frozen=True, slots=True)
-class Checks:
+class Checks(Form):
     """Marks the field `check`: a mapping from a name to `{KIND: {…}}`. Gives a tuple of checks."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         kinds: dict[str, Any] = {"type": "object", "additionalProperties": False, "minProperties": 1}
-        kinds["properties"] = {word: kind.schema for word, kind in KINDS.items()}
+        kinds["properties"] = {word: kind.form.schema() for word, kind in KINDS.items()}
+        kinds["properties"][SEVERITY] = {
+            "enum": list(SEVERITIES),
+            "default": "error",
+            "description": "whether the build fails where the check does not hold, or only warns",
+        }
         return {"type": "object", "additionalProperties": kinds}
 
-    def _validate(self, value: Any) -> tuple[Check, ...]:
-        faults: list[Fault] = []
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Check, ...]:
         found: list[Check] = []
         if isinstance(value, dict):
             found = [check for name, item in value.items() for check in _read(name, item, faults)]
@@ -46,8 +72,6 @@ class Checks:
             message = f"`check` expects a mapping from names to checks, got {kind_of(value)}"
             help = "give each a name: `check: {whole: {unchanged: {}}}`"
             faults.append(Fault("wrong-type", message, help=help))
-        if faults:
-            raise refusal(faults, value)
         return tuple(found)
 
 
@@ -60,25 +84,46 @@ def _read(name: str, value: Any, faults: list[Fault]) -> Iterator[Check]:
     if not value:
         help = "write for instance `unchanged: {}`" if name not in KINDS else _named(name)
         faults.append(Fault("missing-key", f"{owner} checks nothing", (name,), help=help))
+    elif not any(word != SEVERITY for word in value):
+        help = "write for instance `unchanged: {}` beside it"
+        faults.append(Fault("missing-key", f"{owner} checks nothing", (name,), help=help))
     if name in KINDS and not any(word in (*KINDS, "when") for word in value):
         first = next(iter(value), None)
         if first is not None:
             message = f"`{first}` in {owner} is not a kind of check: `{name}` is the name of this check"
             faults.append(Fault("unknown-key", message, (name, first), key=True, help=_named(name)))
         return
+    _check_severity(value, owner, (name,), faults)
     for word, given in value.items():
         kind = KINDS.get(word)
+        if word == SEVERITY:
+            continue
         if kind is None:
             faults.append(_unknown_kind(word, owner, (name, word)))
-        elif not isinstance(given, list if kind.listed else dict):
-            wanted = "list" if kind.listed else "mapping"
+        elif not isinstance(given, list if kind.is_list else dict):
+            wanted = "list" if kind.is_list else "mapping"
             message = f"`{word}` of {owner} is a {wanted}, got {kind_of(given)}"
-            help = f"write for instance `{word}: {kind.example}`"
+            help = f"write for instance `{word}: {_alone(given, kind) or kind.example}`"
             faults.append(Fault("wrong-type", message, (name, word), help=help))
         else:
-            check = kind.read(Keys(name, word, given, faults), path_of(value))
-            if check is not None:
+            keys, before = Keys(name, word, given, faults), len(faults)
+            check = kind.make(keys, kind.form.read(keys), path_of(value))
+            if check is not None and len(faults) == before:
                 yield check
+
+
+def _alone(given: Any, kind: Kind) -> str | None:
+    return kind.form.alone(given) if isinstance(kind.form, Keyed) else None
+
+
+def _check_severity(value: dict[str, Any], owner: str, at: Path, faults: list[Fault]) -> None:
+    if SEVERITY not in value or value[SEVERITY] in SEVERITIES:
+        return
+    given = value[SEVERITY]
+    near = closest(given, SEVERITIES) if isinstance(given, str) else []
+    message = f"`{SEVERITY}` of {owner} is `error` or `warning`, got {kind_of(given)}"
+    help = f"write `{SEVERITY}: {near[0] if near else 'warning'}`"
+    faults.append(Fault("wrong-keyword", message, (*at, SEVERITY), help=help))
 
 
 def _named(word: str) -> str:
@@ -87,12 +132,13 @@ def _named(word: str) -> str:
 
 
 def _unknown_kind(key: str, owner: str, at: Path) -> Fault:
-    near = closest(key, (*KINDS, "when"))
+    help, fix = advised(key, (*KINDS, SEVERITY, "when"))
     return Fault(
         "unknown-key",
         f"`{key}` in {owner} is not a kind of check",
         at,
         key=True,
-        remarks=(Remark(exists_note("check kind", KINDS, key).message),),
-        help=f"write `{near[0]}`" if near else None,
+        notes=(exists_note("check kind", KINDS, key),),
+        help=help,
+        fix=fix,
     )

@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import advised, exists_note
 from composer.grammar import GRAMMAR
 from composer.recipe.element import Element
 from composer.recipe.element_schema import by_name, mapping
-from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.fault import Fault, Path
 from composer.recipe.raw import path_of
 from composer.recipe.reader import Reader
 from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.section import Section
 from composer.recipe.shown import kind_of
+
+PARENT = "parent"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +38,7 @@ class Defaults(Section):
     Gives a tuple of `DefaultClass`.
     """
 
-    def read(self, reader: Reader, value: Any) -> tuple[DefaultClass, ...]:
+    def content(self, reader: Reader, value: Any) -> tuple[DefaultClass, ...]:
         read = [self._class(reader, name, item) for name, item in reader.names(value, (), "`default`")]
         return tuple(each for each in read if each is not None)
 
@@ -53,7 +55,7 @@ class Defaults(Section):
         rows: list[Element] = []
         for tag, item in value.items():
             at = (name, tag)
-            if tag == "parent":
+            if tag == PARENT:
                 parent = self._parent(reader, name, item, at)
             elif tag == self.tag:
                 help = "write the class beside this one, with `parent`"
@@ -81,18 +83,18 @@ class Defaults(Section):
 
     def _unknown_row(self, tag: str, name: str, at: Path) -> Fault:
         tags = [each for each in self.kind.children if each != self.tag]
-        near = closest(tag, [*tags, "parent"])
-        remark = Remark(exists_note("element", tags, tag).message)
-        help = f"write `{near[0]}`" if near else None
-        if name in tags and not near:
+        help, fix = advised(tag, [*tags, "parent"])
+        note = exists_note("element", tags, tag)
+        if name in tags and help is None:
             help = f"the key is the name of a class; for all elements write `main: {{{name}: {{{tag}: …}}}}`"
         return Fault(
             "unknown-element",
             f"`{tag}` has no defaults in class `{name}`",
             at,
             key=True,
-            remarks=(remark,),
+            notes=(note,),
             help=help,
+            fix=fix,
         )
 
 
@@ -108,4 +110,4 @@ def _definition_of_class(_: str) -> Schema:
         "minLength": 1,
         "description": "the class that it descends from; without it, the top class",
     }
-    return mapping({"parent": parent, **rows})
+    return mapping({PARENT: parent, **rows})

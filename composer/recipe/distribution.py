@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from array import array
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Literal
 
+from composer.diagnostics.fix import Fix
 from composer.diagnostics.suggest import closest, exists_note
 from composer.expr.angle import Angle
 from composer.numerics.distribution import (
@@ -18,8 +21,8 @@ from composer.numerics.distribution import (
     TruncNormal,
     Uniform,
 )
-from composer.numerics.stream import below
-from composer.recipe.fault import Fault, Path, Remark
+from composer.numerics.stream import below, bits
+from composer.recipe.fault import Fault, Path
 from composer.recipe.shown import kind_of, shown
 
 Operation = Literal["set", "scale", "offset"]
@@ -47,6 +50,7 @@ EXAMPLES = {
     "integers": "[1, 6]",
 }
 _LARGEST = 2**53
+_MANY = 64  # from so many draws on it pays to import numpy
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +68,7 @@ class Drawing:
 
     @property
     def components(self) -> int | None:
-        """How many components a value must have; None where that is not said."""
+        """How many components a value must have; None where nothing says so."""
         return next((len(each) for each in self.parameters.values() if len(each) > 1), None)
 
     @property
@@ -76,16 +80,28 @@ class Drawing:
 
     def of(self, component: int) -> Distribution:
         """The distribution of one component's number; a choice has none."""
-        numbers = [each[component if len(each) > 1 else 0] for each in self.parameters.values()]
-        if self.kind in INTERVALS:
-            return INTERVALS[self.kind](*numbers)  # type: ignore[arg-type]  # those of Integers are whole
-        return BELLS[self.kind][0](*numbers)
+        numbers = tuple(each[component if len(each) > 1 else 0] for each in self.parameters.values())
+        return _distribution(self.kind, numbers)
 
     def draw(self, bits: int, component: int) -> Any:
         """One number, or what was chosen."""
         if self.kind == CHOICE:
             return self.values[below(bits, len(self.values))]
         return self.of(component).draw(bits)
+
+    def draw_all(
+        self, seed: int, samples: Sequence[int], stream: str, element: str, component: int, of: int
+    ) -> Sequence[Any]:
+        """What `draw` makes for each of the samples: of the bits of `component`, with the parameters of another."""
+        if len(samples) < _MANY:
+            return [self.draw(bits(seed, each, stream, element, component), of) for each in samples]
+        from composer.numerics import many  # numpy
+
+        found = many.bits(seed, samples, stream, element, component)
+        if self.kind == CHOICE:
+            return [self.values[each] for each in many.below(found, len(self.values)).tolist()]
+        numbers = self.of(of).draw_all(found)
+        return array("q" if self.kind == "integers" else "d", numbers.tobytes())
 
     def extremes(self, component: int) -> tuple[float, ...]:
         """The least and the greatest number that may be drawn, or all there are to choose from."""
@@ -105,6 +121,14 @@ class Drawing:
         if self.kind in INTERVALS:
             return f"{self.kind} {' to '.join(map(written, self.parameters.values()))}"
         return f"{self.kind} {', '.join(f'{name} {written(each)}' for name, each in self.parameters.items())}"
+
+
+@lru_cache(maxsize=256)
+def _distribution(kind: str, numbers: tuple[float, ...]) -> Distribution:
+    """Made once, for some compute what all their draws need."""
+    if kind in INTERVALS:
+        return INTERVALS[kind](*numbers)  # type: ignore[arg-type]  # those of Integers are whole
+    return BELLS[kind][0](*numbers)
 
 
 @dataclass(slots=True)
@@ -173,8 +197,9 @@ class Reading:
                 near = [_SYMBOLS[key]] if _SYMBOLS.get(key) in keys else closest(key, keys)
                 meant.update(near)
                 self._fault("unknown-key", f"`{kind}` of {self.owner} has no key `{key}`", (*at, key), key=True,
-                            remarks=(Remark(exists_note("key", keys, key).message),),
-                            help=f"write `{near[0]}`" if near else None)  # fmt: skip
+                            notes=(exists_note("key", keys, key),),
+                            help=f"write `{near[0]}`" if near else None,
+                            fix=Fix(near[0], key) if near else None)  # fmt: skip
         neutral = {"scale": 0.0 if kind == "lognormal" else 1.0, "offset": 0.0}.get(self.operation)
         given = {"mean": neutral, **value} if neutral is not None else value
         for key in keys:

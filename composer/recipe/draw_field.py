@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.count import read_count
+from composer.diagnostics.suggest import closest, exists_note, renaming
+from composer.recipe.count import COUNT, read_count
 from composer.recipe.distribution import CHOICE, EXAMPLES, KINDS, Drawing, Operation, Reading, inner_kinds
-from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, unknown_key
 from composer.recipe.raw import path_of
 from composer.recipe.select import inside, kinds_of, read_selector
 from composer.recipe.shown import kind_of, shown
@@ -18,9 +18,9 @@ from composer.recipe.verbs.values import MASS, Checker
 from composer.tree.selector import Selector
 
 OPERATIONS = ("scale", "offset")
-PER = ("element", "sample")
-_SELECTING = ("select", "attr", "per", "expect", "optional")
-KEYS = ("select", "attr", "param", *KINDS, *OPERATIONS, "per", "expect", "optional")
+PER = ("element", "body", "part", "sample")
+_SELECTING = ("select", "attr", "per", *COUNT)
+KEYS = ("select", "attr", "param", *KINDS, *OPERATIONS, "per", "group", *COUNT)
 NOT_NEGATIVE = frozenset(
     "mass density diaginertia armature damping frictionloss stiffness friction size".split()
 )
@@ -42,10 +42,16 @@ class DrawField:
     select: Selector | None = None
     attr: str = ""
     param: str | None = None
-    per: Literal["element", "sample"] = "element"
+    per: Literal["element", "body", "part", "sample"] = "element"
     expect: int | None = None
     optional: bool = False
     at: Path = ()
+    group: str | None = None
+
+    @property
+    def stream(self) -> str:
+        """What its random numbers go by: the field, or the group, whose fields have the same ones."""
+        return self.name if self.group is None else f"group {self.group}"
 
     @property
     def drawn_at(self) -> Path:
@@ -57,8 +63,9 @@ class DrawField:
     def words(self) -> str:
         """What is drawn, for what, and from which distribution: what `plan` prints."""
         what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
-        shared = ", one for all" if self.per == "sample" else ""
-        return f"draw {self.name}: {what} {_SIGNS[self.operation]} {self.drawing}{shared}"
+        shared = {"sample": ", one for all", "body": ", one a body", "part": ", one a part"}.get(self.per, "")
+        grouped = f", with the others of {self.group}" if self.group is not None else ""
+        return f"draw {self.name}: {what} {_SIGNS[self.operation]} {self.drawing}{shared}{grouped}"
 
 
 def must_not_be_negative(attribute: str, component: int) -> bool:
@@ -90,8 +97,13 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
     if per not in PER:
         near = closest(str(per), PER)
         faults.append(Fault("wrong-keyword", f"`per` of {owner} cannot be {kind_of(per)}", (name, "per"),
-                            remarks=(Remark(exists_note("keyword", PER).message),),
-                            help=f"write `per: {near[0] if near else PER[0]}`"))  # fmt: skip
+                            notes=(exists_note("keyword", PER),),
+                            help=f"write `per: {near[0] if near else PER[0]}`",
+                            fix=renaming(str(per), PER)))  # fmt: skip
+    group = value.get("group")
+    if group is not None and (not isinstance(group, str) or not group):
+        message = f"`group` of {owner} is the name of a group, got {kind_of(group)}"
+        faults.append(Fault("wrong-type", message, (name, "group"), help="write for instance `group: wear`"))
     expect, optional = read_count(value, (name,), faults, owner)
     for key in ("attr", "param"):
         if key in value and (not isinstance(value[key], str) or not value[key]):
@@ -103,7 +115,7 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
         return None
     field = DrawField(
         name, drawing, operation, selector, value.get("attr", ""), value.get("param"), per, expect, optional,
-        path_of(value),
+        path_of(value), group,
     )  # fmt: skip
     if selector is not None:
         _check_attribute(field, selector, (*at, drawing.kind), bare_angles, faults)
@@ -113,10 +125,10 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
 def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
     for key in value:
         if key not in KEYS:
-            near = closest(key, KEYS)
-            remark = Remark(exists_note("key", KEYS, key).message)
-            yield Fault("unknown-key", f"field `{name}` of `randomize` has no key `{key}`", (name, key), key=True,
-                        remarks=(remark,), help=inside(key) or (f"write `{near[0]}`" if near else None))  # fmt: skip
+            message = f"field `{name}` of `randomize` has no key `{key}`"
+            fault = unknown_key(message, key, KEYS, (name, key))
+            elsewhere = inside(key)
+            yield replace(fault, help=elsewhere, fix=None) if elsewhere else fault
 
 
 def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Fault]:
@@ -127,8 +139,8 @@ def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Faul
         for key in _SELECTING:
             if key in value:
                 message = f"field `{name}` draws a parameter, and has `{key}` as well"
-                remarks = (Remark("the parameter is named here", (name, "param")),)
-                yield Fault(EXCLUSIVE, message, (name, key), key=True, remarks=remarks,
+                related = (("the parameter is named here", (name, "param")),)
+                yield Fault(EXCLUSIVE, message, (name, key), key=True, related=related,
                             help=f"leave `param` or `{key}` out")  # fmt: skip
         return
     for key, example in (("select", '{geom: "**"}'), ("attr", "friction")):
@@ -147,7 +159,7 @@ def _written(
         help = f"write for instance `uniform: {EXAMPLES['uniform']}`, or `scale: {{uniform: …}}` for a factor"
         message = f"field `{name}` of `randomize` has no distribution"
         faults.append(Fault("missing-key", message, (name,), key=True, help=help,
-                            remarks=(Remark(exists_note("distribution", KINDS).message),)))  # fmt: skip
+                            notes=(exists_note("distribution", KINDS),)))  # fmt: skip
     for other in given[1:]:
         message = f"field `{name}` has both `{given[0]}` and `{other}`, of which only one may stand"
         faults.append(
@@ -167,7 +179,7 @@ def _written(
         faults.append(
             Fault("wrong-type", f"`{operation}` of field `{name}` is a mapping with one distribution, "
                   f"got {_keys_of(inner)}",
-                  at, remarks=(Remark(exists_note("distribution", KINDS).message),),
+                  at, notes=(exists_note("distribution", KINDS),),
                   help=f"write `{near[0]}`" if near else help)
         )  # fmt: skip
         return operation, None, {}, at
@@ -207,7 +219,8 @@ def _check_attribute(
         attribute_at = (field.name, "attr")
         wrong_name = fault.code in ("unknown-attribute", "unknown-key", "unknown-element") or fault.key
         faults.append(Fault(fault.code, fault.message, attribute_at if wrong_name else at,
-                            remarks=fault.remarks, help=fault.help))  # fmt: skip
+                            notes=fault.notes, help=fault.help,
+                            fix=fault.fix if wrong_name else None))  # fmt: skip
         return
     whole = [each for each in fitting if each.type == "int"]
     if fitting and len(whole) == len(fitting) and drawing.kind not in ("integers", CHOICE):

@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
-
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import advised
 from composer.grammar import GRAMMAR
 from composer.recipe.count import COUNT, read_count
 from composer.recipe.edit_schema import drops
-from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.fault import Fault, Path
+from composer.recipe.form import Form
+from composer.recipe.reference import Schema
 from composer.recipe.select import read_selector
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.tree.selector import EVERYTHING, Selector, known_tags, paths_of
 
@@ -42,27 +43,19 @@ class Drop:
 
 
 @dataclass(frozen=True, slots=True)
-class Drops:
+class Drops(Form):
     """Marks a field `drop`: `[light, contact, {geom: "visual_*"}]`. Gives a tuple of `Drop`."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         return drops()
 
-    def _validate(self, value: Any) -> tuple[Drop, ...]:
-        faults: list[Fault] = []
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Drop, ...]:
         found: list[Drop | None] = []
         if isinstance(value, list):
             found = [_drop(item, index, (index,), faults) for index, item in enumerate(value)]
         else:
             help = f"write `drop: [{value}]`" if isinstance(value, str) else "write `drop: [light, contact]`"
             faults.append(Fault("wrong-type", f"`drop` expects a list, got {kind_of(value)}", help=help))
-        if faults:
-            raise refusal(faults, value)
         return tuple(each for each in found if each is not None)
 
 
@@ -81,12 +74,18 @@ def _drop(value: Any, index: int, at: Path, faults: list[Fault]) -> Drop | None:
         return None
     if paths_of(value):
         return Drop(None, Selector(value, EVERYTHING), index)
-    near = closest(value, known_tags())
-    remarks = (
-        () if near else (Remark("a section (`contact`), a tag (`light`) or a selector (`{geom: visual_*}`)"),)
+    help, fix = advised(value, known_tags())
+    notes = (
+        () if help else (Note("a section (`contact`), a tag (`light`) or a selector (`{geom: visual_*}`)"),)
     )
     faults.append(
-        Fault("unknown-element", f"MJCF has no section and no element `{value}`", at, remarks=remarks,
-              help=f"write `{near[0]}`" if near else None)
-    )  # fmt: skip
+        Fault(
+            "unknown-element",
+            f"MJCF has no section and no element `{value}`",
+            at,
+            notes=notes,
+            help=help,
+            fix=fix,
+        )
+    )
     return None

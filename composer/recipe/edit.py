@@ -1,30 +1,31 @@
-"""Changes to what is there: the entries of `edit`, each a selector and what is done to what it selects."""
+"""Changes to the model: the entries of `edit`, each a selector and what is done to what it selects."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
-from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.count import read_count
-from composer.recipe.edit_schema import edits
-from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, refusal
+from composer.recipe.allow import ALLOW, read_codes
+from composer.recipe.count import COUNT, read_count
+from composer.recipe.edit_schema import OWN, edits
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, unknown_key
+from composer.recipe.form import Form
 from composer.recipe.raw import path_of
+from composer.recipe.reference import Schema
+from composer.recipe.rows import check_rows
 from composer.recipe.select import inside, read_selector
-from composer.recipe.settings import settings
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.recipe.verbs.table import VERBS
 from composer.recipe.verbs.values import Checker
 from composer.recipe.verbs.verb import Selected
 from composer.tree.selector import Selector
 
-KEYS = ("id", "select", "expect", "optional", *VERBS, "when")
+KEYS = ("id", "select", *COUNT, *VERBS, "allow", "when")
 """The keys of an entry, in the order in which `fmt` writes them."""
-_KNOWN = ("select", *VERBS, "expect", "optional", "id", "when")
+check_rows("the keys of `edit` in composer/recipe/edit_schema.py", [*OWN, *VERBS], KEYS)
+_KNOWN = ("select", *VERBS, *COUNT, "id", "allow", "when")
 """The same for messages, which list the first few: what does something comes first."""
 
 
@@ -50,22 +51,16 @@ class Edit:
 
 
 @dataclass(frozen=True, slots=True)
-class Edits:
+class Edits(Form):
     """Marks a field `edit`: a list of entries. Gives a tuple of `Edit`."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         return edits()
 
-    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Edit, ...]:
-        faults: list[Fault] = []
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Edit, ...]:
         found: list[Edit] = []
         if isinstance(value, list):
-            checker = Checker(settings(info.context).bare_angles, faults)
+            checker = Checker(settings.bare_angles, faults)
             found = [
                 edit
                 for index, item in enumerate(value)
@@ -76,8 +71,6 @@ class Edits:
             faults.append(
                 Fault("wrong-type", f"`edit` expects a list of entries, got {kind_of(value)}", help=help)
             )
-        if faults:
-            raise refusal(faults, value)
         return tuple(found)
 
 
@@ -110,12 +103,14 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
                 f"`{alone}` stands alone, and there is `{other}` as well",
                 (*at, alone),
                 key=True,
-                remarks=(Remark(f"`{other}` is written here", (*at, other)),),
+                related=((f"`{other}` is written here", (*at, other)),),
                 help=f"leave `{alone}` or `{other}` out",
             )
         )
     read = {name: VERBS[name].read(value[name], Selected(selector, (*at, name), checker)) for name in verbs}
     expect, optional = read_count(value, at, faults)
+    if ALLOW in value:
+        read_codes(value[ALLOW], (*at, ALLOW), faults)
     if selector is None or len(faults) > before:
         return None
     return Edit(selector, read, expect, optional, path_of(value))
@@ -125,14 +120,7 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
     for name in value:
         if name in KEYS:
             continue
-        near = closest(name, KEYS)
-        help = inside(name) or (f"write `{near[0]}`" if near else None)
-        remark = Remark(exists_note("key", _KNOWN, name).message)
-        yield Fault(
-            "unknown-key",
-            f"`{name}` is not a key of an entry of `edit`",
-            (*at, name),
-            key=True,
-            remarks=(remark,),
-            help=help,
-        )
+        message = f"`{name}` is not a key of an entry of `edit`"
+        fault = unknown_key(message, name, _KNOWN, (*at, name))
+        elsewhere = inside(name)
+        yield replace(fault, help=elsewhere, fix=None) if elsewhere else fault

@@ -3,17 +3,42 @@
 from __future__ import annotations
 
 from composer.grammar import GRAMMAR
+from composer.recipe.allow import codes_schema
+from composer.recipe.count import SCHEMAS as COUNTS
 from composer.recipe.pattern import GLOB
 from composer.recipe.reference import Schema, definition, reference
+from composer.recipe.rows import check_rows
+from composer.recipe.select import NARROWING
 from composer.recipe.settable_schema import TAGS
 from composer.recipe.verbs.table import VERBS
 from composer.tree.selector import known_tags
 
 _TEXT: Schema = {"type": "string", "minLength": 1}
-_COUNT: Schema = {
-    "expect": {"type": "integer", "minimum": 0, "description": "how many elements must be selected"},
-    "optional": {"type": "boolean", "description": "whether it may be that nothing is selected"},
+OWN: dict[str, Schema] = {
+    "select": {**reference("selector"), "description": "which elements are meant"},
+    **COUNTS,
+    "id": {
+        **_TEXT,
+        "description": "a name by which a recipe that extends this one can replace the entry",
+    },
+    "allow": {
+        **codes_schema(),
+        "description": "the codes of warnings about it that are meant to be there",
+    },
+    "when": {"description": "the builds that it belongs to"},
 }
+"""The keys of an entry of `edit` that are not verbs."""
+_NARROWING: dict[str, Schema] = {
+    "parent": {**reference("selector"), "description": "the body, or other element, that it stands in"},
+    "in": {**reference("selector"), "description": "an element that it stands in, at any depth"},
+    "part": {**GLOB, "description": "the part that it came from"},
+    "class": {**GLOB, "description": "the default class in effect, or one that it descends from"},
+    "where": {
+        "type": ["object", "string"],
+        "description": "attributes and their values in effect, or one boolean `${…}`",
+    },
+}
+check_rows("the JSON Schema of selectors in composer/recipe/edit_schema.py", _NARROWING, NARROWING)
 
 
 def edits() -> Schema:
@@ -30,16 +55,8 @@ def drops() -> Schema:
 def edit(_: str) -> Schema:
     """One entry of `edit`."""
     verbs = {name: {**verb.schema(), "description": verb.description} for name, verb in VERBS.items()}
-    properties: Schema = {
-        "select": {**reference("selector"), "description": "which elements are meant"},
-        **_COUNT,
-        **verbs,
-        "id": {
-            **_TEXT,
-            "description": "a name by which a recipe that extends this one can replace the entry",
-        },
-        "when": {"description": "the builds that it belongs to"},
-    }
+    first = ("select", *COUNTS)
+    properties: Schema = {**{name: OWN[name] for name in first}, **verbs, **OWN}
     return {
         "type": "object",
         "properties": properties,
@@ -76,20 +93,10 @@ def _where_selected(tag: str, forms: dict[str, Schema]) -> Schema:
 @definition("selector")
 def selector(_: str) -> Schema:
     """A mapping from a tag to a glob, and what narrows it down."""
-    narrowing: Schema = {
-        "parent": {**reference("selector"), "description": "the body, or other element, that it stands in"},
-        "in": {**reference("selector"), "description": "an element that it stands in, at any depth"},
-        "part": {**GLOB, "description": "the part that it came from"},
-        "class": {**GLOB, "description": "the default class in effect, or one that it descends from"},
-        "where": {
-            "type": ["object", "string"],
-            "description": "attributes and their values in effect, or one boolean `${…}`",
-        },
-    }
     return {
         "type": "object",
-        "properties": narrowing,
-        "propertyNames": {"enum": [*narrowing, *known_tags(), *_paths()]},
+        "properties": dict(_NARROWING),
+        "propertyNames": {"enum": [*NARROWING, *known_tags(), *_paths()]},
         "additionalProperties": GLOB,
         "minProperties": 1,
     }
@@ -99,8 +106,8 @@ def selector(_: str) -> Schema:
 def dropped(_: str) -> Schema:
     """A selector in `drop`, with how many elements it must mean."""
     schema = selector("")
-    schema["properties"] |= _COUNT
-    schema["propertyNames"] = {"enum": [*_COUNT, *schema["propertyNames"]["enum"]]}
+    schema["properties"] |= COUNTS
+    schema["propertyNames"] = {"enum": [*COUNTS, *schema["propertyNames"]["enum"]]}
     return schema
 
 

@@ -2,7 +2,7 @@
 
 Schemas point at one another with `{REFERENCE: NAME}`, which `define` makes the schema of: `element:geom`,
 `named:mesh`, `number`. Only what is asked for is made. Editors show errors best where there are few
-alternatives, so choices are made with `if` and `then` wherever something in the value tells what it is.
+alternatives, so choices are made with `if` and `then` wherever something in the value shows what it is.
 """
 
 from __future__ import annotations
@@ -83,14 +83,14 @@ def _children(kind: ElementType) -> Schema:
     several: Schema = {"items": one}
     if kind.max_count is not None:
         several["maxItems"] = kind.max_count
-    return told(
+    return described(
         {"type": ["object", "array"], "if": {"type": "array"}, "then": several, "else": one}, kind.doc
     )
 
 
 def _settings() -> Schema:
     single: Schema = {"type": ["string", "number", "boolean"]}
-    return told(
+    return described(
         by_name({"type": [*single["type"], "array"], "items": single}),
         "the settings of the plugin, by its own keys",
     )
@@ -106,7 +106,7 @@ def _rule(rule: Constraint) -> list[Schema]:
                 "if": {"required": [name]},
                 "then": {
                     "properties": {other: False for others in bundles[index + 1 :] for other in others},
-                    "errorMessage": f"`{name}` is there already, and only one of the two may stand",
+                    "errorMessage": f"`{name}` exists already, and only one of the two may stand",
                 },
             }
             for index, bundle in enumerate(bundles[:-1])
@@ -127,7 +127,7 @@ def mapping(properties: dict[str, Schema]) -> Schema:
     return {"type": "object", "properties": properties, "additionalProperties": False}
 
 
-def told(schema: Schema, description: str) -> Schema:
+def described(schema: Schema, description: str) -> Schema:
     """The schema with a description, if there is any."""
     return {**schema, "description": description} if description else schema
 

@@ -8,13 +8,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.fix import Fix
+from composer.diagnostics.suggest import advised, closest, exists_note
 from composer.expand.expand import SETTLED
 from composer.recipe.advice import without_space
 from composer.recipe.at_top import belongs, part_keys
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
-from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.fault import Fault, Path
 from composer.recipe.model import Model
 from composer.recipe.recipe import VERSION, Recipe
 from composer.recipe.shown import kind_of
@@ -29,17 +30,21 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     """
     errors = error.errors(include_url=False)
     extra = [each for each in errors if each["type"] == "extra_forbidden"]
-    missing = [each for each in errors if each["type"] == "missing"]
+    missing: dict[Path, dict[str, Any]] = {}
+    for each in errors:
+        if each["type"] == "missing":
+            missing.setdefault(each["loc"][:-1], {})[str(each["loc"][-1])] = each
     typos = {id(each): _meant(each["loc"], missing) for each in extra}
     meant = {id(each) for each in typos.values() if each is not None}
-    stray = [*part_keys(data)] if isinstance(data, Mapping) else []
+    parts = part_keys(data) if isinstance(data, Mapping) else {}
+    stray = [*parts]
     for each in errors:
         loc = real_path(data, each["loc"])
         if each["type"] == "fault":
             yield _moved(each["ctx"]["fault"], loc, each["loc"], data)
         elif each["type"] == "extra_forbidden":
             if loc[0] not in stray[1:]:  # the keys of a part at the top are one mistake
-                yield _extra(loc, typos[id(each)], data)
+                yield _extra(loc, typos[id(each)], data, parts)
         elif each["type"] != "missing":
             yield _other(each, loc)
         elif id(each) not in meant:
@@ -47,7 +52,7 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
 
 
 def real_path(data: Any, loc: Path) -> Path:
-    """The path without what is no key in the data, such as the alternatives that pydantic names in it.
+    """The path without what is not a key in the data, such as the alternatives that pydantic names in it.
 
     The last step stays, as it may be a key that is missing.
 
@@ -74,45 +79,55 @@ def _below(data: Any, step: str | int) -> Any:
     return _NOTHING
 
 
-def _meant(loc: Path, missing: list[Any]) -> Any | None:
-    """The error of the missing key that an unknown one beside it was meant to be."""
-    beside = {each["loc"][-1]: each for each in missing if each["loc"][:-1] == loc[:-1]}
-    near = closest(str(loc[-1]), [str(name) for name in beside])
+def _meant(loc: Path, missing: Mapping[Path, Mapping[str, Any]]) -> Any | None:
+    """The error of the missing key that an unknown one beside it was meant to be; `missing` by mapping and key."""
+    beside = missing.get(loc[:-1], {})
+    near = closest(str(loc[-1]), list(beside)) if beside else []
     return beside[near[0]] if near else None
 
 
 def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
-    """A fault and its remarks, with their paths put behind that of the value in which they were found."""
+    """A fault with its paths put behind that of the value in which it was found."""
     start = raw[: len(raw) - len(fault.at)]
-    remarks = tuple(
-        Remark(each.message, None if each.at is None else real_path(data, (*start, *each.at)))
-        for each in fault.remarks
-    )
-    return replace(fault, at=loc, remarks=remarks)
+    related = tuple((message, real_path(data, (*start, *at))) for message, at in fault.related)
+    return replace(fault, at=loc, related=related)
 
 
-def _extra(loc: Path, meant: Any | None, data: Any) -> Fault:
+def _extra(loc: Path, meant: Any | None, data: Any, parts: Mapping[str, Any]) -> Fault:
     name = str(loc[-1])
     model, owner = _owner(loc[:-1])
-    known = [field.alias or name for name, field in model.model_fields.items()]
+    known = _keys(model)
+    if model is Attachment:  # a note lists the first few: what places a part is most often meant
+        known.sort(key=lambda name: name != "model" and name in _keys(Base))
     known += SETTLED if model is Recipe else ()
-    near = [str(meant["loc"][-1])] if meant is not None else closest(name, known)
-    help = f"write `{near[0]}`" if near else None
-    if model is Recipe and len(loc) == 1:
-        help = belongs(name, data[name], data) or help
-    remark = Remark(exists_note("key", known, name).message)
-    return Fault("unknown-key", f"{owner} has no key `{name}`", loc, key=True, remarks=(remark,), help=help)
+    help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
+    if model is Recipe and len(loc) == 1 and (elsewhere := belongs(name, data[name], parts)):
+        help, fix = elsewhere, None
+    note = exists_note("key", known, name)
+    return Fault(
+        "unknown-key", f"{owner} has no key `{name}`", loc, key=True, notes=(note,), help=help, fix=fix
+    )
+
+
+def _keys(model: type[Model]) -> list[str]:
+    return [field.alias or name for name, field in model.model_fields.items()]
 
 
 def _missing(loc: Path) -> Fault:
     if loc == ("recipe",):
         message = "the recipe does not say which version of the language it is written in"
-        return Fault("missing-key", message, help=f"write `recipe: {VERSION}` as its first line")
+        help = f"write `recipe: {VERSION}` as its first line"
+        return Fault("missing-key", message, help=help, fix=Fix(f"recipe: {VERSION}\n"))
     name = str(loc[-1])
     _, owner = _owner(loc[:-1])
     example = "./FILE.xml" if name == "model" else "…"
     return Fault(
-        "missing-key", f"{owner} lacks `{name}`", loc[:-1], key=True, help=f"write `{name}: {example}`"
+        "missing-key",
+        f"{owner} lacks `{name}`",
+        loc[:-1],
+        key=True,
+        help=f"write `{name}: {example}`",
+        lacks=name,
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from composer.grammar.element import ElementType
 from composer.recipe.by_tag import ByTag
 from composer.recipe.element import Element
-from composer.recipe.element_schema import by_name, element, mapping, told
+from composer.recipe.element_schema import by_name, described, element, mapping
 from composer.recipe.fault import Path
 from composer.recipe.reader import Reader
 from composer.recipe.reference import Schema, reference
@@ -26,9 +26,9 @@ class Extension(ByTag):
     def schema(self) -> Schema:
         kind = self.kind.children["plugin"]
         instance = kind.children["instance"]
-        instances = {"instance": told(by_name(reference(f"named:{instance.path}")), instance.doc)}
+        instances = {"instance": described(by_name(reference(f"named:{instance.path}")), instance.doc)}
         plugins = by_name(element(kind, keyed=("plugin",), properties=instances))
-        return mapping({"plugin": told(plugins, kind.doc)})
+        return mapping({"plugin": described(plugins, kind.doc)})
 
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
         instances: list[Element] = []

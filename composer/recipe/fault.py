@@ -3,55 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from pydantic import ValidationError, ValidatorFunctionWrapHandler
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.fault import Fault, Path
+from composer.diagnostics.fix import Fix
+from composer.diagnostics.suggest import advised, exists_note
 
-Path = tuple[str | int, ...]
+__all__ = ["EXCLUSIVE", "Fault", "Path", "checked", "refusal", "unknown_key", "unplaced"]
 
 # Two keys of which only one may stand.
 EXCLUSIVE = "wrong-type"
 
 
-@dataclass(frozen=True, slots=True)
-class Remark:
-    """A note of a fault; `at`, where there is one, starts from the same place as that of the fault."""
-
-    message: str
-    at: Path | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """What becomes a diagnostic once its place in the file is looked up.
-
-    `at` starts from the value that was validated; with `key` the fault lies in the key at the end of `at`. `within` is
-    the line, the column and the width of what is wrong in a text of several lines. `lacks` is the key that is missing
-    in the mapping at `at`, or with `beside` in that which has the key at the end of `at`. `names` are the keys that are
-    missing, or too many.
-    """
-
-    code: str
-    message: str
-    at: Path = ()
-    key: bool = False
-    remarks: tuple[Remark, ...] = ()
-    help: str | None = None
-    within: tuple[int, int, int] | None = None
-    lacks: str | None = None
-    beside: bool = False
-    names: tuple[str, ...] = ()
-
-
-def unplaced(diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None) -> Fault:
-    """A diagnostic of which only the path in the recipe is known; with `help` in place of its own."""
-    remarks = tuple(Remark(note.message) for note in diagnostic.notes)
+def unplaced(
+    diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None, fix: Fix | None = None
+) -> Fault:
+    """A diagnostic of which only the path in the recipe is known; with `help` and `fix` in place of its own."""
     names = tuple(sorted(diagnostic.subjects))
-    return Fault(diagnostic.code, diagnostic.message, at, key, remarks, help or diagnostic.help, names=names)
+    fix = fix if help else diagnostic.fix
+    help = help or diagnostic.help
+    return Fault(diagnostic.code, diagnostic.message, at, key, diagnostic.notes, help, names=names, fix=fix)
+
+
+def unknown_key(message: str, name: str, known: Iterable[str], at: Path, *, noun: str = "key") -> Fault:
+    """The fault of a key that a mapping cannot have; `known` are those that it may have, each a `noun`."""
+    known = list(known)
+    help, fix = advised(name, known)
+    note = exists_note(noun, known, name)
+    return Fault("unknown-key", message, at, key=True, notes=(note,), help=help, fix=fix)
 
 
 def refusal(faults: Sequence[Fault], value: object) -> ValidationError:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from xml.parsers import expat
 
+from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import closest, exists_note
 from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar.check import check_value
 from composer.grammar.element import ElementType
 from composer.grammar.number import items, parse_real
 from composer.recipe.angles import bare_angle
-from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.fault import Fault, Path
 from composer.recipe.presence import absent, clashing
 
 
@@ -33,6 +34,20 @@ def check_fragment(
     before = len(faults)
     check.run(text)
     return (check.root[0], check.root[1]) if check.root and len(faults) == before else None
+
+
+def names_in(text: str, tags: Collection[str]) -> list[tuple[str, str]]:
+    """The tag and the name of each element of those tags that a fragment without faults declares."""
+    found: list[tuple[str, str]] = []
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        if tag in tags and attributes.get("name"):
+            found.append((tag, attributes["name"]))
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = start
+    parser.Parse(text, True)
+    return found
 
 
 _MEND = {
@@ -150,13 +165,13 @@ class _Check:
         help: str | None = None,
         names: tuple[str, str, Collection[str]] | None = None,
     ) -> None:
-        remarks: Iterable[Remark] = ()
+        notes: Iterable[Note] = ()
         if names is not None:
             kind, written, known = names
             near = closest(written, known)
             help = f"write `{near[0]}`" if near else f"take `{written}` out"
-            remarks = (Remark(exists_note(kind, known, written).message),)
+            notes = (exists_note(kind, known, written),)
         if within is None:
             tag = self.opened or " "
             within = (self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 2, len(tag))
-        self.faults.append(Fault(code, message, self.at, remarks=tuple(remarks), help=help, within=within))
+        self.faults.append(Fault(code, message, self.at, notes=tuple(notes), help=help, within=within))

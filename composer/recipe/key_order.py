@@ -1,18 +1,25 @@
-"""The keys that `fmt` puts in order are those of the models: a key in only one of the two fails at import.
+"""The order in which `fmt` writes the keys of a recipe: that of the fields and rows of the language.
 
-`fmt` has its own list because it is run at every save, and importing the models takes longer than formatting.
+`python -m composer.recipe.key_order > composer/formatting/key_order.json` writes it anew. `fmt` runs at every save and
+reads that file: importing the models takes longer than formatting.
 """
 
 from __future__ import annotations
 
+import json
+import sys
 from collections.abc import Iterable
 
 from composer.expand.expand import SETTLED
-from composer.formatting.order import FIRST, WHOLE, Path
+from composer.expand.matrix import KEYS as MATRIX
+from composer.expand.params import KEYS as PARAMETER
+from composer.recipe.add import ID, TO, Additions
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
+from composer.recipe.default_class import PARENT, Defaults
 from composer.recipe.edit import KEYS as EDIT
 from composer.recipe.keyframe import KEYS as KEYFRAME
+from composer.recipe.keyframe import Keyframes
 from composer.recipe.model import Model
 from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe, sections_of
@@ -20,30 +27,69 @@ from composer.recipe.rows import check_rows
 from composer.recipe.typed import TYPE, Typed
 
 _WHEN = "when"
+_AFTER = {
+    "extends": "description",
+    "trust": "extends",
+    "params": "conflict",
+    "variants": "keyframe",
+    "matrix": "variants",
+}
+"""What is settled before a recipe is validated, each with the key behind which it stands."""
+check_rows("the places of keys in composer/recipe/key_order.py", _AFTER, SETTLED)
+
+
+def key_order() -> dict[str, dict[str, list[str]]]:
+    """Keys by the path of their mapping, with `*` for any name or index.
+
+    `whole` are mappings where each key has a place; in those of `first` some keys come first, and the author decides
+    on the others.
+    """
+    edit = list(EDIT)
+    whole = {
+        "": _top(),
+        "base": _keys(Base),
+        "attach.*": [*_keys(Attachment), _WHEN],
+        "edit.*": edit,
+        "base.edit.*": edit,
+        "attach.*.edit.*": edit,
+        "params.*": list(PARAMETER),
+        **{f"{section}.*": list(KEYFRAME) for section in sections_of(Keyframes)},
+        "matrix": list(MATRIX),
+        "randomize": _keys(Randomize),
+    }
+    first = {
+        **_each(sections_of(Additions), ID, TO),
+        **_each(sections_of(Defaults), PARENT),
+        **_each(sections_of(Typed), TYPE),
+    }
+    return {"whole": whole, "first": first}
+
+
+def text() -> str:
+    """The order as the text of its file, a mapping a line."""
+    tables = [
+        f'  "{name}": {{\n'
+        + ",\n".join(f"    {json.dumps(path)}: {json.dumps(keys)}" for path, keys in table.items())
+        + "\n  }"
+        for name, table in key_order().items()
+    ]
+    return "{\n" + ",\n".join(tables) + "\n}\n"
+
+
+def _top() -> list[str]:
+    keys = _keys(Recipe)
+    for key, before in _AFTER.items():
+        keys.insert(keys.index(before) + 1, key)
+    return keys
 
 
 def _keys(model: type[Model]) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()]
 
 
-def _check(path: Path, keys: Iterable[str], others: Iterable[str] = (), in_order: bool = True) -> None:
-    """Compare the order at a path; `others` are keys that may stand anywhere among these."""
-    table, keys, others = f"the order of the keys of {'.'.join(path) or 'a recipe'}", list(keys), set(others)
-    order = [key for key in WHOLE[path] if key not in others]
-    check_rows(f"{table} in composer/formatting/order.py", order, keys)
-    if in_order and order != keys:
-        raise TypeError(f"{table} is {' '.join(keys)}, and in composer/formatting/order.py {' '.join(order)}")
+def _each(sections: Iterable[str], *keys: str) -> dict[str, list[str]]:
+    return {f"{section}.*": list(keys) for section in sections}
 
 
-# The models of a part and of the base have the keys first that most people need: messages list the first few.
-_check((), _keys(Recipe), SETTLED)
-_check(("attach", "*"), _keys(Attachment), [_WHEN], in_order=False)
-_check(("base",), _keys(Base), {*_keys(Attachment), _WHEN}.difference(_keys(Base)), in_order=False)
-_check(("edit", "*"), EDIT)
-_check(("keyframe", "*"), KEYFRAME)
-_check(("randomize",), _keys(Randomize))
-check_rows(
-    "the sections with a `type` in composer/formatting/order.py",
-    [path[0] for path, keys in FIRST.items() if keys == (TYPE,)],
-    sections_of(Typed),
-)
+if __name__ == "__main__":
+    sys.stdout.write(text())

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
 from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.recipe.attribute_schema import attribute_schema
+from composer.recipe.controls import CTRL, HOLD, JOINT, Controls, controls_schema, read_controls
 from composer.recipe.element import Single
 from composer.recipe.element_schema import by_name, mapping
-from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.fault import Fault, Path, unknown_key
 from composer.recipe.raw import path_of
 from composer.recipe.reader import Reader
 from composer.recipe.reference import Schema, reference
@@ -42,7 +42,8 @@ Entry = tuple[Single, ...]
 class Keyframe:
     """One key: what it takes over from keys of parts, by the path of the part, and the entries that it sets.
 
-    `values` has the entries of each vector by name. `at` is the path to its mapping in the recipe.
+    `values` has the entries of each vector by name, `controls` what else `ctrl` says. `at` is the path to its mapping
+    in the recipe.
     """
 
     name: str
@@ -50,13 +51,14 @@ class Keyframe:
     sources: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[str, Mapping[str, Entry]] = field(default_factory=dict)
     at: Path = ()
+    controls: Controls = field(default_factory=Controls)
 
 
 @dataclass(frozen=True, slots=True)
 class Keyframes(Section):
     """A mapping from the names of keys to what is in them. Gives a tuple of `Keyframe`."""
 
-    def read(self, reader: Reader, value: Any) -> tuple[Keyframe, ...]:
+    def content(self, reader: Reader, value: Any) -> tuple[Keyframe, ...]:
         entries = reader.names(value, (), f"`{self.tag}`")
         read = [_keyframe(reader, name, item) for name, item in entries]
         return tuple(each for each in read if each is not None)
@@ -74,6 +76,7 @@ class Keyframes(Section):
             }
             for vector, named in VECTORS.items()
         }
+        entries[CTRL] = controls_schema(reference("number-1-"), entries[CTRL]["description"])
         return by_name(mapping({FROM: sources, TIME: attribute_schema(key.attributes[TIME]), **entries}))
 
 
@@ -86,25 +89,28 @@ def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:
         return None
     for key in value:
         if key not in KEYS:
-            near = closest(key, KEYS)
-            reader.faults.append(
-                Fault(
-                    "unknown-key",
-                    f"`{key}` is not a key of a keyframe",
-                    (*at, key),
-                    key=True,
-                    remarks=(Remark(exists_note("key", KEYS).message),),
-                    help=f"write `{near[0]}`" if near else None,
-                )
-            )
+            fault = unknown_key(f"`{key}` is not a key of a keyframe", key, KEYS, (*at, key))
+            if key == HOLD:
+                help = f"write `{CTRL}: {HOLD}`, or `{CTRL}: {{{HOLD}: forces}}`"
+                fault = replace(fault, help=help, fix=None)
+            reader.faults.append(fault)
+    given = dict(value)
+    controls = Controls()
+    if CTRL in given:
+        read = read_controls(reader, given.pop(CTRL), (*at, CTRL), owner)
+        if read is not None:
+            controls, by_actuator, by_joint = read
+            joints = _entries(reader, CTRL, by_joint, (*at, CTRL, JOINT), owner, "joint")
+            controls = replace(controls, joints=joints)
+            given[CTRL] = by_actuator
     values = {
-        vector: _entries(reader, vector, value[vector], (*at, vector), owner)
+        vector: _entries(reader, vector, given[vector], (*at, vector), owner, VECTORS[vector])
         for vector in VECTORS
-        if vector in value
+        if vector in given
     }
     sources = _sources(reader, value[FROM], (*at, FROM), owner) if FROM in value else {}
     time = _time(reader, value[TIME], (*at, TIME), owner) if TIME in value else None
-    return Keyframe(name, time, sources, values, path_of(value))
+    return Keyframe(name, time, sources, values, path_of(value), controls)
 
 
 def _time(reader: Reader, value: Any, at: Path, owner: str) -> float | None:
@@ -135,9 +141,8 @@ def _sources(reader: Reader, value: Any, at: Path, owner: str) -> dict[str, str]
     return found
 
 
-def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str) -> dict[str, Entry]:
-    """The entries of one vector, by name."""
-    named = VECTORS[vector]
+def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str, named: str) -> dict[str, Entry]:
+    """The entries of one vector, by the name of what is `named`."""
     if not isinstance(value, dict):
         help = f"write `{vector}: {{{named.upper().replace(' ', '_')}: {_EXAMPLES.get(vector, '0.1')}}}`"
         message = f"`{vector}` of {owner} expects a mapping by {named}, got {kind_of(value)}"
@@ -147,6 +152,11 @@ def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str) -> d
     found: dict[str, Entry] = {}
     for name, item in value.items():
         subject, path = f"{named} `{name}` in {owner}", (*at, name)
+        if item == HOLD:
+            message = f"`{vector}` of {subject} is given in numbers: what holds a pose are controls"
+            help = f"give the pose in `qpos`, and write `{CTRL}: {HOLD}` beside it"
+            reader.faults.append(Fault("wrong-type", message, path, help=help))
+            continue
         read = read_value(attribute, item, path, subject, reader.faults)
         if read is None:
             continue

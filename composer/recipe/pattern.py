@@ -5,7 +5,7 @@ from __future__ import annotations
 from composer.recipe.fault import Fault, Path
 from composer.recipe.reference import Schema
 from composer.tree.glob import stray_brace
-from composer.tree.pattern import fault_of, is_regular
+from composer.tree.pattern import fault_of, is_pattern, is_regular, length_fault
 
 GLOB: Schema = {
     "type": "string",
@@ -18,6 +18,13 @@ GLOB: Schema = {
 
 def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
     """The fault of what `owner` is compared with, or None."""
+    if is_pattern(text) and (wrong := length_fault(text)) is not None:
+        return Fault(
+            "wrong-type",
+            f"{owner}: {wrong}",
+            at,
+            help="give the elements a class or a `part`, or write several entries",
+        )
     if is_regular(text):
         wrong = fault_of(text[1:-1])
         return (

@@ -17,7 +17,7 @@ _NESTED = ("additionalProperties", "items", "then", "else", "not")
 def loosened(properties: Schema, definitions: dict[str, Schema]) -> Schema:
     """The same properties with all keys optional and null allowed; what they refer to is added to `definitions`.
 
-    Conditions stay as they are: what decides between forms is no demand.
+    Conditions stay as they are: what decides between forms is not a demand.
     """
     loose = {name: _optional(each, definitions) for name, each in properties.items()}
     return {name: _nullable(each) for name, each in loose.items()}

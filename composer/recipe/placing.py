@@ -7,20 +7,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.recipe.angles import bare_angle
 from composer.recipe.attribute_schema import attribute_schema
-from composer.recipe.element import Element, Single
-from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.element import Element, Single, Value
+from composer.recipe.fault import Fault, Path
+from composer.recipe.form import Form
 from composer.recipe.presence import lacks
 from composer.recipe.reader import Reader, label
-from composer.recipe.reference import reference
-from composer.recipe.settings import settings
+from composer.recipe.reference import Schema, reference
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.recipe.value import read_value
 
@@ -40,7 +38,7 @@ _NEUTRAL = {
 
 
 @dataclass(frozen=True, slots=True)
-class Offset:
+class Offset(Form):
     """Marks a field as an attribute of a frame: `pos`, or one of the orientations.
 
     Gives a tuple; `Angle`s stand in it only where the attribute is an angle.
@@ -48,29 +46,21 @@ class Offset:
 
     name: str
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         return attribute_schema(GRAMMAR.element("frame").attributes[self.name])
 
-    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Single, ...]:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Value | None:
         attribute = GRAMMAR.element("frame").attributes[self.name]
-        faults: list[Fault] = []
         read = read_value(attribute, value, (), OWNER, faults)
         if isinstance(read, tuple) and attribute.angle is None:
             read = tuple(item.radians if isinstance(item, Angle) else item for item in read)
-        elif read is not None and not settings(info.context).bare_angles:
+        elif read is not None and not settings.bare_angles:
             bare = bare_angle(attribute, read, None, (), OWNER)
             faults += [bare] if bare is not None else []
         if not faults and isinstance(read, tuple):
             fault = _no_pose(self.name, read)
             faults += [fault] if fault is not None else []
-        if faults:
-            raise refusal(faults, value)
-        assert isinstance(read, tuple), "an offset has several numbers"
+        assert faults or isinstance(read, tuple), "an offset has several numbers"
         return read
 
 
@@ -105,31 +95,22 @@ def _cross(a: list[float], b: list[float]) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True, slots=True)
-class JointField:
+class JointField(Form):
     """Marks the field `joint`: a word, a mapping of a joint's attributes, or a list of such with names.
 
     Gives the word, an `Element` for a joint without a name, or a tuple of `Element` with names.
     """
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         kind = {"enum": [*JointType], "description": GRAMMAR.element("joint").attributes["type"].doc}
         one = {**reference("element:joint"), "properties": {"type": kind}}
         several = {"type": "array", "minItems": 1, "items": {**one, "required": ["name"]}}
         return {"anyOf": [{"enum": [*WORDS]}, {"type": "object", **one}, several]}
 
-    def _validate(self, value: Any, info: ValidationInfo) -> str | Element | tuple[Element, ...]:
-        reader = Reader(settings(info.context))
-        read = self.read(reader, value)
-        if reader.faults or read is None:
-            raise refusal(reader.faults, value)
-        return read
-
-    def read(self, reader: Reader, value: Any) -> str | Element | tuple[Element, ...] | None:
+    def read(
+        self, value: Any, faults: list[Fault], settings: Settings
+    ) -> str | Element | tuple[Element, ...] | None:
+        reader = Reader(settings, faults)
         if isinstance(value, str) and value in WORDS:
             return value
         if isinstance(value, dict):
@@ -138,7 +119,7 @@ class JointField:
             return (element,) if element is not None and named else element
         if isinstance(value, list):
             return _joints(reader, value)
-        reader.faults.append(_no_joint(value))
+        faults.append(_no_joint(value))
         return None
 
 
@@ -156,10 +137,10 @@ def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
         elif element is not None:
             name = element.attributes.get("name")
             if name in names:
-                remarks = (Remark("the first one is here", names[name]),)
+                related = (("the first one is here", names[name]),)
                 message = f"two joints of one part are called `{name}`"
                 reader.faults.append(
-                    Fault("name-clash", message, (index, "name"), remarks=remarks, help="choose another name")
+                    Fault("name-clash", message, (index, "name"), related=related, help="choose another name")
                 )
             names.setdefault(name, (index, "name"))
             elements.append(element)
@@ -188,10 +169,10 @@ def _no_joint(value: Any) -> Fault:
         return Fault(
             "wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help
         )
-    near = closest(value, WORDS)
+    near, fix = closest(value, WORDS), None
     if value in JointType:
         help = f"write `joint: {{type: {value}, axis: [0, 0, 1]}}`"
     elif near:
-        help = f"write `joint: {near[0]}`"
-    remark = Remark(exists_note("word", WORDS, value).message)
-    return Fault("wrong-keyword", f"`joint` cannot be `{value}`", remarks=(remark,), help=help)
+        help, fix = f"write `joint: {near[0]}`", renaming(value, WORDS)
+    note = exists_note("word", WORDS, value)
+    return Fault("wrong-keyword", f"`joint` cannot be `{value}`", notes=(note,), help=help, fix=fix)

@@ -4,40 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
+from composer.diagnostics.diagnostic import Note
 from composer.grammar.element import Constraint, ElementType
-from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark
+from composer.recipe.fault import EXCLUSIVE, Fault, Path
 
 
 def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
-    """Tell the attributes that are required and not there, all of them at once."""
+    """Report the attributes that are required and missing, all of them at once."""
     missing = [each for each in kind.attributes.values() if each.required and each.name not in present]
     if len(missing) == 1:
         faults.append(lacks(owner, missing[0].name, at, missing[0].doc))
     elif missing:
         names = " and ".join(f"`{each.name}`" for each in missing)
-        remarks = tuple(
-            Remark(f"`{each.name}` is: {each.doc}") for each in missing if _says(each.name, each.doc)
-        )
+        notes = tuple(Note(f"`{each.name}` is: {each.doc}") for each in missing if _says(each.name, each.doc))
         help = f"write `{', '.join(f'{each.name}: …' for each in missing)}`"
         message = f"{owner} lacks {names}"
         absent_names = tuple(each.name for each in missing)
-        faults.append(
-            Fault("missing-key", message, at, key=True, remarks=remarks, help=help, names=absent_names)
-        )
+        faults.append(Fault("missing-key", message, at, key=True, notes=notes, help=help, names=absent_names))
 
 
 def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
-    """That a key is required and not there; `doc` explains the key."""
-    remarks = (Remark(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
+    """That a required key is missing; `doc` explains the key."""
+    notes = (Note(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
     message = f"{owner} lacks `{name}`"
     help = f"write `{name}: …`"
-    return Fault("missing-key", message, at, True, remarks, help, lacks=name, names=(name,))
+    return Fault("missing-key", message, at, True, notes, help, lacks=name, names=(name,))
 
 
 def clashing(
     rules: Iterable[Constraint], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
-    """Tell the attributes that exclude or need one another."""
+    """Report the attributes that exclude or need one another."""
     for rule in rules:
         if rule.kind == "exclusive":
             fault = _exclusive(rule, present, owner, at)
@@ -68,7 +65,7 @@ def clashing(
 def exclusive(
     names: Iterable[str], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
-    """Tell it where more than one of the names is there."""
+    """Report it where more than one of the names is given."""
     clashing([Constraint("exclusive", tuple((name,) for name in names))], present, owner, at, faults)
 
 
@@ -86,14 +83,14 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
         f"{owner} has both `{first}` and `{second}`, of which only one may stand",
         (*at, second),
         key=True,
-        remarks=(Remark(f"`{first}` is written here", (*at, first)),),
+        related=((f"`{first}` is written here", (*at, first)),),
         help=f"leave `{first}` or `{second}` out",
         names=(first, second),
     )
 
 
 def _cheapest(bundles: Iterable[Iterable[str]], present: Collection[str]) -> str:
-    """What to add where one of several bundles must be complete: the fewest keys to what is there."""
+    """What to add where one of several bundles must be complete: the fewest keys to those given."""
     lacking = min(
         ([name for name in bundle if name not in present] for bundle in bundles),
         key=lambda names: len(names),

@@ -5,68 +5,63 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
+from composer.limits import advice, in_force
 from composer.recipe.draw_field import DrawField, read_field
-from composer.recipe.fault import Fault, refusal
+from composer.recipe.fault import Fault
+from composer.recipe.form import Form
 from composer.recipe.model import Model
 from composer.recipe.randomize_schema import fields
-from composer.recipe.settings import settings
+from composer.recipe.reference import Schema
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.recipe.text import Choice
 
-MAX_SAMPLES = 100_000
 MAX_SEED = 2**64 - 1
 
 
 @dataclass(frozen=True, slots=True)
-class Whole:
-    """Marks a field as a whole number from `least` to `most`; `key` is its name in messages."""
+class Whole(Form):
+    """Marks a field as a whole number from `least` to `most`, or to the limit called `most`; `key` is its name in
+    messages.
+    """
 
     key: str
     least: int
-    most: int
+    most: int | str
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        number = {"type": "integer", "minimum": self.least, "maximum": self.most}
+    def schema(self) -> Schema:
+        number: dict[str, Any] = {"type": "integer", "minimum": self.least}
+        if isinstance(self.most, int):
+            number["maximum"] = self.most
         return {"anyOf": [number, {"type": "string", "pattern": r"\$\{"}]}
 
-    def _validate(self, value: Any) -> int:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> int | None:
         if isinstance(value, float) and value.is_integer():
             value = int(value)  # what an expression makes
         if isinstance(value, bool) or not isinstance(value, int):
             message = f"`{self.key}` expects a whole number, got {kind_of(value)}"
-            raise refusal([Fault("wrong-type", message)], value)
-        if not self.least <= value <= self.most:
-            message = f"`{self.key}` is from {self.least} to {self.most}, got {value}"
-            raise refusal([Fault("out-of-range", message)], value)
+            faults.append(Fault("wrong-type", message))
+            return None
+        most = self.most if isinstance(self.most, int) else getattr(in_force(), self.most)
+        if not self.least <= value <= most:
+            message = f"`{self.key}` is from {self.least} to {most}, got {value}"
+            limited = isinstance(self.most, str) and value > most
+            code, help = ("limit-exceeded", advice(self.key, value)) if limited else ("out-of-range", None)
+            faults.append(Fault(code, message, help=help))
         return value
 
 
 @dataclass(frozen=True, slots=True)
-class Fields:
+class Fields(Form):
     """Marks the field `fields`: a mapping from names to what is drawn. Gives a tuple of `DrawField`."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         return fields()
 
-    def _validate(self, value: Any, info: ValidationInfo) -> tuple[DrawField, ...]:
-        faults: list[Fault] = []
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[DrawField, ...]:
         found: list[DrawField | None] = []
         if isinstance(value, dict) and value:
-            bare = settings(info.context).bare_angles
-            found = [read_field(name, item, bare, faults) for name, item in value.items()]
+            found = [read_field(name, item, settings.bare_angles, faults) for name, item in value.items()]
         else:
             got = "an empty one" if value == {} else kind_of(value)
             message = f"`fields` is a mapping from names to what is drawn, got {got}"
@@ -74,8 +69,6 @@ class Fields:
                 'write `fields: {friction: {select: {geom: "**"}, attr: "friction[0]", uniform: [0.5, 1]}}`'
             )
             faults.append(Fault("wrong-type", message, help=help))
-        if faults:
-            raise refusal(faults, value)
         return tuple(each for each in found if each is not None)
 
 
@@ -84,12 +77,19 @@ class Randomize(Model):
 
     seed: Annotated[int, Whole("seed", 0, MAX_SEED)]
     """What makes these draws differ from those of another seed: a whole number below 2**64."""
-    samples: Annotated[int, Whole("samples", 1, MAX_SAMPLES)]
+    samples: Annotated[int, Whole("samples", 1, "samples")]
     """How many samples there are, besides sample 0, the model without any draw."""
-    emit: Annotated[Literal["models", "table"], Choice("emit")] = "models"
-    """What `build --all` writes: a model for each sample, or one with a table of the draws for use at run time."""
+    emit: Annotated[Literal["models", "table", "worlds", "union"], Choice("emit", chosen=True)] = "models"
+    """What `build --all` writes: a model for each sample, or one with the draws for use at run time: a table of
+    them, or with `worlds` also all numbers of mjModel that differ. With `union` it writes models, and `build --worlds`
+    makes one with the parts of all where these draw different ones."""
     fields: Annotated[tuple[DrawField, ...], Fields()]
     """What is drawn: a mapping from a name, which is part of the seed, to a distribution and what it is for."""
+
+    @property
+    def at_run_time(self) -> bool:
+        """Whether there is one model, whose draws are made where it runs."""
+        return self.emit in ("table", "worlds")
 
     @property
     def of_parameters(self) -> tuple[DrawField, ...]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from composer.recipe.count import SCHEMAS as COUNTS
 from composer.recipe.distribution import BELLS, CHOICE, INTERVALS, KINDS
-from composer.recipe.draw_field import PER
+from composer.recipe.draw_field import KEYS, PER
 from composer.recipe.reference import Schema, definition, reference
+from composer.recipe.rows import check_rows
 
 _TEXT: Schema = {"type": "string", "minLength": 1}
 _BOUND: Schema = {
@@ -32,35 +34,43 @@ def fields() -> Schema:
     return {"type": "object", "minProperties": 1, "additionalProperties": reference("draw")}
 
 
+_DISTRIBUTIONS = {kind: {**reference(f"distribution:{kind}"), "description": _ABOUT[kind]} for kind in KINDS}
+_ONE: Schema = {
+    "type": "object",
+    "properties": _DISTRIBUTIONS,
+    "additionalProperties": False,
+    "minProperties": 1,
+    "maxProperties": 1,
+}
+_FIELD: dict[str, Schema] = {
+    "select": {**reference("selector"), "description": "whose attribute is drawn"},
+    "attr": {
+        **_TEXT,
+        "description": "an attribute of MJCF, with an index for one number: `friction[0]`",
+    },
+    "param": {**_TEXT, "description": "a parameter that is drawn, in place of `select` and `attr`"},
+    **_DISTRIBUTIONS,
+    "scale": {**_ONE, "description": "what is drawn is a factor"},
+    "offset": {**_ONE, "description": "what is drawn is added"},
+    "per": {
+        "enum": [*PER],
+        "description": "a draw for each element, for each body, for each part, or one for all in a sample",
+    },
+    "group": {
+        **_TEXT,
+        "description": "fields of one group are drawn together: where one is high in its distribution, all are",
+    },
+    **COUNTS,
+}
+check_rows("the JSON Schema of `fields` in composer/recipe/randomize_schema.py", _FIELD, KEYS)
+
+
 @definition("draw")
 def field(_: str) -> Schema:
     """One field."""
-    distributions = {
-        kind: {**reference(f"distribution:{kind}"), "description": _ABOUT[kind]} for kind in KINDS
-    }
-    one: Schema = {
-        "type": "object",
-        "properties": distributions,
-        "additionalProperties": False,
-        "minProperties": 1,
-        "maxProperties": 1,
-    }
     return {
         "type": "object",
-        "properties": {
-            "select": {**reference("selector"), "description": "whose attribute is drawn"},
-            "attr": {
-                **_TEXT,
-                "description": "an attribute of MJCF, with an index for one number: `friction[0]`",
-            },
-            "param": {**_TEXT, "description": "a parameter that is drawn, in place of `select` and `attr`"},
-            **distributions,
-            "scale": {**one, "description": "what is drawn is a factor"},
-            "offset": {**one, "description": "what is drawn is added"},
-            "per": {"enum": [*PER], "description": "a draw for each element, or one for all in a sample"},
-            "expect": {"type": "integer", "minimum": 0, "description": "how many elements must be selected"},
-            "optional": {"type": "boolean", "description": "whether it may be that nothing is selected"},
-        },
+        "properties": dict(_FIELD),
         "additionalProperties": False,
         "minProperties": 2,
         "if": {"required": ["param"]},

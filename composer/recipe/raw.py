@@ -29,7 +29,7 @@ def path_of(value: object) -> Path:
 def raw(node: Node, faults: list[Fault]) -> Any:
     """The tree as dicts (`Placed`), lists and values, with faults that any place may have.
 
-    A key with no value and an expression without one are told and stay, so that it is known that they are there.
+    A key with no value and an expression without one are reported and stay, so that it is known that they are there.
     """
     return _raw(node, (), faults)
 
@@ -68,4 +68,4 @@ def _nothing(at: Path) -> Fault:
             key=True,
             help="write a value behind it (`{}` for an element without attributes), or leave the key out",
         )
-    return Fault("wrong-type", "there is no value here", at)
+    return Fault("wrong-type", "a value is missing here", at)

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
@@ -14,7 +14,7 @@ from composer.grammar.format import number_text
 from composer.recipe.advice import element_instead
 from composer.recipe.angles import bare_angle
 from composer.recipe.element import Element, Value
-from composer.recipe.fault import Fault, Path, Remark, unplaced
+from composer.recipe.fault import Fault, Path, unplaced
 from composer.recipe.fragment import check_fragment
 from composer.recipe.presence import absent, clashing
 from composer.recipe.raw import path_of
@@ -49,7 +49,7 @@ class Reader:
         children: tuple[Element, ...] = (),
         joint: str | None = None,
     ) -> Element | None:
-        """The element of a mapping of attributes and children, or None where it is no mapping.
+        """The element of a mapping of attributes and children, or None where it is not a mapping.
 
         `owner` is what messages call it. `keyed` are attributes that a key above gives and that cannot be
         written again. Keys in `own` are the caller's, and so are `children` that stand before the others.
@@ -82,7 +82,7 @@ class Reader:
                 fault = self.unknown(kind, name, item, path, owner, own, {*keyed, *value})
                 meant += _meant(kind, name, item, value)
                 self.faults.append(fault)
-        # A value that is wrong is there all the same, and so is one under a key that is nearly right.
+        # A value that is wrong exists all the same, and so is one under a key that is nearly right.
         present = [*keyed, *value, *meant]
         absent(kind, present, owner, at, self.faults)
         clashing(kind.constraints, present, owner, at, self.faults)
@@ -193,7 +193,7 @@ class Reader:
     def angles(
         self, kind: ElementType, attributes: Mapping[str, Value], at: Path, owner: str, joint: str | None
     ) -> None:
-        """Tell angles that lack their unit, where the recipe sets none."""
+        """Report angles that lack their unit, where the recipe sets none."""
         if self.settings.bare_angles:
             return
         written = attributes.get("type", joint)
@@ -215,9 +215,10 @@ class Reader:
         own: Collection[str],
         taken: Collection[str],
     ) -> Fault:
-        """The fault of a key that is neither an attribute nor a child; `taken` are those that are there."""
+        """The fault of a key that is neither an attribute nor a child; `taken` are those that exist."""
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
-        near = closest(name, [*attributes, *(each for each in kind.children if each not in taken)])
+        known = [*attributes, *(each for each in kind.children if each not in taken)]
+        near, fix = closest(name, known), renaming(name, known)
         help = f"write `{near[0]}`" if near else f"take `{name}` out"
         groups = [tag for tag, child in kind.children.items() if name in child.attributes]
         siblings = GRAMMAR.element("body").children
@@ -226,24 +227,25 @@ class Reader:
             if 0 < len(owners) <= _OWNERS:
                 help = f"it is an attribute of {_either(owners)}"
         if name in GRAMMAR.root.children:
-            help = f"write it in the section `{name}`"
+            help, fix = f"write it in the section `{name}`", None
         if len(groups) == 1 and not near:
             help = f"write it in `{groups[0]}: {{…}}`"
         elif 1 < len(groups) <= _OWNERS and not near:
             help = f"write it in {_either([f'`{tag}`' for tag in groups])}"
         if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
-            help = f"write `objtype: {name}, objname: {value}`"
+            help, fix = f"write `objtype: {name}, objname: {value}`", None
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
-            remarks = (Remark(exists_note("element", kind.children, name).message),)
+            notes = (exists_note("element", kind.children, name),)
             return Fault(
                 "unknown-element",
                 f"`{name}` cannot stand in {owner}",
                 at,
                 key=True,
-                remarks=remarks,
+                notes=notes,
                 help=help,
+                fix=fix,
             )
-        return unplaced(unknown_attribute(name, owner, attributes), at, key=True, help=help)
+        return unplaced(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
         """The entries of a mapping from names to elements."""
@@ -283,7 +285,7 @@ def config_text(value: Any) -> str | None:
 
 
 def _meant(kind: ElementType, name: str, value: Any, there: Collection[str]) -> list[str]:
-    """The attributes that an unknown key stands for, so that these are not also told to be missing."""
+    """The attributes that an unknown key stands for, so that these are not also reported as missing."""
     if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
         return [*_OBJECT]
     head = name.partition(":")[0]

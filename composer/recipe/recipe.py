@@ -6,23 +6,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
+from pydantic import Field
 
 from composer.recipe.add import Addition, Additions
+from composer.recipe.allow import Allowed
 from composer.recipe.attach import Attachment, Prefixes
 from composer.recipe.base import Base
-from composer.recipe.by_tag import ByTag, Lists
+from composer.recipe.by_tag import ByTag
 from composer.recipe.check import Checks
 from composer.recipe.checks.kind import Check
+from composer.recipe.contact import Collisions, Contacts
 from composer.recipe.default_class import DefaultClass, Defaults
 from composer.recipe.edit import Edit, Edits
 from composer.recipe.element import Element
 from composer.recipe.extension import Extension
-from composer.recipe.fault import Fault, refusal
+from composer.recipe.fault import Fault
+from composer.recipe.form import Form
 from composer.recipe.keyframe import Keyframe, Keyframes
 from composer.recipe.model import Model
 from composer.recipe.randomize import Randomize
+from composer.recipe.reference import Schema
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.recipe.singleton import Singleton
 from composer.recipe.text import Choice, Text
@@ -33,18 +37,13 @@ SETTABLE = frozenset("discardvisual fusestatic boundmass boundinertia settotalma
 
 
 @dataclass(frozen=True, slots=True)
-class Version:
+class Version(Form):
     """Marks the field `recipe`: the version of the language."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         return {"const": VERSION}
 
-    def _validate(self, value: Any) -> int:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> int:
         # `True == 1`, and `1.0 == 1`.
         if type(value) is int and value == VERSION:
             return VERSION
@@ -55,7 +54,8 @@ class Version:
                 f"the recipe is written in version {value} of the language; this mjcompose knows {VERSION}"
             )
             help = f"install a newer mjcompose, or write `recipe: {VERSION}`"
-        raise refusal([Fault("recipe-version", message, help=help)], value)
+        faults.append(Fault("recipe-version", message, help=help))
+        return VERSION
 
 
 def _sequence_fault(text: str) -> Fault | None:
@@ -114,8 +114,9 @@ class Recipe(Model):
     """Elements under a body, a frame or the world."""
     deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
     """Flexes and skins: by tag, a mapping from their names."""
-    contact: Annotated[tuple[Element, ...], Lists("contact")] = ()
-    """Pairs of geoms that may touch and bodies that may not: lists by tag."""
+    contact: Annotated[tuple[Element | Collisions, ...], Contacts("contact")] = ()
+    """Pairs of geoms that may touch and bodies that may not: lists by tag, or `exclude: touching`, `exclude` and
+    `collide: {between: [ARM, TABLE]}`."""
     tendon: Annotated[tuple[Element, ...], Typed("tendon")] = ()
     """Tendons: a mapping from their names; `path` has their steps in order."""
     equality: Annotated[tuple[Element, ...], Typed("equality")] = ()
@@ -127,13 +128,15 @@ class Recipe(Model):
     custom: Annotated[tuple[Element, ...], ByTag("custom")] = ()
     """Custom numbers, texts and tuples: by tag, a mapping from their names."""
     edit: Annotated[tuple[Edit, ...], Edits()] = ()
-    """Ordered changes to what is there, by selectors, when everything else is in place."""
+    """Ordered changes to the model, by selectors, when everything else is in place."""
     keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
     randomize: Randomize | None = None
     """Seeded draws: samples of the model that `build --all` builds."""
     check: Annotated[tuple[Check, ...], Checks()] = ()
     """What must hold of the model: a mapping from a name to a check."""
+    allow: Annotated[tuple[str, ...], Allowed()] = ()
+    """The codes of warnings that are meant to be there: they are not reported. Parts and edits can have it, too."""
 
 
 def sections_of(form: type[object]) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""What remains of a recipe without what is wrong in it, so that one run also tells the faults of later stages."""
+"""What remains of a recipe without what is wrong in it, so that one run also reports the faults of later stages."""
 
 from __future__ import annotations
 
@@ -36,10 +36,9 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
     """The recipe without the smallest pieces that have `faults`; None where too little would remain. No I/O."""
     lost: set[str] = set()
     for _ in range(_ROUNDS):
-        for path in _outermost(_way(node, fault.at) for fault in faults):
+        for path in _outermost(_whole(way(node, fault.at)) for fault in faults):
             if not path or (len(path) == 1 and _means(path[0], _INDISPENSABLE)):
                 return None
-            path = _whole(path)
             lost.update(_texts(node, path))
             if _means(path[0], ("conflict",)):
                 lost.update(_AGREED)
@@ -65,9 +64,9 @@ def _means(
     return any(meant in keys for meant in near)
 
 
-def _way(node: Node, path: Path) -> Path:
+def way(node: Node, path: Path) -> Path:
     """The steps of a validator's path that lead somewhere."""
-    way: list[str | int] = []
+    found: list[str | int] = []
     for step in path:
         if isinstance(node, Mapping) and isinstance(step, str) and step in node.entries:
             node = node.entries[step][1]
@@ -75,12 +74,12 @@ def _way(node: Node, path: Path) -> Path:
             node = node.items[step]
         else:
             continue
-        way.append(step)
-    return tuple(way)
+        found.append(step)
+    return tuple(found)
 
 
 def _in_some_unit(node: Mapping) -> Mapping:
-    """The recipe with a unit of angles, so that none is told to lack it."""
+    """The recipe with a unit of angles, so that none is reported to lack it."""
     key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", True)
     return Mapping({**node.entries, key.name: (key, unit)}, node.span)
 

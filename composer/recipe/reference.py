@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any
 
 Schema = dict[str, Any]
@@ -27,9 +28,9 @@ def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str],
 
 
 def define(name: str) -> Schema:
-    """The schema that a reference leads to. Raises KeyError for one that nothing makes."""
+    """The schema that a reference leads to, the caller's own. Raises KeyError for one that nothing makes."""
     kind, _, rest = name.partition(":" if ":" in name else "-")
-    return _DEFINITIONS[kind](rest)
+    return deepcopy(_DEFINITIONS[kind](rest))
 
 
 def reference(name: str) -> Schema:

@@ -122,8 +122,8 @@ class _Keys:
                 word = _PLACES.get(path.rpartition(".")[2], "NAME")
                 pointer = below.get("$ref", "").rpartition("/")[2]
                 if pointer in _CHAPTERS or pointer.startswith(("typed.", "class")):
-                    told = {"description": _BY_NAME.get(path, "`type` is the tag of MJCF"), **below}
-                    yield self._row(f"{path}.{word}", told, False)
+                    described = {"description": _BY_NAME.get(path, "`type` is the tag of MJCF"), **below}
+                    yield self._row(f"{path}.{word}", described, False)
                 yield from self.rows(below, f"{path}.{word}" if path else word)
             if isinstance(kind.get("items"), dict):
                 yield from self.rows(kind["items"], f"{path}[]")
@@ -141,10 +141,9 @@ class _Keys:
 
     @staticmethod
     def _apart(pointer: str) -> bool:
-        # Numbers are told by their type, and a piece of recipe has the keys of a recipe.
-        return bool(_VALUES.fullmatch(pointer)) or pointer in _CHAPTERS or pointer in ("Piece", "dropped") or (
-            pointer.startswith((*_ELEMENTS, "property"))
-        )  # fmt: skip
+        # Numbers are recognised by their type, and a piece of recipe has the keys of a recipe.
+        known = pointer in _CHAPTERS or pointer in ("Piece", "InPlace", "dropped")
+        return known or bool(_VALUES.fullmatch(pointer)) or pointer.startswith((*_ELEMENTS, "property"))
 
     def _row(self, place: str, schema: Schema, required: bool) -> str:
         about = " ".join(schema.get("description", "").split())
@@ -188,13 +187,15 @@ class _Keys:
             return f"{count} {word}s"
         if pointer == "dropped":
             return self._named("selector")
+        if pointer == "code":
+            return "[codes](errors)"
         if pointer in _CHAPTERS:
             title = _CHAPTERS[pointer][0]
             anchor = re.sub(r"[^a-z ]", "", title.lower()).replace(" ", "-")
             return f"[{pointer}](#{anchor})"
         if pointer.startswith(_ELEMENTS):
             return "[element](#elements)"
-        if pointer == "Piece":
+        if pointer in ("Piece", "InPlace"):
             return "any of the [top-level keys](#top-level-keys)"
         return self._type(self.definitions[pointer])
 

@@ -6,27 +6,26 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import advised
 from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR
+from composer.limits import advice, in_force
 from composer.recipe.angles import bare_angle
 from composer.recipe.attribute_schema import attribute_schema
 from composer.recipe.element import Single, Value
 from composer.recipe.element_schema import mapping
-from composer.recipe.fault import Fault, Path, refusal, unplaced
+from composer.recipe.fault import Fault, Path, unplaced
+from composer.recipe.form import Form
 from composer.recipe.presence import lacks
 from composer.recipe.reader import Reader
-from composer.recipe.settings import settings
+from composer.recipe.reference import Schema
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.recipe.value import read_value
 
 COUNT = "count"
 ATTRIBUTES = (COUNT, "offset", "euler")
 """What an axis has of MJCF's `<replicate>`."""
-MAX_COPIES = 10_000
 _STILL: tuple[Single, ...] = (0, 0, 0)
 
 
@@ -40,35 +39,28 @@ class Axis:
 
 
 @dataclass(frozen=True, slots=True)
-class Axes:
+class Axes(Form):
     """Marks the field `replicate`: a list of axes, each of which copies what those after it make."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         kind = GRAMMAR.element("replicate")
         axis = mapping({name: attribute_schema(kind.attributes[name]) for name in ATTRIBUTES})
         return {"type": "array", "minItems": 1, "items": {**axis, "required": [COUNT]}}
 
-    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Axis, ...]:
-        reader = Reader(settings(info.context))
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Axis, ...]:
+        reader = Reader(settings, faults)
         axes: list[Axis] = []
         if not isinstance(value, list) or not value:
             got = "an empty list" if value == [] else kind_of(value)
             message = f"`replicate` expects a list of axes, got {got}"
-            reader.faults.append(
+            faults.append(
                 Fault("wrong-type", message, help="write `replicate: [{count: 3, offset: [0.1, 0, 0]}]`")
             )
         else:
             axes = [each for at, item in enumerate(value) if (each := _axis(reader, item, (at,)))]
-        if not reader.faults and (total := math.prod(axis.count for axis in axes)) > MAX_COPIES:
-            message = f"`replicate` makes {total} copies, and at most {MAX_COPIES} are allowed"
-            reader.faults.append(Fault("out-of-range", message))
-        if reader.faults:
-            raise refusal(reader.faults, value)
+        if not faults and (total := math.prod(axis.count for axis in axes)) > in_force().copies:
+            message = f"`replicate` makes {total} copies, and at most {in_force().copies} are allowed"
+            faults.append(Fault("limit-exceeded", message, help=advice("copies", total)))
         return tuple(axes)
 
 
@@ -83,10 +75,9 @@ def _axis(reader: Reader, value: Any, at: Path) -> Axis | None:
     for name, item in value.items():
         path = (*at, name)
         if name not in ATTRIBUTES:
-            near = closest(name, ATTRIBUTES)
-            help = f"write `{near[0]}`" if near else None
+            help, fix = advised(name, ATTRIBUTES)
             unknown = unknown_attribute(name, owner, ATTRIBUTES)
-            reader.faults.append(unplaced(unknown, path, key=True, help=help))
+            reader.faults.append(unplaced(unknown, path, key=True, help=help, fix=fix))
             continue
         found = read_value(kind.attributes[name], item, path, owner, reader.faults)
         if found is not None:

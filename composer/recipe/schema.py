@@ -88,7 +88,7 @@ def _mappings(value: Any) -> Iterator[Schema]:
 
 
 def _tidy(schema: Any, properties: bool = False) -> Any:
-    """Without pydantic's titles, and without null, which is no value in a recipe."""
+    """Without pydantic's titles, and without null, which is not a value in a recipe."""
     if isinstance(schema, list):
         return [_tidy(each) for each in schema]
     if not isinstance(schema, dict):
@@ -106,7 +106,14 @@ def _tidy(schema: Any, properties: bool = False) -> Any:
 
 
 def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
-    """The text below each field of a model as the description of its key."""
+    """The text below each field of a model as the description of its key; those that it inherits have theirs."""
+    for each in reversed(model.__mro__[: model.__mro__.index(Model)]):
+        for field, text in _texts(each):
+            properties[model.model_fields[field].alias or field]["description"] = text
+
+
+def _texts(model: type) -> Iterator[tuple[str, str]]:
+    """The fields that a class itself declares, each with the text below it."""
     (body,) = ast.parse(textwrap.dedent(inspect.getsource(model))).body
     assert isinstance(body, ast.ClassDef)
     for field, text in zip(body.body, body.body[1:], strict=False):
@@ -116,8 +123,7 @@ def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
             and isinstance(text, ast.Expr)
             and isinstance(text.value, ast.Constant)
         ):
-            name = model.model_fields[field.target.id].alias or field.target.id
-            properties[name]["description"] = inspect.cleandoc(str(text.value.value))
+            yield field.target.id, inspect.cleandoc(str(text.value.value))
 
 
 def _layout(value: Any, indent: str, in_order: bool) -> str:

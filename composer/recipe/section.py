@@ -7,51 +7,32 @@ without as many models.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import advised, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
-from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.recipe.fault import Fault, Path
+from composer.recipe.form import Form
 from composer.recipe.reader import Reader
-from composer.recipe.reference import Schema
-from composer.recipe.settings import settings
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 
 
 @dataclass(frozen=True, slots=True)
-class Section(ABC):
-    """What all forms share: how a section is read, and the JSON Schema of it."""
+class Section(Form):
+    """What all forms of sections share."""
 
     tag: str
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._validate)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        return self.schema()
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Any:
+        return self.content(Reader(settings, faults), value)
 
     @abstractmethod
-    def schema(self) -> Schema:
-        """The JSON Schema of the section."""
-
-    def _validate(self, value: Any, info: ValidationInfo) -> Any:
-        reader = Reader(settings(info.context))
-        result = self.read(reader, value)
-        if reader.faults:
-            raise refusal(reader.faults, value)
-        return result
-
-    @abstractmethod
-    def read(self, reader: Reader, value: Any) -> Any:
-        """The content of the section; faults go to the reader."""
+    def content(self, reader: Reader, value: Any) -> Any:
+        """What the section has; faults go to the reader."""
 
     @property
     def kind(self) -> ElementType:
@@ -80,10 +61,9 @@ class Section(ABC):
 
     def unknown(self, tag: str, at: Path, message: str, key: bool) -> Fault:
         """The fault of a tag that the section does not have."""
-        near = closest(tag, self.kind.children)
-        remark = Remark(exists_note(f"{self.tag} element", self.kind.children, tag).message)
-        help = f"write `{near[0]}`" if near else None
-        return Fault("unknown-element", message, at, key=key, remarks=(remark,), help=help)
+        help, fix = advised(tag, self.kind.children)
+        note = exists_note(f"{self.tag} element", self.kind.children, tag)
+        return Fault("unknown-element", message, at, key=key, notes=(note,), help=help, fix=fix)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import advised, exists_note
 from composer.diagnostics.unknown import unknown_attribute as no_attribute
 from composer.expr.error import ExpressionError
 from composer.expr.opening import is_template
 from composer.expr.template import Template
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
-from composer.recipe.fault import EXCLUSIVE, Fault, Path, Remark, unplaced
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, unplaced
 from composer.recipe.pattern import pattern_fault
 from composer.recipe.raw import path_of
 from composer.recipe.shown import kind_of, shown
@@ -44,10 +45,10 @@ def read_selector(
     tag, *others = tags
     if others:
         known = bool(paths_of(others[0])) or others[0] == XPATH
-        near = closest(others[0], keys)
-        help = f"write `{near[0]}`" if near else None
+        help, fix = advised(others[0], keys)
         if others[0] in _BESIDE and owner.startswith("`select`"):
             help = f"write it beside `select`, behind the `}}` of the selector: `{others[0]}: …`"
+            fix = None
         faults.append(
             Fault(
                 EXCLUSIVE if known else "unknown-key",
@@ -56,8 +57,9 @@ def read_selector(
                 else f"`{others[0]}` is not a key of a selector",
                 (*at, others[0]),
                 key=True,
-                remarks=() if known else (Remark(exists_note("key", keys, others[0]).message),),
+                notes=() if known else (exists_note("key", keys, others[0]),),
                 help="write an entry of its own for each" if known else help,
+                fix=None if known else fix,
             )
         )
     if tag != XPATH and not paths_of(tag):
@@ -91,17 +93,17 @@ def inside(name: str) -> str | None:
 
 
 def kinds_of(tag: str) -> tuple[ElementType, ...]:
-    """The element types that a selector's tag means; none where only the model can tell."""
+    """The element types that a selector's tag means; none where only the model knows."""
     return () if tag == XPATH else tuple(GRAMMAR.element(path) for path in sorted(paths_of(tag)))
 
 
 def _unknown_tag(tag: str, at: Path) -> Fault:
-    near = closest(tag, known_tags())
-    remarks = (
-        () if near else (Remark("a tag of MJCF (`geom`), a path (`equality/joint`), a family (`actuator`)"),)
+    help, fix = advised(tag, known_tags())
+    notes = (
+        () if help else (Note("a tag of MJCF (`geom`), a path (`equality/joint`), a family (`actuator`)"),)
     )
-    return Fault("unknown-element", f"MJCF has no element `{tag}`", at, key=True, remarks=remarks,
-                 help=f"write `{near[0]}`" if near else None)  # fmt: skip
+    message = f"MJCF has no element `{tag}`"
+    return Fault("unknown-element", message, at, key=True, notes=notes, help=help, fix=fix)
 
 
 def _pattern(value: Any, tag: str, at: Path, faults: list[Fault]) -> str | None:
@@ -156,15 +158,15 @@ def _where(value: Any, tag: str, at: Path, faults: list[Fault]) -> dict[str, Any
 def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
     """That no element of a tag has such an attribute."""
     known = sorted({each for kind in kinds for each in kind.attributes})
-    near = closest(name, known)
-    help = f"write `{near[0]}`" if near else None
+    help, fix = advised(name, known)
     if tag == "general" and name in ("kp", "kv"):
         help = "it has `gainprm` and `biasprm`; `convert: {to: position}` makes one with `kp` and `kv` of it"
-    return unplaced(no_attribute(name, f"`{tag}`", known), at, key=True, help=help)
+        fix = None
+    return unplaced(no_attribute(name, f"`{tag}`", known), at, key=True, help=help, fix=fix)
 
 
 def check_template(text: str, at: Path, faults: list[Fault]) -> Template | None:
-    """Tell what is wrong with the form of `${…}` in a text."""
+    """Report what is wrong with the form of `${…}` in a text."""
     try:
         return Template.parse(text)
     except ExpressionError as error:

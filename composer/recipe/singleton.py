@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from composer.diagnostics.diagnostic import Note
 from composer.recipe.element import Element
 from composer.recipe.element_schema import element
-from composer.recipe.fault import Fault, Remark
+from composer.recipe.fault import Fault
 from composer.recipe.reader import FRAGMENT, Reader
 from composer.recipe.reference import Schema
 from composer.recipe.section import Section
@@ -22,7 +23,7 @@ class Singleton(Section):
 
     settable: frozenset[str] = frozenset()
 
-    def read(self, reader: Reader, value: Any) -> Element | None:
+    def content(self, reader: Reader, value: Any) -> Element | None:
         if self.settable and isinstance(value, dict):
             kind = self.kind
             value = dict(value)
@@ -47,7 +48,7 @@ class Singleton(Section):
             f"`{name}` cannot be set in `{self.tag}`: each part keeps its own",
             (name,),
             key=True,
-            remarks=(Remark(f"what can be set: {', '.join(sorted(self.settable))}"),),
+            notes=(Note(f"what can be set: {', '.join(sorted(self.settable))}"),),
             help=f"for the recipe's own elements, write `{name}` at the top of the recipe"
             if top
             else f"leave `{name}` out",

@@ -13,7 +13,7 @@ from composer.recipe.shown import kind_of
 from composer.recipe.value import read_value
 
 PATH = "path"
-# The key that tells which element a step is, by tag, and the attribute that it holds.
+# The key that says which element a step is, by tag, and the attribute that it holds.
 MARKS: dict[str, str] = {"site": "site", "geom": "geom", "pulley": "divisor", "joint": "joint"}
 
 

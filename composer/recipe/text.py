@@ -9,8 +9,11 @@ from typing import Any, get_args
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidatorFunctionWrapHandler
 from pydantic_core import CoreSchema, core_schema
 
-from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.fault import Fault, Path, Remark, refusal
+from composer.diagnostics.suggest import closest, exists_note, renaming
+from composer.recipe.fault import Fault, Path, refusal
+from composer.recipe.form import Form
+from composer.recipe.reference import Schema
+from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of, shown
 
 # What no XML file can hold, not even escaped.
@@ -32,7 +35,7 @@ def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True)
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class Text(Form):
     """Marks a field as text of at least one character; `key` is its name in messages.
 
     `check` may find more that is wrong.
@@ -42,18 +45,12 @@ class Text:
     empty: bool = False
     check: Callable[[str], Fault | None] | None = None
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def schema(self) -> Schema:
         return {"type": "string"} if self.empty else {"type": "string", "minLength": 1}
 
-    def read(self, value: Any) -> str:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> str:
         fault = self.fault(value)
-        if fault is not None:
-            raise refusal([fault], value)
+        faults += [] if fault is None else [fault]
         return str(value)
 
     def fault(self, value: Any) -> Fault | None:
@@ -69,9 +66,12 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Marks a field with a `Literal` of keywords; `key` is its name in messages."""
+    """Marks a field with a `Literal` of keywords; `key` is its name in messages. Where it is `chosen`, editors take a
+    `${…}` for it as well.
+    """
 
     key: str
+    chosen: bool = False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         words = _words(source)
@@ -84,6 +84,10 @@ class Choice:
         # The inner schema is for the JSON Schema alone.
         return core_schema.no_info_wrap_validator_function(read, core_schema.literal_schema(list(words)))
 
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        words = handler(schema)
+        return words if not self.chosen else {"anyOf": [words, {"type": "string", "pattern": r"\$\{"}]}
+
     def fault(self, value: Any, words: tuple[str, ...]) -> Fault:
         if not isinstance(value, str):
             return Fault(
@@ -93,8 +97,9 @@ class Choice:
         return Fault(
             "wrong-keyword",
             f"`{self.key}` cannot be `{value}`",
-            remarks=(Remark(exists_note("keyword", words, value).message),),
+            notes=(exists_note("keyword", words, value),),
             help=f"write `{self.key}: {near[0]}`" if near else None,
+            fix=renaming(value, words),
         )
 
 

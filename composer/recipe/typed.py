@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
 from composer.recipe.element import Element
 from composer.recipe.element_schema import by_name, element, mapping, nameless, unless_fragment
-from composer.recipe.fault import Fault, Remark
+from composer.recipe.fault import Fault
 from composer.recipe.presence import lacks
 from composer.recipe.reader import FRAGMENT, NAME, Reader
 from composer.recipe.reference import Schema, definition, reference
@@ -30,7 +30,7 @@ class Typed(Elements):
     children.
     """
 
-    def read(self, reader: Reader, value: Any) -> tuple[Element, ...]:
+    def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         entries = reader.names(value, (), f"`{self.tag}`")
         read = [self._element(reader, name, item) for name, item in entries]
         return tuple(element for element in read if element is not None)
@@ -92,7 +92,8 @@ class Typed(Elements):
         meant = next((key for key in value if closest(key, [TYPE])), None)
         if meant is not None:
             message = f"{self.tag} `{name}` has no key `{meant}`"
-            return Fault("unknown-key", message, (name, meant), key=True, help=f"write `{TYPE}`")
+            return Fault("unknown-key", message, (name, meant), key=True, help=f"write `{TYPE}`",
+                         fix=renaming(meant, [TYPE]))  # fmt: skip
         inner = next(
             (tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None
         )
@@ -101,16 +102,17 @@ class Typed(Elements):
             f"{self.tag} `{name}` lacks `{TYPE}`",
             (name,),
             key=True,
-            remarks=(Remark(exists_note("type", self.kind.children).message),),
+            notes=(exists_note("type", self.kind.children),),
             help=f"write `{name}: {{{TYPE}: {inner}, …}}`"
             if inner
             else f"write the MJCF tag as its `{TYPE}`",
+            lacks=TYPE,
         )
 
 
 @definition("typed")
 def _definition_of_typed(tag: str) -> Schema:
-    """An element whose `type` tells which one it is."""
+    """An element whose `type` says which one it is."""
     kinds = GRAMMAR.section(tag).children.values()
     variants: list[Schema] = [
         {
@@ -154,7 +156,7 @@ def _definition_of_variant(path: str) -> Schema:
 
 @definition("step")
 def _definition_of_step(path: str) -> Schema:
-    """A step of a tendon's path; its keys tell which element it is."""
+    """A step of a tendon's path; its keys say which element it is."""
     kind = GRAMMAR.element(path)
     properties: dict[str, Schema] = {FRAGMENT: reference("fragment")}
     schema: Schema = {"required": [next(iter(kind.children))]}

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import replace
+from itertools import islice
 
 from pydantic import ValidationError
 
 from composer.diagnostics import Note, Sink, Span
+from composer.diagnostics.fix import Fix
 from composer.diagnostics.suggest import closest
 from composer.document.node import Mapping, Node, Scalar, find, locate, to_python
-from composer.recipe import errors, key_order  # noqa: F401 (compares the order of keys)
-from composer.recipe.fault import Fault, Path, Remark
+from composer.limits import in_force
+from composer.recipe import errors
+from composer.recipe.fault import Fault, Path
+from composer.recipe.in_place import faults_in_place
 from composer.recipe.raw import raw
 from composer.recipe.recipe import Recipe
-from composer.recipe.recovery import Remains, remains
+from composer.recipe.recovery import Remains, remains, way
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 
@@ -31,19 +35,22 @@ def validate(node: Node, sink: Sink) -> Recipe | None:
         _no_mapping(node, sink)
         return None
     recipe, faults = judge(node)
-    _tell(faults, node, sink)
+    _report(faults, node, sink)
     return recipe
 
 
-def validate_what_remains(node: Node, sink: Sink) -> Remains | None:
-    """The same, but without what has faults in it, where that can be done without."""
+def validate_what_remains(node: Node, sink: Sink, gone: Container[Path] = ()) -> Remains | None:
+    """The same, but without what has faults in it, where that can be done without.
+
+    `gone` are the paths of keys whose values are wrong, which is reported already: that they are missing is not.
+    """
     if not isinstance(node, Mapping):
         _no_mapping(node, sink)
         return None
     recipe, faults = judge(node)
     if recipe is not None:
         return Remains(recipe, node, frozenset())
-    _tell(faults, node, sink)
+    _report((each for each in faults if (*way(node, _mapping_of(each)), each.lacks) not in gone), node, sink)
     return remains(node, faults, judge)
 
 
@@ -53,15 +60,19 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
     data = raw(node, early)
     recipe: Recipe | None = None
     found: list[Fault] = []
+    most = in_force().faults
     try:
         recipe = Recipe.model_validate(data, context=Settings.of(data))
     except ValidationError as error:
-        found = list(errors.faults(error, data))
+        found = list(islice(errors.faults(error, data), most + 1))
+        if len(found) > most:  # each takes a search for what was meant; the sink says that there are too many
+            return None, found
+    found += faults_in_place(node, lambda model: judge(model)[1])
     if not early and not found:
         return recipe, []
     version = [fault for fault in found if fault.code == "recipe-version"]
-    told = list(_without_misspelt(list(_one_each(early, found))))
-    return None, version or list(_without_strangers(told))
+    remaining = list(_without_misspelt(list(_one_each(early, found))))
+    return None, version or list(_without_strangers(remaining))
 
 
 def _no_mapping(node: Node, sink: Sink) -> None:
@@ -74,7 +85,7 @@ def _no_mapping(node: Node, sink: Sink) -> None:
 
 
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
-    """What is told: of a place with a fault of its own, not also that its value is none that was expected."""
+    """What is reported: of a place with a fault of its own, not also that its value is none that was expected."""
     unknown = {fault.at for fault in found if fault.key}
     kept = [fault for fault in early if not any(fault.at[:n] in unknown for n in range(1, len(fault.at) + 1))]
     settled = {fault.at for fault in kept}
@@ -85,13 +96,17 @@ def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
 def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
     """A key with a typing error is a key too many and a key too few: here it is one fault."""
     lacking = {(_mapping_of(fault), fault.lacks): fault for fault in faults if fault.lacks is not None}
+    keys_of: dict[Path, list[str]] = {}
+    for at, key in lacking:
+        keys_of.setdefault(at, []).append(str(key))
     found: list[Fault] = []
     for fault in faults:
         if lacking and fault.code in _UNKNOWN and fault.key:
-            keys = [key for at, key in lacking if at == fault.at[:-1]]
+            keys = [key for key in keys_of.get(fault.at[:-1], ()) if (fault.at[:-1], key) in lacking]
             if near := closest(str(fault.at[-1]), keys):
                 del lacking[fault.at[:-1], near[0]]
-                fault = replace(fault, help=f"write `{near[0]}`")
+                fix = Fix(near[0], str(fault.at[-1]))
+                fault = replace(fault, help=f"write `{near[0]}`", fix=fix)
         found.append(fault)
     return (each for each in found if each.lacks is None or (_mapping_of(each), each.lacks) in lacking)
 
@@ -112,19 +127,17 @@ def _without_strangers(faults: list[Fault]) -> Iterator[Fault]:
         first, *others = several.get(fault.at[:-1], [fault]) if fault.code in _UNKNOWN else [fault]
         if fault is first and others:
             keys = ", ".join(f"`{each.at[-1]}`" for each in others)
-            remark = Remark(f"the same is true of {keys}")
+            note = Note(f"the same is true of {keys}")
             help = "is it in the right section? its indentation says to what it belongs"
-            yield replace(fault, remarks=(remark, *fault.remarks), help=help)
+            yield replace(fault, notes=(note, *fault.notes), help=help, fix=None)
         elif fault is first and not (fault.code == "missing-key" and fault.at in several):
             yield fault
 
 
-def _tell(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
+def _report(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
     for fault in faults:
-        notes = [
-            Note(remark.message, None if remark.at is None else locate(node, remark.at, key=True))
-            for remark in fault.remarks
-        ]
+        related = (Note(message, locate(node, at, key=True)) for message, at in fault.related)
+        notes = (*fault.notes, *related)
         message, span = fault.message, _span(node, fault.at, fault.key)
         if fault.within is not None:
             line, column, width = fault.within
@@ -134,7 +147,7 @@ def _tell(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
                 span = Span(span.file, line, column, line, column + width)
             else:
                 message = f"line {line} of the fragment: {message}"
-        sink.error(fault.code, message, span, notes=notes, help=fault.help)
+        sink.error(fault.code, message, span, notes=notes, help=fault.help, fix=fault.fix)
 
 
 def _span(node: Mapping, path: Path, key: bool) -> Span:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.fix import Fix
+from composer.diagnostics.suggest import advised, exists_note
 from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute
 from composer.grammar.check import check_number, check_python, expected
 from composer.grammar.refusal import Refusal
 from composer.recipe.advice import instead, item_instead
 from composer.recipe.element import Value
-from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.fault import Fault, Path
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.text import is_unprintable, unprintable
 
@@ -94,26 +96,33 @@ def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> F
     code = _number_code(attribute, item)
     noun = "integers" if attribute.type == "int" else "numbers"
     wanted = f"{noun} of 32 bits" if code == "out-of-range" else noun
-    return Fault(
-        code, f"{subject} expects {wanted}, got {kind_of(item)}", at, help=item_instead(attribute, item)
+    advice = item_instead(attribute, item)
+    message = f"{subject} expects {wanted}, got {kind_of(item)}"
+    return (
+        Fault(code, message, at)
+        if advice is None
+        else Fault(code, message, at, help=advice.help, fix=advice.fix)
     )
 
 
 def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Path, subject: str) -> Fault:
     """The grammar's answer as a fault."""
-    help = answer.advice or instead(attribute, value)
-    remarks: tuple[Remark, ...] = ()
+    advice = None if answer.advice else instead(attribute, value)
+    help = answer.advice if advice is None else advice.help
+    notes: tuple[Note, ...] = ()
+    fix = None if advice is None else advice.fix
     if code == "wrong-keyword":
         words = value if isinstance(value, list) else [value]
         wrong = next((text for text in map(shown, words) if text not in attribute.keywords), None)
         if wrong is not None:
-            near = closest(wrong, attribute.keywords)
-            help = f"write `{near[0]}`" if near else instead(attribute, value)
+            near, renamed = advised(wrong, attribute.keywords)
+            if near is not None:
+                help, fix = near, renamed if value == wrong else None
             if answer.unknown is not None and not answer.lists_keywords:
-                remarks = (Remark(exists_note("keyword", attribute.keywords, wrong).message),)
+                notes = (exists_note("keyword", attribute.keywords, wrong),)
     elif answer.instead is not None:
-        help = f"write `{attribute.name}: {answer.instead}`"
-    return Fault(code, f"{subject} {answer.message}", at, remarks=remarks, help=help)
+        help, fix = f"write `{attribute.name}: {answer.instead}`", Fix(answer.instead)
+    return Fault(code, f"{subject} {answer.message}", at, notes=notes, help=help, fix=fix)
 
 
 def _printable(attribute: Attribute, value: object, at: Path, subject: str, faults: list[Fault]) -> bool:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from composer.expand.expand import SETTLED
+from composer.expand.matrix import EMITS
+from composer.expand.matrix import KEYS as MATRIX_KEYS
 from composer.expand.parameter import TYPES
+from composer.expand.params import KEYS as PARAMETER_KEYS
 from composer.expand.variants import NO_PIECE
-from composer.formatting.order import WHOLE
+from composer.recipe.in_place import OF_A_FILE
 from composer.recipe.piece_schema import loosened
 from composer.recipe.recipe import sections_of
 from composer.recipe.reference import Schema
@@ -16,31 +20,64 @@ from composer.recipe.singleton import Singleton
 
 _VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
 _BARE: Schema = {**_VALUE, "description": "the default alone; its type is that of the parameter"}
+_CELL: Schema = {"type": "object", "additionalProperties": _VALUE}
+
+
+def _described(keys: Mapping[str, str], schemas: Mapping[str, Schema]) -> dict[str, Schema]:
+    """The schemas of keys, with what each means."""
+    check_rows("the JSON Schema of keys in composer/recipe/variation_schema.py", schemas, keys)
+    return {name: {**schemas[name], "description": about} for name, about in keys.items()}
+
+
 _PARAMETER: Schema = {
     "type": "object",
-    "properties": {
-        "type": {
-            "enum": list(TYPES),
-            "description": "what kind of value it has; without it, that of the default",
+    "properties": _described(
+        PARAMETER_KEYS,
+        {
+            "type": {"enum": list(TYPES)},
+            "default": _VALUE,
+            "min": {"type": "number"},
+            "max": {"type": "number"},
+            "choices": {"type": "array", "minItems": 1},
+            "length": {"type": "integer", "minimum": 1},
+            "unit": {"type": "string"},
+            "doc": {"type": "string"},
         },
-        "default": {**_VALUE, "description": "its value where none is given; without it, one must be given"},
-        "min": {"type": "number", "description": "the least that it, or a component of it, may be"},
-        "max": {"type": "number", "description": "the most that it, or a component of it, may be"},
-        "choices": {"type": "array", "minItems": 1, "description": "the values that it may have"},
-        "length": {"type": "integer", "minimum": 1, "description": "how many numbers a vector has"},
-        "unit": {"type": "string", "description": "for readers; `deg` and `rad` make it an angle"},
-        "doc": {"type": "string", "description": "what it is for"},
-    },
+    ),
     "additionalProperties": False,
 }
-check_rows(
-    "the keys of a parameter in composer/formatting/order.py", WHOLE["params", "*"], _PARAMETER["properties"]
-)
+_MATRIX: Schema = {
+    "type": "object",
+    "properties": _described(
+        MATRIX_KEYS,
+        {
+            "axes": {"type": "object", "additionalProperties": {"type": "array", "minItems": 1}},
+            "exclude": {"type": "array", "items": _CELL},
+            "include": {"type": "array", "items": _CELL},
+            "name": {"type": "string"},
+            "emit": {"enum": list(EMITS)},
+        },
+    ),
+    "required": ["axes"],
+    "additionalProperties": False,
+    "description": "The combinations that `build --all` builds.",
+}
 # What a file that extends another says for itself.
-_OWN = ("recipe", "extends")
-_CELL: Schema = {"type": "object", "additionalProperties": _VALUE}
+_OWN = ("recipe", "extends", "trust")
 _HEAD: dict[str, Schema] = {
     "extends": {"type": "string", "minLength": 1, "description": "Another recipe, over which this file is merged."},
+    "trust": {
+        "type": "object",
+        "properties": {
+            "files": {"type": "array", "items": {"type": "string", "minLength": 1},
+                      "description": "Folders outside the project that models may read, relative to the recipe."},
+            "references": {"type": "array", "items": {"type": "string", "minLength": 1},
+                           "description": "What fetched recipes may name of this machine and its network:"
+                           " how such references begin, as `git+file:///srv/robots` or `package:NAME`."},
+        },
+        "additionalProperties": False,
+        "description": "What is opened to others on this machine; it counts in the recipe that is built alone.",
+    },
     "params": {
         "type": "object",
         "additionalProperties": {"anyOf": [_PARAMETER, _BARE]},
@@ -55,19 +92,7 @@ _HEAD: dict[str, Schema] = {
         },
         "description": "Pieces of recipe by axis and value, of which one of each axis is merged over the recipe.",
     },
-    "matrix": {
-        "type": "object",
-        "properties": {
-            "axes": {"type": "object", "additionalProperties": {"type": "array", "minItems": 1},
-                     "description": "The values of each variant or parameter, all combinations of which are built."},
-            "exclude": {"type": "array", "items": _CELL, "description": "Combinations that are not built."},
-            "include": {"type": "array", "items": _CELL, "description": "More combinations."},
-            "name": {"type": "string", "description": "What a combination is called, with `${…}` for its values."},
-        },
-        "required": ["axes"],
-        "additionalProperties": False,
-        "description": "The combinations that `build --all` builds.",
-    },
+    "matrix": _MATRIX,
 }  # fmt: skip
 _WHEN: Schema = {
     "anyOf": [{"type": "object"}, {"type": "boolean"}, {"type": "string", "pattern": r"\$\{"}],
@@ -93,6 +118,12 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     for name in sections_of(Singleton):
         _into(properties[name], "when", _WHEN)
     _into(properties["check"]["additionalProperties"], "when", _WHEN)
+    definitions["InPlace"] = {
+        "type": "object",
+        "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},
+        "additionalProperties": False,
+        "description": "A recipe, written in place of a model reference.",
+    }
     pieces = loosened(properties, definitions)
     definitions["Piece"] = {
         "type": "object",

@@ -68,3 +68,14 @@ def test_a_compiler_section_is_for_the_whole_model(tmp_path: Path) -> None:
     assert sum(composed.body_mass) == pytest.approx(5)
     _, composed = _built(tmp_path, 'settotalmass="50"', f"{ADDED}compiler: {{settotalmass: 5}}\n")
     assert sum(composed.body_mass) == pytest.approx(5)
+
+
+def test_a_replicate_turns_in_the_sequence_of_the_recipe(tmp_path: Path) -> None:
+    recipe = """
+recipe: 1
+base: ./base.xml
+add:
+  - {to: world, replicate: {count: 2, euler: [90deg, 0, 0], body: {name: b, geom: {size: [0.1]}}}}
+"""
+    _, composed = _built(tmp_path, 'eulerseq="zyx"', recipe)
+    assert composed.body("b1").quat == pytest.approx([0.5**0.5, 0.5**0.5, 0, 0])

@@ -11,9 +11,12 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from link.test_files import skin
 
+from composer.compose.foresee import foresee
 from composer.context import Context
 from composer.diagnostics import Severity
+from composer.plan.planner import make_plan
 from composer.stages import Request, build
 
 ARM = """\
@@ -299,6 +302,26 @@ def test_two_names_may_change_places(radian: Case) -> None:
     assert np.array_equal(after.actuator_trnid, before.actuator_trnid)
 
 
+def test_a_bone_keeps_the_name_of_its_body_when_a_geom_of_that_name_is_renamed(tmp_path: Path) -> None:
+    (tmp_path / "coat.skn").write_bytes(skin("trunk"))
+    puppet = """<mujoco><asset><skin name="coat" file="coat.skn"/></asset>
+    <worldbody><body name="trunk"><geom name="trunk" size=".1"/></body></worldbody></mujoco>"""
+    (tmp_path / "arm.xml").write_text(puppet)
+
+    def bones(selected: str) -> bytes:
+        recipe = f"recipe: 1\nbase: ./arm.xml\nedit: [{{select: {{{selected}: trunk}}, rename: chest}}]\n"
+        (tmp_path / "recipe.yaml").write_text(recipe)
+        built = build(
+            Request(tmp_path / "recipe.yaml", verified=False), Context(environment={}, folder=tmp_path)
+        )
+        assert built is not None
+        (coat,) = [content for path, content in built.bundle.files.items() if path.endswith(".skn")]
+        return coat
+
+    assert bones("body") == skin("chest")
+    assert bones("geom") == skin("trunk")
+
+
 def test_copies_of_a_replicate_are_renamed(tmp_path: Path) -> None:
     text = (
         '<mujoco><worldbody><replicate count="3" offset="1 0 0"><body name="b"><joint name="j"/><geom size=".1"/></body></replicate>'
@@ -506,6 +529,18 @@ def test_what_servos_lose_is_told(servos: Case, name: str, to: str, said: str, h
         assert words in servos.said
 
 
+def test_a_law_of_its_own_is_lost_and_told(tmp_path: Path) -> None:
+    general = 'gaintype="affine" gainprm="1 2 0" biastype="affine" biasprm="1 2 3"'
+    arm = Case(
+        tmp_path,
+        f"""<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>
+        <actuator><general name="law" joint="j" {general}/></actuator></mujoco>""",
+    )
+    model = arm.edited("{select: {actuator: law}, convert: {to: position, kp: 5, kv: 1}}")
+    assert model.actuator("law").gainprm[0] == 5
+    assert "its own gain and bias (`affine`, `affine`)" in arm.said
+
+
 def test_a_gain_that_there_is_not_must_be_given(radian: Case) -> None:
     assert radian.told("{select: {actuator: m1}, convert: {to: position}}") == ["39 missing-key"]
     model = radian.edited("{select: {actuator: m1}, convert: {to: position, kp: 5, ctrlrange: [-1, 1]}}")
@@ -571,6 +606,17 @@ def test_drop(radian: Case) -> None:
         f"{key} {row}" for key in ("home", "other") for row in ("qpos", "qvel")
     }
     assert model.key("home").qpos == pytest.approx([0.1, 0.2])
+
+
+def test_what_is_dropped_is_listed(radian: Case) -> None:
+    (radian.folder / "recipe.yaml").write_text("recipe: 1\nbase: {model: ./arm.xml, drop: [{body: link2}]}\n")
+    context = Context(environment={}, folder=radian.folder)
+    plan = make_plan(Path("recipe.yaml"), context)
+    assert plan is not None
+    (found,) = foresee(plan, context).subtrees.values()
+    listed = {(each.what, each.name) for each in found.left}
+    assert {("body", "link2"), ("joint", "elbow"), ("site", "tip"), ("actuator", "a2")} <= listed
+    assert not {"frame", "inertial"} & {what for what, _ in listed}, "they are no more than poses and numbers"
 
 
 def test_drop_of_what_is_not_there(radian: Case) -> None:

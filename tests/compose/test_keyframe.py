@@ -252,6 +252,24 @@ def test_faults(compose: Compose, key: str, fault: str) -> None:
     assert compose(f"recipe: 1\nbase: ./arm.xml\nkeyframe:\n  k: {key}\n", arm__xml=ARM) == [fault]
 
 
+def test_a_joint_without_a_name_goes_by_its_body_where_that_means_it_alone(
+    built: Built, compose: Compose
+) -> None:
+    arm = """
+<mujoco><worldbody>
+  <body name="alone"><joint/><geom size=".1"/></body>
+  <body name="taken"><joint/><geom size=".1"/></body>
+  <body name="two"><joint/><joint axis="0 1 0"/><geom size=".1"/></body>
+  <body name="other"><joint name="taken"/><geom size=".1"/></body></worldbody></mujoco>
+"""
+    model = built(
+        "base: ./two.xml\nangle: radian\nkeyframe: {k: {qpos: {alone: 1, taken: 2}}}\n", two__xml=arm
+    )
+    assert [*model.key("k").qpos] == [1, 0, 0, 0, 2]
+    recipe = "recipe: 1\nangle: radian\nbase: ./two.xml\nkeyframe: {k: {qpos: {two: 1}}}\n"
+    assert compose(recipe, two__xml=arm) == ["4:23 unknown-name"]
+
+
 @pytest.mark.parametrize(
     "key", ["{qpos: {shoulder: 0}}", "{qpos: {slide: 1}}", "{ctrl: {shoulder: 1}}", "{}"]
 )
@@ -350,6 +368,21 @@ add:
     )
     assert Reset(model, "up").qpos("shoulder") == [1.0]
     _is_the_reference(model, "up", "shoulder", "slide")
+
+
+def test_keys_stay_where_mujoco_is_asked_anew_for_the_state_of_an_edited_actuator(built: Built) -> None:
+    servo = """
+<mujoco><default><position timeconst="0.1"/></default>
+  <worldbody><body name="b"><joint name="j"/><geom size=".1"/></body></worldbody>
+  <actuator><position name="servo" joint="j"/></actuator>
+  <keyframe><key name="home" qpos="0.3" act="0.2" ctrl="0.4"/></keyframe></mujoco>
+"""
+    model = built(
+        "base: ./servo.xml\nedit:\n  - {select: {actuator: servo}, set: {gear: [2]}}", servo__xml=servo
+    )
+    assert model.actuator("servo").gear[0] == 2
+    home = model.key("home")
+    assert [*home.qpos, *home.act, *home.ctrl] == [0.3, 0.2, 0.4]
 
 
 # -- a free joint of a part inside a part -----------------------------------------------------------------------

@@ -45,7 +45,8 @@ def test_cells(matrix: str, names: list[str]) -> None:
     [
         ("{}", "`matrix` lacks `axes`"),
         ("[1]", "`matrix` is a mapping"),
-        ("{axes: {tool: a}}", "axis `tool` is a list of values"),
+        ("{axes: {tool: a}}", "axis `tool` is a list of values, got no list"),
+        ("{axes: {tool: []}}", "axis `tool` is a list of values, got an empty list"),
         ("{axes: {tol: [a]}}", "the recipe has no parameter or variant `tol`"),
         ("{axes: {tool: [c]}}", "variant `tool` has no value `c`"),
         ("{axes: {load: [x]}}", "parameter `load` is a number, got text `x`"),
@@ -54,9 +55,9 @@ def test_cells(matrix: str, names: list[str]) -> None:
         ("{axes: {tool: [a]}, include: [{tool: c}]}", "variant `tool` has no value `c`"),
         ("{axes: {tool: [a, b]}, name: x}", "two cells of the matrix are called `x`"),
         ("{axes: {tool: [a, a]}}", "two cells of the matrix are called `cell-a`"),
-        ("{axes: {tool: [a]}, name: '${foo}'}", "there is no parameter `foo`"),
+        ("{axes: {tool: [a]}, name: '${foo}'}", "the parameter `foo` does not exist"),
         ("{axes: {tool: [a]}, nam: x}", "`matrix` has no key `nam`"),
-        ("{axes: {load: [" + "1, " * 400 + "1], tool: [" + "a, " * 300 + "a]}}", "the matrix has 120701 cells; there may be 100000"),
+        ("{axes: {load: [" + "1, " * 400 + "1], tool: [" + "a, " * 300 + "a]}}", "the matrix has 120701 cells; 100000 are allowed"),
     ],
 )  # fmt: skip
 def test_faults(matrix: str, fault: str) -> None:

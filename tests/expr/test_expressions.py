@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 import pytest
 from hypothesis import given
@@ -66,20 +67,20 @@ def test_values(text: str, expected: Value) -> None:
         ("${side < 1}", "side < 1", "`<` of text and a number"),
         ("${v < v}", "v < v", "`<` needs numbers or text, got a vector"),
         ("${1 if n else 2}", "n", "`if` needs a boolean, got a number"),
-        ("${v[2]}", "v[2]", "there is no item 2: the vector has 2"),
+        ("${v[2]}", "v[2]", "item 2 does not exist: the vector has 2"),
         ("${v[n]}", "[n", "an index is a whole number that is written"),
         ("${n[0]}", "n[0]", "a number has no items"),
-        ("${speed}", "speed", "there is no `speed`"),
-        ("${True}", "True", "there is no `True`"),
+        ("${speed}", "speed", "`speed` does not exist"),
+        ("${True}", "True", "`True` does not exist"),
         ("${sin}", "sin", "`sin` is a function"),
         ("${sin()}", "sin()", "`sin` takes 1 numbers, got 0"),
-        ("${a.b}", ".", "there are no attributes in expressions"),
+        ("${a.b}", ".", "expressions have no attributes"),
         ("${n && n}", "&&", "`&&` is not an operator"),
         ("${90deg}", "90deg", "`90deg` is not a number"),
         ("${(1 + 2}", "(", "`(` is never closed"),
         ("${1 2}", "2", "`2` stands where an operator should"),
         ("${1 +}", "+", "the expression ends where a value should come"),
-        ("${}", "", "there is no expression"),
+        ("${}", "", "the expression is empty"),
         ("a ${1", "${1", "`${` is never closed"),
         ("${" + "(" * 80 + ")" * 80 + "}", "(", "the expression is nested too deep"),
         ("${" + "+".join("1" * 200) + "}", "+".join("1" * 200), "the expression is too long"),
@@ -93,8 +94,44 @@ def test_faults(text: str, part: str, message: str) -> None:
     assert text[caught.value.start : caught.value.end] == part
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "1" + " + 2" * 120,
+        "'a'" + " + 'b'" * 120,
+        "1" + " - 1 + 1" * 60,
+        "1" + " ** 1" * 40,
+        "(" * 40 + "1 + 1" + ") + 1" * 40,
+    ],
+)
+def test_each_operand_is_evaluated_once(text: str) -> None:
+    """A sum of 120 terms would take 2^120 evaluations if each term took two."""
+    begun = time.process_time()
+    value("${" + text + "}")
+    assert time.process_time() - begun < 1
+
+
+def test_a_sum_of_texts_is_bounded_before_it_is_made() -> None:
+    half = "x" * 5000
+    assert value("${'" + half + "' + '" + half + "' == side}") is False
+    with pytest.raises(ExpressionError, match="text is at most 10000 characters long"):
+        value("${'" + half + "' + '" + half + "x' == side}")
+
+
+def test_more_expressions_in_one_text_than_anybody_writes() -> None:
+    begun = time.process_time()
+    with pytest.raises(
+        ExpressionError, match="the text has 1000000 expressions; 10000 are allowed"
+    ) as caught:
+        value("x" + "${n}" * 1_000_000)
+    assert caught.value.start == 1 and caught.value.help is not None
+    assert time.process_time() - begun < 1
+
+
 def test_an_unknown_function_lists_what_exists() -> None:
-    with pytest.raises(ExpressionError, match="there is no function `sine`; those that exist: abs, min, max"):
+    with pytest.raises(
+        ExpressionError, match="the function `sine` does not exist; those that exist: abs, min, max"
+    ):
         value("${sine(1)}")
 
 

@@ -50,8 +50,8 @@ def test_order(parts: str, order: str) -> None:
         ("a after b, b after c, c after a", "part-order", "`a` after `b`, `b` after `c`, `c` after `a`"),
         ("a before b, b before c, c after b", "part-order", "`b` before `c`, `c` after `b`"),
         ("a, b, c after b before a", "part-order", "`c` shall stand after `b` and before `a`, which"),
-        ("a, table, b after tabel", "unknown-name", "there is no part `tabel` for `b` to stand after"),
-        ("a before base", "unknown-name", "there is no part `base`"),
+        ("a, table, b after tabel", "unknown-name", "the part `tabel` for `b` to stand after does not exist"),
+        ("a before base", "unknown-name", "the part `base` for `a` to stand before does not exist"),
     ],
 )
 def test_what_cannot_be(parts: str, code: str, words: str) -> None:

@@ -164,3 +164,15 @@ def test_urdf_is_said_to_be_converted(tmp_path: Path) -> None:
     plan = planned(tmp_path, URDF, arm__urdf="<robot/>")
     assert "start from ./arm.urdf, URDF that MuJoCo converts" in describe(plan)
     assert as_data(plan)["parts"][0]["model"]["format"] == "urdf"
+
+
+@pytest.mark.parametrize("key", ["base", "extends"])
+def test_recipes_that_are_nested_too_deep(tmp_path: Path, key: str) -> None:
+    for number in range(200):
+        (tmp_path / f"{number}.yaml").write_text(f"recipe: 1\n{key}: ./{number + 1}.yaml\n")
+    (tmp_path / "200.yaml").write_text("recipe: 1\n")
+    context = Context(environment={}, folder=tmp_path)
+    assert make_plan(tmp_path / "0.yaml", context) is None
+    (found,) = context.sink.errors
+    assert found.code == "limit-exceeded" and found.span is not None and "50" in found.message
+    assert make_plan(tmp_path / "165.yaml", Context(environment={}, folder=tmp_path)) is not None

@@ -17,11 +17,11 @@ def test_real_path_keeps_a_missing_last_step() -> None:
     )
 
 
-def test_remarks_are_moved_with_their_fault() -> None:
+def test_related_places_are_moved_with_their_fault() -> None:
     data = {"recipe": 1, "attach": {"a": {"model": "m", "site": "s", "body": "b"}}}
     try:
         Recipe.model_validate(data)
     except ValidationError as error:
         (fault,) = faults(error, data)
     assert fault.at == ("attach", "a", "body")
-    assert fault.remarks[0].at == ("attach", "a", "site")
+    assert fault.related[0][1] == ("attach", "a", "site")

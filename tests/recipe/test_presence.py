@@ -48,4 +48,4 @@ def test_broken(kind: str, bundles: str, present: str, code: str, at: tuple[str,
 
 def test_the_first_of_two_is_shown_too() -> None:
     (fault,) = told("exclusive", "a b", "b a")
-    assert fault.remarks[0].at == ("b",)
+    assert fault.related[0][1] == ("b",)

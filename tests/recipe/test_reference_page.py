@@ -30,7 +30,10 @@ def test_a_row_has_type_default_and_meaning() -> None:
     text = page()
     assert "| `option.timestep` | number | `0.002` | timestep, s |" in text
     assert "| `conflict` | `error`, `warning`, `merge` | `error` |" in text
-    assert "| **`attach.PREFIX.model`** | text |  | A model reference" in text
+    assert (
+        "| **`attach.PREFIX.model`** | text or any of the [top-level keys](#top-level-keys) |  | A model reference"
+        in text
+    )
 
 
 def test_every_element_is_there() -> None:

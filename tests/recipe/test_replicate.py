@@ -4,8 +4,11 @@ import pytest
 from pydantic import ValidationError
 
 from composer.expr.angle import Angle
+from composer.limits import Limits
 from composer.recipe.attach import Attachment
-from composer.recipe.replicate import MAX_COPIES, Axis
+from composer.recipe.replicate import Axis
+
+MAX_COPIES = Limits().copies
 
 
 def test_read() -> None:

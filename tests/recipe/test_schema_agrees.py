@@ -28,7 +28,7 @@ FILES = [
     if path.is_file()
 ]
 # What is judged elsewhere, or by the files that are named.
-_NOT_HERE = ("extends", "variants", "matrix", "recipe")
+_NOT_HERE = ("extends", "trust", "variants", "matrix", "recipe")
 _VALUES: list[Any] = [
     "a", 1, 0, -1, 1.5, [0, 0, 1], [1, 0, 0, 0], "90deg", True, False, "true", [], {}, "", [1, 2], ["a", "b"],
     "0 0 1", "**", "world", [[1, 2, 3]], {"a": 1}, "1", [True], "main", 3.0, "./x.xml", [0.5, "90deg"],

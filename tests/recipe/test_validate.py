@@ -72,7 +72,7 @@ def test_other_unknown_key_does_not_hide_a_missing_one(faults: Callable[[str], l
 def test_null_is_told_once(faults: Callable[[str], list[Diagnostic]]) -> None:
     assert [fault.message for fault in faults("name:\noption: {gravity: [0, null, 1]}")] == [
         "`name` has no value",
-        "there is no value here",
+        "a value is missing here",
     ]
 
 

@@ -83,5 +83,5 @@ def test_refused(path: str, name: str, value: Any, code: str, at: tuple[int, ...
 def test_long_list_of_keywords_is_a_note() -> None:
     _, (fault,) = read("sensor/user", "objtype", "gom")
     assert fault.message == "`objtype` of `e` has no keyword `gom`"
-    assert fault.remarks[0].message.startswith("keywords that exist: geom, ")
+    assert fault.notes[0].message.startswith("keywords that exist: geom, ")
     assert fault.help == "write `geom`"

@@ -26,7 +26,8 @@ class AppendElement(Step):
     def of(cls, written: Written) -> Iterator[Step]:
         for section in cls.sections:
             for element in getattr(written.recipe, section):
-                yield cls(section, element, written.span(element.at, key=True))
+                if isinstance(element, Element):
+                    yield cls(section, element, written.span(element.at, key=True))
 
     @property
     def words(self) -> str:

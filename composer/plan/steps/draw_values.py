@@ -29,7 +29,7 @@ class DrawValues(Step):
         for field in randomize.fields if randomize is not None else ():
             if randomize is not None and field.select is not None:
                 span = written.span(field.drawn_at)
-                tabled = randomize.emit == "table"
+                tabled = randomize.at_run_time
                 yield cls(field, randomize.seed, written.sample, randomize.samples, span, tabled)
 
     @property

@@ -9,6 +9,7 @@ from composer.plan.steps.add_element import AddElement
 from composer.plan.steps.append_element import AppendElement
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.edit_elements import EditElements
+from composer.plan.steps.set_collisions import SetCollisions
 from composer.plan.steps.set_default import SetDefault
 from composer.plan.steps.set_singleton import SetSingleton
 from composer.plan.steps.step import Step, Written
@@ -24,9 +25,10 @@ STEPS: tuple[type[Step], ...] = (
     EditElements,
     DrawValues,
     WriteKeyframe,
+    SetCollisions,
 )
 # What the planner itself reads: the settings of the whole recipe, and what is composed and verified.
-_PLANNED = "recipe name description angle eulerseq separator conflict base attach check".split()
+_PLANNED = "recipe name description angle eulerseq separator conflict allow base attach check".split()
 
 for _each in STEPS:
     if inspect.isabstract(_each):

@@ -8,13 +8,15 @@ from typing import ClassVar
 from composer.compiled.attributes import ENUMERATED
 from composer.compiled.attributes import TAGS as ATTRIBUTES_OF
 from composer.compiled.kinds import HOLDERS
-from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.checks.equal import Number, attribute_of, numbers_of
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import advised, exists_note
+from composer.recipe.checks.equal import Number, attribute_of, check_one, numbers_of
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import Kind
 from composer.recipe.checks.words import keywords, naming
-from composer.recipe.fault import Path, Remark
+from composer.recipe.fault import Path
 from composer.recipe.pattern import GLOB
+from composer.recipe.reference import Schema
 from composer.recipe.select import NARROWING
 from composer.recipe.shown import kind_of, shown
 
@@ -68,19 +70,6 @@ class Exists:
     at: Path
 
 
-def read(keys: Keys, at: Path) -> Exists | None:
-    """The check, or None where there was a fault."""
-    before = len(keys.faults)
-    if not keys.value:
-        keys.add(
-            "missing-key", f"`exists` of {keys.owner} asks for nothing", help="write `exists: [{site: tcp}]`"
-        )
-    found = [_selected(index, each, keys) for index, each in enumerate(keys.value)]
-    if len(keys.faults) > before:
-        return None
-    return Exists(keys.name, tuple(each for each in found if each is not None), at)
-
-
 def _selected(index: int, value: object, keys: Keys) -> Selected | None:
     if not isinstance(value, dict):
         message = f"a selector in {keys.owner} is a mapping from a tag to a name, got {kind_of(value)}"
@@ -89,17 +78,14 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
     tags = [key for key in value if key not in _BESIDE]
     for tag in tags:
         if tag not in TAGS:
-            near = closest(tag, (*TAGS, *_BESIDE))
-            remark = Remark(exists_note("tag", TAGS, tag).message)
+            help, fix = advised(tag, (*TAGS, *_BESIDE))
+            note = exists_note("tag", TAGS, tag)
             message = f"`{tag}` in {keys.owner} is not a tag whose names a compiled model has"
             if tag in NARROWING:
                 message = f"`{tag}` in {keys.owner} is nothing that a compiled model knows"
-                remark, near = (
-                    Remark("it knows `parent`, `in` and `where`, and names with the prefixes of parts"),
-                    [],
-                )
-            keys.add("unknown-key", message, index, tag, key=True, remarks=(remark,),
-                     help=f"write `{near[0]}`" if near else None)  # fmt: skip
+                note = Note("it knows `parent`, `in` and `where`, and names with the prefixes of parts")
+                help = fix = None
+            keys.add("unknown-key", message, index, tag, key=True, notes=(note,), help=help, fix=fix)
             return None
     if len(tags) != 1:
         message = f"a selector in {keys.owner} has {len(tags)} tags, and needs one"
@@ -141,7 +127,8 @@ def _where(index: int, value: object, tag: str, keys: Keys) -> tuple[Where, ...]
             found += [Where(key, key, None, word=word)] if word is not None else []
             continue
         attr, place = attribute_of(keys, tag, key, index, WHERE, key, others=words)
-        numbers = numbers_of(keys, wanted, place, index, WHERE, key) if attr is not None else None
+        numbers = numbers_of(keys, wanted, index, WHERE, key) if attr is not None else None
+        check_one(keys, wanted, place, index, WHERE, key)
         if attr is not None and numbers is not None:
             found.append(Where(key, attr, place, numbers))
     return tuple(found)
@@ -155,10 +142,10 @@ def _word(tag: str, attr: str, value: object, keys: Keys, index: int) -> str | N
     word, known = str(value), keywords(tag)[attr]
     if word in known:
         return word
-    near = closest(word, known)
-    remark = Remark(exists_note("value", known, word).message)
+    help, fix = advised(word, known)
+    note = exists_note("value", known, word)
     message = f"`{attr}` of a {tag} is never `{shown(value)}`"
-    keys.add("wrong-keyword", message, *at, remarks=(remark,), help=f"write `{near[0]}`" if near else None)
+    keys.add("wrong-keyword", message, *at, notes=(note,), help=help, fix=fix)
     return None
 
 
@@ -176,44 +163,58 @@ def _around(index: int, key: str, value: object, tag: str, keys: Keys) -> str | 
     return None
 
 
-KIND = Kind(
-    "exists",
-    read,
-    {
-        "type": "array",
-        "minItems": 1,
-        "description": "Elements that must be there: selectors, a tag with a name or a glob over names.",
-        "items": {
-            "type": "object",
-            "minProperties": 1,
-            "maxProperties": 5,
-            "additionalProperties": False,
-            "properties": {
-                **{tag: {**GLOB, "description": f"a glob over the names: {tag}"} for tag in TAGS},
-                EXPECT: {
-                    "type": ["integer", "string"],
-                    "minimum": 0,
-                    "pattern": r"\$\{",
-                    "description": "how many there must be; without it, at least one",
-                },
-                WHERE: {
-                    "type": "object",
-                    "minProperties": 1,
-                    "description": "only what has these values in the compiled model: `type: mesh`, `joint: elbow`",
-                },
-                **{
-                    key: {
+class Selectors:
+    """A list of selectors: a tag with a name or a glob, and what narrows it down."""
+
+    def read(self, keys: Keys) -> tuple[Selected, ...]:
+        found = [_selected(index, each, keys) for index, each in enumerate(keys.value)]
+        return tuple(each for each in found if each is not None)
+
+    def schema(self) -> Schema:
+        return {
+            "type": "array",
+            "minItems": 1,
+            "description": "Elements that must be there: selectors, a tag with a name or a glob over names.",
+            "items": {
+                "type": "object",
+                "minProperties": 1,
+                "maxProperties": 5,
+                "additionalProperties": False,
+                "properties": {
+                    **{tag: {**GLOB, "description": f"a glob over the names: {tag}"} for tag in TAGS},
+                    EXPECT: {
+                        "type": ["integer", "string"],
+                        "minimum": 0,
+                        "pattern": r"\$\{",
+                        "description": "how many there must be; without it, at least one",
+                    },
+                    WHERE: {
                         "type": "object",
-                        "description": f"only what has a body of that name {where} it",
-                        "properties": {"body": {**GLOB, "description": "a glob over the names of bodies"}},
-                        "required": ["body"],
-                        "additionalProperties": False,
-                    }
-                    for key, where in zip(AROUND, ("right around", "somewhere around"), strict=True)
+                        "minProperties": 1,
+                        "description": "only what has these values in the compiled model: `type: mesh`, `joint: elbow`",
+                    },
+                    **{
+                        key: {
+                            "type": "object",
+                            "description": f"only what has a body of that name {where} it",
+                            "properties": {
+                                "body": {**GLOB, "description": "a glob over the names of bodies"}
+                            },
+                            "required": ["body"],
+                            "additionalProperties": False,
+                        }
+                        for key, where in zip(AROUND, ("right around", "somewhere around"), strict=True)
+                    },
                 },
             },
-        },
-    },
-    "[{site: tcp}]",
-    listed=True,
-)
+        }
+
+
+def make(keys: Keys, found: tuple[Selected, ...], at: Path) -> Exists:
+    if not keys.value:
+        message = f"`exists` of {keys.owner} asks for nothing"
+        keys.add("missing-key", message, help="write `exists: [{site: tcp}]`")
+    return Exists(keys.name, found, at)
+
+
+KIND = Kind("exists", Selectors(), make, "[{site: tcp}]")

@@ -7,8 +7,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
-from composer.recipe.fault import Fault, Path, Remark
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.fix import Fix
+from composer.recipe.advice import without_unit
+from composer.recipe.fault import Fault, Path, unknown_key
 from composer.recipe.pattern import pattern_fault
 from composer.recipe.shown import kind_of
 
@@ -27,15 +29,12 @@ class Keys:
         return f"check `{self.name}`"
 
     def known(self, keys: Iterable[str], noun: str = "key") -> None:
-        """Tell every key that is none of these."""
+        """Report every key that is none of these."""
         keys = list(keys)
         for key in self.value:
             if key not in keys:
-                near = closest(key, keys)
-                remark = Remark(exists_note(noun, keys, key).message)
-                help = f"write `{near[0]}`" if near else None
                 message = f"`{self.word}` of {self.owner} has no {noun} `{key}`"
-                self.add("unknown-key", message, key, key=True, remarks=(remark,), help=help)
+                self.faults.append(unknown_key(message, key, keys, (self.name, self.word, key), noun=noun))
 
     def add(
         self,
@@ -43,37 +42,29 @@ class Keys:
         message: str,
         *at: str | int,
         key: bool = False,
-        remarks: tuple[Remark, ...] = (),
+        notes: tuple[Note, ...] = (),
         help: str | None = None,
+        fix: Fix | None = None,
     ) -> None:
         """A fault at a path below this mapping."""
         path: Path = (self.name, self.word, *at)
-        self.faults.append(Fault(code, message, path, key, remarks, help))
+        self.faults.append(Fault(code, message, path, key, notes, help, fix=fix))
 
-    def required(self, key: str, example: str) -> bool:
-        """Whether a key is there; it is a fault where it is not."""
-        if key in self.value:
-            return True
+    def lacks(self, key: str, example: str) -> None:
+        """Report that a key is missing."""
         message = f"`{self.word}` of {self.owner} lacks `{key}`"
         at = (self.name, self.word)
         self.faults.append(
             Fault("missing-key", message, at, key=True, help=f"write `{key}: {example}`", lacks=key)
         )
-        return False
 
     def one_of(self, *keys: str) -> str | None:
-        """The one of several keys that is there; two are a fault."""
+        """The one of several keys that exists; two are a fault."""
         found = [key for key in keys if key in self.value]
         for key in found[1:]:
             message = f"`{self.word}` of {self.owner} has both `{found[0]}` and `{key}`"
             self.add("wrong-type", message, key, key=True, help="take one of them out")
         return found[0] if found else None
-
-    def text(self, key: str, what: str) -> str | None:
-        """The text of a key; None where it is not there or is none."""
-        if key not in self.value:
-            return None
-        return self.text_of(self.value[key], what, key)
 
     def text_of(self, value: Any, what: str, *at: str | int) -> str | None:
         """A value that must be a text, at its path."""
@@ -92,19 +83,6 @@ class Keys:
             return None
         return text
 
-    def number(
-        self,
-        key: str,
-        default: float | None = None,
-        *,
-        least: float | None = None,
-        above: float | None = None,
-    ) -> float | None:
-        """The number of a key, or the default where it is not there; None where it is none."""
-        return (
-            self.number_of(self.value[key], key, least=least, above=above) if key in self.value else default
-        )
-
     def number_of(
         self, value: Any, *at: str | int, least: float | None = None, above: float | None = None
     ) -> float | None:
@@ -112,7 +90,10 @@ class Keys:
         number = _number(value)
         if number is None:
             noun = "a finite number" if isinstance(value, float) else "a number"
-            self.add("wrong-type", f"`{at[0]}` of {self.owner} expects {noun}, got {kind_of(value)}", *at)
+            message = f"`{at[0]}` of {self.owner} expects {noun}, got {kind_of(value)}"
+            advice = without_unit(value) if isinstance(value, str) else None
+            help, fix = (advice.help, advice.fix) if advice is not None else (None, None)
+            self.add("wrong-type", message, *at, help=help, fix=fix)
             return None
         if (least is not None and number < least) or (above is not None and number <= above):
             wanted = f"at least {least:g}" if least is not None else f"more than {above:g}"
@@ -120,20 +101,6 @@ class Keys:
             self.add("out-of-range", message, *at)
             return None
         return number
-
-    def numbers(self, key: str, count: int, example: str) -> tuple[float, ...] | None:
-        """The list of so many numbers of a key; None where it is not there or is none."""
-        if key not in self.value:
-            return None
-        value = self.value[key]
-        if not isinstance(value, list) or len(value) != count:
-            code = "wrong-length" if isinstance(value, list) else "wrong-type"
-            got = f"{len(value)}" if isinstance(value, list) else kind_of(value)
-            message = f"`{key}` of {self.owner} expects a list of {count} numbers, got {got}"
-            self.add(code, message, key, help=f"write for instance `{key}: {example}`")
-            return None
-        found = [self.number_of(each, key, index) for index, each in enumerate(value)]
-        return None if None in found else tuple(each for each in found if each is not None)
 
 
 def _number(value: Any) -> float | None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from composer.recipe.checks.form import Keyed
 from composer.recipe.checks.keys import Keys
 from composer.recipe.fault import Path
 from composer.recipe.reference import Schema
@@ -22,28 +23,31 @@ class Check(Protocol):
     def at(self) -> Path: ...
 
 
+class Form(Protocol):
+    """What stands behind the word of a kind: a `Keyed` mapping, or a list."""
+
+    def read(self, keys: Keys) -> Any:
+        """What `make` gets; what is wrong goes to the faults of `keys`."""
+
+    def schema(self) -> Schema:
+        """The JSON Schema of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of check. `read` gives None where it reported a fault; `example` is what messages advise to write.
+    """A kind of check. `example` is what messages advise to write.
 
-    What stands behind the word is a mapping, or a list where `listed`. A check that `needs_world` is about
-    points in the world of its recipe, and cannot be run where it is not known where that is.
+    `make` gives the check of what `form` has read, also where there were faults: these are reported, and the check is
+    not used. It may find more that is wrong. A check that `needs_world` is about points in the world of its recipe, and
+    cannot be run where it is not known where that is.
     """
 
     word: str
-    read: Callable[[Keys, Path], Check | None]
-    schema: Schema
+    form: Form
+    make: Callable[[Keys, Any, Path], Check | None]
     example: str
-    listed: bool = False
     needs_world: bool = False
 
-
-def mapping_schema(description: str, properties: dict[str, Any], *required: str) -> Schema:
-    """The JSON Schema of a mapping with these keys and no others."""
-    schema: Schema = {"type": "object", "description": description, "properties": properties}
-    if required:
-        schema["required"] = list(required)
-    return {**schema, "additionalProperties": False}
-
-
-NAME: Schema = {"type": "string", "minLength": 1}
+    @property
+    def is_list(self) -> bool:
+        return not isinstance(self.form, Keyed)

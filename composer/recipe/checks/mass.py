@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from composer.recipe.checks.form import Key, Keyed, Name, Number, Numbers
 from composer.recipe.checks.keys import Keys
-from composer.recipe.checks.kind import NAME, Kind, mapping_schema
+from composer.recipe.checks.kind import Kind
 from composer.recipe.fault import Path
-from composer.recipe.reference import reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,54 +30,44 @@ class Mass:
     at: Path
 
 
-def read(keys: Keys, at: Path) -> Mass | None:
-    """The check, or None where there was a fault."""
-    before = len(keys.faults)
-    keys.known(("subtree", "body", "range", "value", "tol"))
-    keys.one_of("subtree", "body")
-    subtree, body = keys.text("subtree", "the name of a body"), keys.text("body", "the name of a body")
-    how = keys.one_of("range", "value")
-    tol = keys.number("tol", least=0)
-    low = high = value = None
-    if how is None and len(keys.faults) > before:
-        pass  # a key that is told may be what says it
-    elif how is None:
-        message = f"`mass` of {keys.owner} does not say how much"
-        keys.add("missing-key", message, key=True, help="write `range: [LOW, HIGH]`, or `value: KILOGRAMS`")
-    elif how == "value":
-        value = keys.number("value", least=0)
-        slack = 1e-9 * max(1.0, value or 0.0) if tol is None else tol
-        low, high = (value - slack, value + slack) if value is not None else (None, None)
-    else:
-        if "tol" in keys.value:
-            help = "take `tol` out, or write `value` in place of `range`"
-            keys.add("unknown-key", f"`tol` of {keys.owner} belongs to `value`", "tol", key=True, help=help)
-        found = keys.numbers("range", 2, "[18, 22]")
-        if found is not None:
-            low, high = found
-            if low > high:
-                message = f"`range` of {keys.owner} starts with {low:g}, which is more than {high:g}"
-                keys.add("out-of-range", message, "range", help=f"write `range: [{high:g}, {low:g}]`")
-    if len(keys.faults) > before or low is None or high is None:
-        return None
-    return Mass(keys.name, subtree, body, low, high, value, tol, at)
-
-
-KIND = Kind(
-    "mass",
-    read,
-    mapping_schema(
-        "What the model, a body, or a body with all below it weighs.",
-        {
-            "subtree": {**NAME, "description": "a body: it and all below it"},
-            "body": {**NAME, "description": "a body alone; without either, everything"},
-            "range": {**reference("number-2"), "description": "the least and the most, in kilograms"},
-            "value": {**reference("number"), "description": "kilograms"},
-            "tol": {
-                **reference("number"),
-                "description": "how far from `value` it may be, in kilograms; without it, rounding",
-            },
-        },
-    ),
-    "{range: [LOW, HIGH]}",
+FORM = Keyed(
+    "What the model, a body, or a body with all below it weighs.",
+    Key("subtree", Name("the name of a body"), "a body: it and all below it"),
+    Key("body", Name("the name of a body"), "a body alone; without either, everything"),
+    Key("range", Numbers(2, "[18, 22]"), "the least and the most, in kilograms"),
+    Key("value", Number(least=0), "kilograms"),
+    Key("tol", Number(least=0), "how far from `value` it may be, in kilograms; without it, rounding"),
 )
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Mass | None:
+    keys.one_of("subtree", "body")
+    how = keys.one_of("range", "value")
+    subtree, body, value, tol = (found[name] for name in ("subtree", "body", "value", "tol"))
+    if how is None:
+        # A key that is reported may be what says it.
+        if not any(each.at[:2] == (keys.name, keys.word) for each in keys.faults):
+            message = f"`mass` of {keys.owner} does not say how much"
+            help = "write `range: [LOW, HIGH]`, or `value: KILOGRAMS`"
+            keys.add("missing-key", message, key=True, help=help)
+        return None
+    if how == "value":
+        slack = 1e-9 * max(1.0, value or 0.0) if tol is None else tol
+        limits = None if value is None else (value - slack, value + slack)
+    else:
+        limits = found["range"]
+        _check_range(keys, limits)
+    return None if limits is None else Mass(keys.name, subtree, body, *limits, value, tol, at)
+
+
+def _check_range(keys: Keys, limits: tuple[float, float] | None) -> None:
+    if "tol" in keys.value:
+        help = "take `tol` out, or write `value` in place of `range`"
+        keys.add("unknown-key", f"`tol` of {keys.owner} belongs to `value`", "tol", key=True, help=help)
+    if limits is not None and limits[0] > limits[1]:
+        low, high = limits
+        message = f"`range` of {keys.owner} starts with {low:g}, which is more than {high:g}"
+        keys.add("out-of-range", message, "range", help=f"write `range: [{high:g}, {low:g}]`")
+
+
+KIND = Kind("mass", FORM, make, "{range: [LOW, HIGH]}")

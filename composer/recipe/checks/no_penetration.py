@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from composer.recipe.checks.form import Key, Keyed, Name, Number
 from composer.recipe.checks.keys import Keys
-from composer.recipe.checks.kind import NAME, Kind, mapping_schema
+from composer.recipe.checks.kind import Kind
 from composer.recipe.fault import Path
 from composer.recipe.pattern import GLOB
-from composer.recipe.reference import reference
+from composer.recipe.reference import Schema
 from composer.recipe.shown import kind_of
 
 MAX = 1e-3
@@ -30,54 +32,43 @@ class NoPenetration:
     at: Path
 
 
-def read(keys: Keys, at: Path) -> NoPenetration | None:
-    """The check, or None where there was a fault."""
-    before = len(keys.faults)
-    keys.known(("key", "max", "exclude"))
-    key = keys.text("key", "the name of a keyframe")
-    depth = keys.number("max", MAX, least=0)
-    pairs = keys.value.get("exclude", [])
-    if not isinstance(pairs, list):
-        message = f"`exclude` of {keys.owner} expects a list of pairs of globs, got {kind_of(pairs)}"
-        keys.add("wrong-type", message, "exclude", help='write for instance `exclude: [["arm/**", table]]`')
-        return None
-    found: list[tuple[str, str]] = []
-    for index, pair in enumerate(pairs):
-        if isinstance(pair, list) and len(pair) == 2:
-            globs = [
-                keys.glob_of(each, "globs over names of geoms or bodies", "exclude", index, side)
-                for side, each in enumerate(pair)
-            ]
-            found.append((globs[0] or "", globs[1] or ""))
-            continue
-        got = f"{len(pair)} of them" if isinstance(pair, list) else kind_of(pair)
-        help = "a pair is a list of its own: `exclude: [[a, b]]`"
-        message = f"`exclude` of {keys.owner} expects pairs of globs, got {got}"
-        keys.add(
-            "wrong-length" if isinstance(pair, list) else "wrong-type", message, "exclude", index, help=help
-        )
-    if len(keys.faults) > before or depth is None:
-        return None
-    return NoPenetration(keys.name, key, depth, tuple(found), at)
+class Pairs:
+    """Pairs of globs, which gives a tuple of pairs."""
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[tuple[str, ...], ...]:
+        if not isinstance(value, list):
+            message = f"`{at[-1]}` of {keys.owner} expects a list of pairs of globs, got {kind_of(value)}"
+            keys.add("wrong-type", message, *at, help=f'write for instance `{at[-1]}: [["arm/**", table]]`')
+            return ()
+        return tuple(self._pair(keys, each, *at, index) for index, each in enumerate(value))
+
+    def _pair(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
+        if isinstance(value, list) and len(value) == 2:
+            what = "globs over names of geoms or bodies"
+            return tuple(keys.glob_of(each, what, *at, side) or "" for side, each in enumerate(value))
+        got = f"{len(value)} of them" if isinstance(value, list) else kind_of(value)
+        message = f"`{at[0]}` of {keys.owner} expects pairs of globs, got {got}"
+        code = "wrong-length" if isinstance(value, list) else "wrong-type"
+        keys.add(code, message, *at, help=f"a pair is a list of its own: `{at[0]}: [[a, b]]`")
+        return ()
+
+    def schema(self) -> Schema:
+        return {
+            "type": "array",
+            "items": {"type": "array", "items": dict(GLOB), "minItems": 2, "maxItems": 2},
+        }
 
 
-KIND = Kind(
-    "no_penetration",
-    read,
-    mapping_schema(
-        "Nothing is inside of something else at a keyframe, as far as geoms can touch.",
-        {
-            "key": {**NAME, "description": "the pose; without it, the reference configuration"},
-            "max": {
-                **reference("number"),
-                "description": f"the greatest depth, in metres (default: {MAX:g})",
-            },
-            "exclude": {
-                "type": "array",
-                "description": "pairs of globs over names of geoms and bodies whose contacts do not count",
-                "items": {"type": "array", "items": dict(GLOB), "minItems": 2, "maxItems": 2},
-            },
-        },
-    ),
-    "{key: home}",
+FORM = Keyed(
+    "Nothing is inside of something else at a keyframe, as far as geoms can touch.",
+    Key("key", Name("the name of a keyframe"), "the pose; without it, the reference configuration"),
+    Key("max", Number(least=0), "the greatest depth, in metres", MAX),
+    Key("exclude", Pairs(), "pairs of globs over names of geoms and bodies whose contacts do not count", ()),
 )
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> NoPenetration:
+    return NoPenetration(keys.name, at=at, **found)
+
+
+KIND = Kind("no_penetration", FORM, make, "{key: home}")

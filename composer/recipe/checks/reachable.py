@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from composer.recipe.checks.form import Key, Keyed, Name, Number, Numbers
 from composer.recipe.checks.keys import Keys
-from composer.recipe.checks.kind import NAME, Kind, mapping_schema
+from composer.recipe.checks.kind import Kind
 from composer.recipe.fault import Path
-from composer.recipe.reference import reference
 
 TOLERANCE = 1e-3
+_POINT = "[0.5, 0, 0.8]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,44 +28,26 @@ class Reachable:
     at: Path
 
 
-def read(keys: Keys, at: Path) -> Reachable | None:
-    """The check, or None where there was a fault."""
-    before = len(keys.faults)
-    keys.known(("site", "target", "tolerance", "key"))
-    keys.required("site", "NAME")
-    keys.required("target", "[0.5, 0, 0.8]")
-    site, key = keys.text("site", "the name of a site"), keys.text("key", "the name of a keyframe")
-    target = keys.numbers("target", 3, "[0.5, 0, 0.8]")
-    tolerance = keys.number("tolerance", TOLERANCE, above=0)
-    if len(keys.faults) > before or site is None or target is None or tolerance is None:
-        return None
-    return Reachable(keys.name, site, target, tolerance, key, at)
-
-
-KIND = Kind(
-    "reachable",
-    read,
-    mapping_schema(
-        "Joint positions within their limits bring a site to a point. Collisions are not looked at.",
-        {
-            "site": {**NAME, "description": "the site that is brought there"},
-            "target": {
-                **reference("number-3"),
-                "description": "the point, in metres, in the world of this recipe",
-            },
-            "tolerance": {
-                **reference("number"),
-                "description": f"how near it must come, in metres (default: {TOLERANCE:g})",
-            },
-            "key": {
-                **NAME,
-                "description": "where everything else is, and the search starts; without it, the"
-                " reference configuration",
-            },
-        },
-        "site",
+FORM = Keyed(
+    "Joint positions within their limits bring a site to a point. Collisions are not looked at.",
+    Key("site", Name("the name of a site"), "the site that is brought there", needed="NAME"),
+    Key(
         "target",
+        Numbers(3, _POINT),
+        "the point, in metres, in the world of this recipe",
+        needed=_POINT,
     ),
-    "{site: tcp, target: [0.5, 0, 0.8]}",
-    needs_world=True,
+    Key("tolerance", Number(above=0), "how near it must come, in metres", TOLERANCE),
+    Key(
+        "key",
+        Name("the name of a keyframe"),
+        "where everything else is, and the search starts; without it, the reference configuration",
+    ),
 )
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Reachable:
+    return Reachable(keys.name, at=at, **found)
+
+
+KIND = Kind("reachable", FORM, make, "{site: tcp, target: [0.5, 0, 0.8]}", needs_world=True)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from composer.recipe.checks.form import Key, Keyed
 from composer.recipe.checks.keys import Keys
-from composer.recipe.checks.kind import Kind, mapping_schema
+from composer.recipe.checks.kind import Kind
 from composer.recipe.fault import Path
-from composer.recipe.reference import reference
+from composer.recipe.reference import Schema, reference
 from composer.recipe.shown import kind_of
 
 COUNTS: Mapping[str, str] = {
@@ -56,25 +57,30 @@ class Size:
     at: Path
 
 
-def read(keys: Keys, at: Path) -> Size | None:
-    """The check, or None where there was a fault."""
-    before = len(keys.faults)
-    keys.known(COUNTS, "size")
+class Count:
+    """A whole number from 0."""
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> int | None:
+        if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+            return value
+        keys.add("wrong-type", f"`{at[-1]}` of {keys.owner} expects a count, got {kind_of(value)}", *at)
+        return None
+
+    def schema(self) -> Schema:
+        return {**reference("integer"), "minimum": 0}
+
+
+FORM = Keyed(
+    "How many there are of something: sizes of mjModel.",
+    *(Key(name, Count(), what) for name, what in COUNTS.items()),
+    noun="size",
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Size:
     if not keys.value:
         keys.add("missing-key", f"`size` of {keys.owner} asks for nothing", help="write `size: {nu: 7}`")
-    for size, value in keys.value.items():
-        if size in COUNTS and (isinstance(value, bool) or not isinstance(value, int) or value < 0):
-            message = f"`{size}` of {keys.owner} expects a count, got {kind_of(value)}"
-            keys.add("wrong-type", message, size)
-    return Size(keys.name, dict(keys.value), at) if len(keys.faults) == before else None
+    return Size(keys.name, {name: found[name] for name in keys.value if name in found}, at)
 
 
-KIND = Kind(
-    "size",
-    read,
-    mapping_schema(
-        "How many there are of something: sizes of mjModel.",
-        {name: {**reference("integer"), "description": what} for name, what in COUNTS.items()},
-    ),
-    "{nu: 7}",
-)
+KIND = Kind("size", FORM, make, "{nu: 7}")

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
+from composer.recipe.checks.form import Key, Keyed, Name, Number
 from composer.recipe.checks.keys import Keys
-from composer.recipe.checks.kind import NAME, Kind, mapping_schema
+from composer.recipe.checks.kind import Kind
 from composer.recipe.fault import Path
-from composer.recipe.reference import reference
+from composer.recipe.reference import Schema
+from composer.recipe.shown import kind_of
 
 SECONDS, MAX_SPEED = 1.0, 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class Stable:
-    """From `key` (None: the reference configuration), no speed is above `max_speed` (m/s, rad/s) after `seconds`."""
+    """From `key` (None: the reference configuration), no speed is above `max_speed` (m/s, rad/s) after `seconds`.
+
+    With `within`, every joint is then that near (m, rad) to where it is in the key `near`; None is `key` itself.
+    """
 
     word: ClassVar[str] = "stable"
     name: str
@@ -23,37 +29,65 @@ class Stable:
     seconds: float
     max_speed: float
     at: Path
+    near: str | None = None
+    within: float | None = None
 
 
-def read(keys: Keys, at: Path) -> Stable | None:
-    """The check, or None where there was a fault."""
-    before = len(keys.faults)
-    keys.known(("key", "seconds", "max_speed"))
-    key = keys.text("key", "the name of a keyframe")
-    seconds = keys.number("seconds", SECONDS, above=0)
-    speed = keys.number("max_speed", MAX_SPEED, above=0)
-    if len(keys.faults) > before or seconds is None or speed is None:
-        return None
-    return Stable(keys.name, key, seconds, speed, at)
+class Near:
+    """The keyframe that the model stays near to, and how near."""
+
+    form = Keyed(
+        "",
+        Key("key", Name("the name of a keyframe"), "a keyframe; without it, the one where it starts"),
+        Key(
+            "within",
+            Number(above=0),
+            "how far a joint may be from where it is there, in m or rad",
+            needed="0.05",
+        ),
+    )
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> Mapping[str, Any]:
+        if not isinstance(value, dict):
+            key = f"key: {value}, " if isinstance(value, str) else ""
+            message = f"`{at[-1]}` of {keys.owner} is a mapping, got {kind_of(value)}"
+            keys.add("wrong-type", message, *at, help=f"write for instance `{at[-1]}: {{{key}within: 0.05}}`")
+            return {}
+        inner = Keys(keys.name, str(at[-1]), value, [])
+        found = self.form.read(inner)
+        for fault in inner.faults:
+            keys.faults.append(replace(fault, at=(keys.name, keys.word, *fault.at[1:])))
+        return found
+
+    def schema(self) -> Schema:
+        return self.form.schema()
 
 
-KIND = Kind(
-    "stable",
-    read,
-    mapping_schema(
-        "The model comes to rest: simulated from a keyframe, it does not diverge and stands still at the end.",
-        {
-            "key": {**NAME, "description": "where it starts; without it, the reference configuration"},
-            "seconds": {
-                **reference("number"),
-                "description": f"how long it is simulated (default: {SECONDS:g})",
-            },
-            "max_speed": {
-                **reference("number"),
-                "description": "the greatest speed of a joint in the last tenth of that time, in m/s or rad/s"
-                f" (default: {MAX_SPEED:g})",
-            },
-        },
+FORM = Keyed(
+    "The model comes to rest: simulated from a keyframe, it does not diverge and stands still at the end.",
+    Key("key", Name("the name of a keyframe"), "where it starts; without it, the reference configuration"),
+    Key("seconds", Number(above=0), "how long it is simulated", SECONDS),
+    Key(
+        "max_speed",
+        Number(above=0),
+        "the greatest speed of a joint in the last tenth of that time, in m/s or rad/s",
+        MAX_SPEED,
     ),
-    "{key: home}",
+    Key("near", Near(), "that all joints are still near to where they are in a keyframe", {}),
 )
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Stable:
+    near = found["near"]
+    return Stable(
+        keys.name,
+        found["key"],
+        found["seconds"],
+        found["max_speed"],
+        at,
+        near.get("key"),
+        near.get("within"),
+    )
+
+
+KIND = Kind("stable", FORM, make, "{key: home}")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from composer.diagnostics.suggest import closest
+from composer.diagnostics.suggest import advised
 from composer.grammar import GRAMMAR
+from composer.recipe.checks.form import Key, Keyed, Name
 from composer.recipe.checks.keys import Keys
-from composer.recipe.checks.kind import NAME, Kind, mapping_schema
+from composer.recipe.checks.kind import Kind
 from composer.recipe.fault import Path
+from composer.recipe.reference import Schema
 from composer.recipe.shown import kind_of
 
 PART, EXCEPT = "part", "except"
@@ -40,51 +43,47 @@ def attributes() -> list[str]:
     return sorted({name for kind in kinds for name in kind.attributes} - OWN)
 
 
-def read(keys: Keys, at: Path) -> Unchanged | None:
-    """The check, or None where there was a fault."""
-    before = len(keys.faults)
-    keys.known((PART, EXCEPT))
-    part = keys.text(PART, "the prefix of a part")
-    excepted = keys.value.get(EXCEPT, [])
-    if not isinstance(excepted, list):
-        message = f"`{EXCEPT}` of {keys.owner} expects a list of attributes, got {kind_of(excepted)}"
-        listed = f"write `{EXCEPT}: [{excepted}]`" if isinstance(excepted, str) else None
-        keys.add("wrong-type", message, EXCEPT, help=listed)
-        return None
-    known = attributes() if excepted else []
-    for index, each in enumerate(excepted):
-        if each not in known:
-            _unknown(keys, each, index, known)
-    return Unchanged(keys.name, part, tuple(excepted), at) if len(keys.faults) == before else None
+class Attributes:
+    """Attributes of MJCF, which gives a tuple."""
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[Any, ...]:
+        if not isinstance(value, list):
+            message = f"`{at[-1]}` of {keys.owner} expects a list of attributes, got {kind_of(value)}"
+            listed = f"write `{at[-1]}: [{value}]`" if isinstance(value, str) else None
+            keys.add("wrong-type", message, *at, help=listed)
+            return ()
+        known = attributes() if value else []
+        for index, each in enumerate(value):
+            if each not in known:
+                self._unknown(keys, each, known, *at, index)
+        return tuple(value)
+
+    def _unknown(self, keys: Keys, name: Any, known: list[str], *at: str | int) -> None:
+        if not isinstance(name, str):
+            message = f"`{at[0]}` expects attributes of MJCF, got {kind_of(name)}"
+            keys.add("wrong-type", message, *at)
+            return
+        help, fix = advised(name, known)
+        message = f"MJCF has no attribute `{name}` that could be excepted"
+        keys.add("unknown-attribute", message, *at, help=help, fix=fix)
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": {"type": "string", "minLength": 1}}
 
 
-def _unknown(keys: Keys, name: Any, index: int, known: list[str]) -> None:
-    if not isinstance(name, str):
-        message = f"`{EXCEPT}` expects attributes of MJCF, got {kind_of(name)}"
-        keys.add("wrong-type", message, EXCEPT, index)
-        return
-    near = closest(name, known)
-    message = f"MJCF has no attribute `{name}` that could be excepted"
-    help = f"write `{near[0]}`" if near else None
-    keys.add("unknown-attribute", message, EXCEPT, index, help=help)
-
-
-KIND = Kind(
-    "unchanged",
-    read,
-    mapping_schema(
-        "A part is what its source is when MuJoCo compiles that alone.",
-        {
-            PART: {
-                **NAME,
-                "description": "the part, by its prefix; `base` is the base; without it, all of them",
-            },
-            EXCEPT: {
-                "type": "array",
-                "items": dict(NAME),
-                "description": "attributes of MJCF that are changed on purpose",
-            },
-        },
+FORM = Keyed(
+    "A part is what its source is when MuJoCo compiles that alone.",
+    Key(
+        PART,
+        Name("the prefix of a part"),
+        "the part, by its prefix; `base` is the base; without it, all of them",
     ),
-    "{}",
+    Key(EXCEPT, Attributes(), "attributes of MJCF that are changed on purpose", ()),
 )
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Unchanged:
+    return Unchanged(keys.name, found[PART], found[EXCEPT], at)
+
+
+KIND = Kind("unchanged", FORM, make, "{}")

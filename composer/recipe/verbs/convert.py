@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.grammar import GRAMMAR
 from composer.recipe.attribute_schema import attribute_schema
-from composer.recipe.fault import Fault, Path, Remark
+from composer.recipe.fault import Fault, Path
 from composer.recipe.reference import Schema
 from composer.recipe.select import unknown_attribute
 from composer.recipe.shown import kind_of
@@ -55,13 +55,14 @@ def _no_target(to: Any, at: Path, written: bool) -> Fault:
     if not written:
         return Fault("missing-key", "`convert` lacks `to`", at, help=f"write `to:` and one of {known}")
     near = closest(str(to), CONVERTIBLE)
-    remark = Remark(exists_note("kind", CONVERTIBLE, str(to)).message)
+    note = exists_note("kind", CONVERTIBLE, str(to))
     return Fault(
         "wrong-keyword",
         f"an actuator cannot be converted to {kind_of(to)}",
         (*at, TO),
-        remarks=(remark,),
+        notes=(note,),
         help=f"write `to: {near[0]}`" if near else None,
+        fix=renaming(str(to), CONVERTIBLE),
     )
 
 

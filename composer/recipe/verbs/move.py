@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from composer.diagnostics.suggest import closest, exists_note
 from composer.grammar import GRAMMAR
-from composer.recipe.fault import Fault, Remark
+from composer.recipe.fault import Fault, unknown_key
 from composer.recipe.placing import ORIENTATIONS
 from composer.recipe.reference import Schema
 from composer.recipe.shown import kind_of
@@ -39,11 +38,7 @@ def _read(value: Any, selected: Selected) -> dict[str, Any]:
         selected.add(Fault(code, message, (*at, TO) if written else at, help=where))
     pose = {name: item for name, item in given.items() if name != TO}
     for name in [name for name in pose if name not in _POSE]:
-        near = closest(name, (TO, *_POSE))
-        remark = Remark(exists_note("key", (TO, *_POSE), name).message)
-        help = f"write `{near[0]}`" if near else None
-        message = f"`{name}` is not a key of `move`"
-        selected.add(Fault("unknown-key", message, (*at, name), key=True, remarks=(remark,), help=help))
+        selected.add(unknown_key(f"`{name}` is not a key of `move`", name, (TO, *_POSE), (*at, name)))
         del pose[name]
     selected.checker.attributes("set", pose, selected.selector, at)
     return dict(given)

@@ -26,7 +26,7 @@ def _words(value: str) -> str:
 
 
 def _changes(tag: str | None, value: str) -> Changed:
-    return ()  # a name is no value in the compiled model
+    return ()  # a name is not a value in the compiled model
 
 
 def _schema() -> Schema:

@@ -47,9 +47,11 @@ def _list(
             selected.add(Fault("unknown-key", message, (*at, index), help=help))
         elif kinds and not fitting:
             fault = selected.checker.unknown(name, tag, kinds, (*at, index))
-            selected.add(Fault(fault.code, fault.message, fault.at, remarks=fault.remarks, help=fault.help))
+            selected.add(
+                Fault(fault.code, fault.message, fault.at, notes=fault.notes, help=fault.help, fix=fault.fix)
+            )
         elif fitting and all(attribute.required for attribute in fitting):
-            message = f"`{name}` of `{tag}` must be there"
+            message = f"`{name}` of `{tag}` is required"
             help = "write another value with `set`"
             selected.add(Fault("missing-key", message, (*at, index), help=help))
     return tuple(value)

@@ -64,7 +64,7 @@ class Checker:
             self.value(verb, fitting, index, item, tag, path)
 
     def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
-        """The fault of a name that is no attribute of what is selected."""
+        """The fault of a name that is not an attribute of what is selected."""
         if all(kind.path == "default" or kind.tag == "default" for kind in kinds):
             known = [child for child in kinds[0].children if child != "default"]
             near = closest(name, known)
@@ -149,7 +149,7 @@ class Checker:
 
 
 def _sample(attribute: Attribute, value: Any) -> Any:
-    """A value of the same form without `${…}`; None where only the model can tell whether it fits."""
+    """A value of the same form without `${…}`; None where only the model shows whether it fits."""
     if isinstance(value, list):
         items = [1 if _computed(item) and attribute.is_number else item for item in value]
         return None if any(map(_computed, items)) else items

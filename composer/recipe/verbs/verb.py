@@ -15,7 +15,7 @@ from composer.recipe.verbs.values import Checker
 from composer.tree.selector import Selector
 
 Changed: TypeAlias = Iterable[tuple[str | None, str]]
-"""Attributes, each with its tag, or None where the selector does not tell the tag."""
+"""Attributes, each with its tag, or None where the selector does not say the tag."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Selected:
 
     @property
     def kinds(self) -> tuple[ElementType, ...]:
-        """The elements that the tag of the selector means; none where it does not tell."""
+        """The elements that the tag of the selector means; none where it does not say."""
         return kinds_of(self.selector.tag) if self.selector else ()
 
     def add(self, fault: Fault) -> None:

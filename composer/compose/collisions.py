@@ -1,0 +1,177 @@
+"""Step: which bodies may not touch, and which geoms shall, by the parts that they are of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer import engine
+from composer.compiled.touching import touching
+from composer.compose.elements import ElementBuilder
+from composer.compose.kept import KEPT, compiled
+from composer.context import Context
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.document.node import locate
+from composer.link.linking import Linking
+from composer.plan.plan import Place, Plan
+from composer.plan.steps.set_collisions import SetCollisions
+from composer.recipe.contact import BETWEEN
+from composer.tree.classes import childclass_of, own
+from composer.tree.pattern import fitter
+
+_MOST = 20_000
+_COLLIDING = ("contype", "conaffinity")
+
+
+def set_collisions(
+    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None
+) -> None:
+    """Write the excludes and pairs that the recipe asks for by its parts, in the order of the file."""
+    steps = [step for step in plan.steps if isinstance(step, SetCollisions)]
+    for step in steps:
+        if not step.collisions.sides:
+            _exclude_touching(step, plan, linking, making, context, session)
+            continue
+        sides = [_bodies(step, index, plan, linking, making) for index in range(2)]
+        if step.collisions.what == "exclude":
+            pairs = [(one, other) for one in sides[0] for other in sides[1] if one is not other]
+            named = [(_name(one), _name(other)) for one, other in pairs]
+            _append(linking, making, step, "exclude", ("body1", "body2"), named)
+        else:
+            _collide(step, sides, linking, making)
+
+
+def _exclude_touching(
+    step: SetCollisions, plan: Plan, linking: Linking, making: ElementBuilder, context: Context,
+    session: engine.Session | None,
+) -> None:  # fmt: skip
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session())
+        if not compiled(linking, context, session):
+            return
+        prefixes = sorted({part.prefix for part in plan.parts if part.prefix})
+        answer = engine.call(session, touching, [KEPT], prefixes)
+    if not answer.ok:
+        making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
+        return
+    nameless = [pair for pair in answer.value if not all(pair["bodies"])]
+    if nameless:
+        (one, other), where = nameless[0]["called"], nameless[0]["where"]
+        more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
+        making.sink.error(
+            "bad-name",
+            f"{one} and {other} touch in {where}{more}, and a body without a name cannot be excluded",
+            step.span,
+            help='give it a name: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]` in the part',
+        )
+    named = [tuple(pair["bodies"]) for pair in answer.value if all(pair["bodies"])]
+    _append(linking, making, step, "exclude", ("body1", "body2"), named)
+
+
+def _bodies(
+    step: SetCollisions, index: int, plan: Plan, linking: Linking, making: ElementBuilder
+) -> list[Node]:
+    """The bodies with geoms that can collide on one side."""
+    places = {place.part: place for place in plan.walk() if place.part}
+    everything = [
+        body for world in linking.base.root.iterchildren("worldbody") for body in (world, *world.iter("body"))
+    ]
+    names = [_name(body) for body in everything]
+    found: list[Node] = []
+    for at, name in enumerate(step.collisions.sides[index]):
+        place = places.get(name)
+        if place is not None:
+            fitting = {each for each in names if _is_of(each, place)}
+        else:
+            fitting = set(filter(fitter(name, lambda: names, plan.separator), names))
+        if not fitting:
+            path = (*step.collisions.at, BETWEEN, index)
+            known = [*places, *names[1:]]
+            span = locate(making.document, path)
+            inner = locate(making.document, (*path, at))
+            making.sink.error(
+                "unknown-name",
+                f"`{name}` is not a part, and names no body",
+                inner if len(step.collisions.sides[index]) > 1 else span,
+                notes=(exists_note("part", list(places), name), exists_note("body", names[1:], name)),
+                help=did_you_mean(name, known),
+                subjects=(name,),
+            )
+        found += [body for body in everything if _name(body) in fitting and body not in found]
+    return [body for body in found if any(_collides(geom, linking) for geom in own(body, "geom"))]
+
+
+def _is_of(name: str, place: Place) -> bool:
+    """Whether a body is of a part; the world is the base's."""
+    if name == "world":
+        return not place.prefix
+    return bool(name) and name.startswith(place.prefix) and not name.startswith(tuple(place.others))
+
+
+def _collides(geom: Node, linking: Linking) -> bool:
+    """Whether a geom can touch anything: one that is only seen cannot."""
+    classes = linking.base.classes
+    # The `contype` of one geom and the `conaffinity` of the other are enough for a contact.
+    values = [classes.effective(geom, childclass_of(geom), name) for name in _COLLIDING]
+    return any(value is None or int(float(value)) != 0 for value in values)
+
+
+def _collide(
+    step: SetCollisions, sides: Sequence[Sequence[Node]], linking: Linking, making: ElementBuilder
+) -> None:
+    # A pair collides whatever else is written: in MuJoCo 4.0 also if `contype` and `conaffinity` are 0, and where an
+    # `<exclude>` names the bodies.
+    named: list[tuple[str, str]] = []
+    for one, other in ((one, other) for one in sides[0] for other in sides[1] if one is not other):
+        for first in _geoms(one, linking):
+            for second in _geoms(other, linking):
+                if not first.get("name") or not second.get("name"):
+                    body = one if not first.get("name") else other
+                    making.sink.error(
+                        "bad-name",
+                        f"a geom of the body `{_name(body)}` has no name, and pairs of geoms go by names",
+                        step.span,
+                        help="give it a name: "
+                        '`edit: [{select: {geom: "**", where: {name: ""}}, rename: "${parent}_g${index}"}]`'
+                        " in the part",
+                        subjects=(_name(body),),
+                    )
+                    return
+                named.append((str(first.get("name")), str(second.get("name"))))
+    if len(named) > _MOST:
+        making.sink.error(
+            "out-of-range", f"these are {len(named)} pairs of geoms, of which MuJoCo checks each", step.span,
+            help="name fewer bodies, or set `contype` and `conaffinity` by `edit`",
+        )  # fmt: skip
+        return
+    _append(linking, making, step, "pair", ("geom1", "geom2"), named)
+
+
+def _geoms(body: Node, linking: Linking) -> Iterator[Node]:
+    return (geom for geom in own(body, "geom") if _collides(geom, linking))
+
+
+def _name(body: Node) -> str:
+    return "world" if body.tag == "worldbody" else str(body.get("name") or "")
+
+
+def _append(
+    linking: Linking, making: ElementBuilder, step: SetCollisions, tag: str, keys: tuple[str, str],
+    pairs: Sequence[tuple[str, ...]],
+) -> None:  # fmt: skip
+    """Write what is not written yet."""
+    # Which of the two is named first does not matter, and MuJoCo 4.0 counts the same pair twice.
+    known = {
+        frozenset((each.get(keys[0]), each.get(keys[1])))
+        for each in linking.base.root.iterfind(f"contact/{tag}")
+    }
+    for pair in pairs:
+        if frozenset(pair) in known or not all(pair):
+            continue
+        known.add(frozenset(pair))
+        node = etree.SubElement(linking.base.section("contact"), tag, dict(zip(keys, pair, strict=True)))
+        making.origins.own(node, step.span)
+    linking.watch(linking.units, step)

@@ -1,0 +1,78 @@
+"""What the edits and draws of a recipe cost: counted before each is carried out, so that there is an end to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.limits import advice, in_force
+from composer.tree.expansion import written
+from composer.tree.pattern import takes_process
+from composer.tree.selector import XPATH, Selector
+from composer.tree.xpath import is_plain
+
+# Measured: a value is written in 0.1 ms.
+_LOOKS = 30
+"""At how many elements a selector looks in the time in which a value is written."""
+_CHARACTERS = 100
+"""How many characters of a condition are evaluated in that time."""
+_PROCESS = 500
+"""How many values could be written while a pattern is tried in a process of its own."""
+_DRAWS, _DRAWS_OF_A_TABLE = 100, 15
+"""How many draws are made in the time in which a value is written."""
+
+
+@dataclass(slots=True)
+class EditCost:
+    """What all edits of one composition have cost, in values that could be written; `ended` says that it is enough."""
+
+    spent: float = 0
+    ended: bool = False
+
+    def allows(self, cost: float, sink: Sink, span: Span) -> bool:
+        """Count a cost; False where it is more than the limit allows, with an error the first time."""
+        self.spent += cost
+        most = in_force().edits
+        if self.spent > most and not self.ended:
+            self.ended = True
+            message = f"the edits up to here cost as much as {self.spent:.0f} values; {most} are allowed"
+            help = advice("edits", max(2 * most, int(self.spent) + 1))
+            sink.error("limit-exceeded", message, span, help=help)
+        return not self.ended
+
+
+def of_selecting(selector: Selector, root: Node) -> float:
+    """The cost of finding what a selector means."""
+    each = list(selector.all())
+    looks = 0 if selector.is_one_name else len(each) * written(root)
+    return _PROCESS * sum(map(_processes, each)) + looks / _LOOKS
+
+
+def _processes(selector: Selector) -> int:
+    if selector.tag == XPATH:
+        return 0 if is_plain(selector.pattern) else 1
+    return takes_process(selector.pattern) + takes_process(selector.dclass or "")
+
+
+def of_condition(where: Mapping[str, object] | str | None) -> float:
+    """The cost of trying a condition on one element."""
+    return len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
+
+
+def of_values(value: Any) -> int:
+    """How many values an entry writes for each element.
+
+    >>> of_values({"set": {"size": [0.1, 0.2], "rgba": [1, 0, 0, 1]}, "remove": True})
+    3
+    """
+    return sum(map(of_values, value.values())) if isinstance(value, Mapping) else 1
+
+
+def of_draws(samples: int, tabled: bool) -> float:
+    """The cost of looking at the draws of all samples for one element, and of making a table of them."""
+    return 1 + samples / (_DRAWS_OF_A_TABLE if tabled else _DRAWS)

@@ -1,0 +1,121 @@
+"""Step: the controls by which a key holds its own pose, once all keys are laid out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
+
+from lxml.etree import _Element as Node
+
+from composer import engine
+from composer.compose.elements import ElementBuilder
+from composer.compose.kept import KEPT, compiled
+from composer.document.node import locate
+from composer.link import numbers
+from composer.link.key_layouts import keys_of
+from composer.link.layout import Layout
+from composer.link.linking import Linking
+from composer.plan.plan import Plan
+from composer.plan.steps.write_keyframe import WriteKeyframe
+from composer.recipe.controls import CTRL
+from composer.tree.key_number import KeySource, Number, numbers_of, texts
+
+if TYPE_CHECKING:
+    from composer.context import Context
+
+
+def hold_poses(
+    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None
+) -> None:
+    """Write the controls, and the activations of filters and integrators, of every key that holds its pose."""
+    steps = [step for step in plan.keyframes if step.key.controls.hold or step.key.controls.held]
+    layout = linking.keys.final_layout
+    if not steps or layout is None:
+        return
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session())
+        if compiled(linking, context, session):
+            for step in steps:
+                _hold(step, layout, linking, making, session)
+
+
+def _hold(
+    step: WriteKeyframe, layout: Layout, linking: Linking, making: ElementBuilder, session: engine.Session
+) -> None:
+    from composer.compiled.holding import hold  # needs numpy, and few keys hold
+
+    keys = list(keys_of(linking.base))
+    index = next(at for at, key in enumerate(keys) if key.get("name") == step.key.name)
+    controls, path = step.key.controls, (*step.key.at, CTRL)
+    question = {"key": index, "forces": controls.hold == "forces"}
+    answer = engine.call(session, hold, [KEPT], question)
+    if not answer.ok:
+        making.sink.error("mujoco-crash", f"MuJoCo stumbles over the key `{step.key.name}`: {answer.error}",
+                          locate(making.document, path))  # fmt: skip
+        return
+    found: dict[str, Any] = answer.value
+    if found["left"]:
+        making.sink.warning(
+            "not-held",
+            f"the actuators cannot hold the key `{step.key.name}`: {found['left']:.4g} N or N m are left",
+            locate(making.document, path),
+        )
+    for vector, rows in (("ctrl", found["ctrl"]), ("act", found["act"])):
+        _write(vector, rows, found["unlike"], step, keys[index], layout, linking, making)
+
+
+def _write(
+    vector: str, values: list[float | None], unlike: dict[str, str], step: WriteKeyframe, key: Node,
+    layout: Layout, linking: Linking, making: ElementBuilder,
+) -> None:  # fmt: skip
+    """Put the values of the actuators that hold into the row of a key."""
+    record = linking.base.origins.keys.get(key)
+    row = numbers_of(record, key, vector) or [
+        Number("0", KeySource("zero", vector), at) for at in range(len(values))
+    ]
+    singles = {locate(making.document, (*step.key.at, CTRL, *path)): path for path in step.key.controls.held}
+    given = set(step.key.values.get(vector, {}))
+    controls = dict(enumerate(numbers_of(record, key, "ctrl")))
+    changed = False
+    for actuator, at, width, control in _addresses(layout, vector):
+        source = controls[control].source if control in controls else None
+        span = None if source is None else source.span
+        whole = span == locate(making.document, (*step.key.at, CTRL, "hold"))
+        if source is None or source.kind != "entry" or not (whole or span in singles):
+            continue
+        kind = unlike.get(str(control))
+        if kind and not whole and vector == "ctrl":
+            _no_control(step, singles[span], kind, making)  # type: ignore[index]
+        name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
+        for place in range(at, at + width):
+            value = values[place]
+            # What the recipe says of an activation itself stands.
+            if value is not None and not (vector == "act" and name in given):
+                text = numbers.text([value + 0.0])
+                row[place] = Number(text, KeySource("entry", vector, span=span), place - at)
+                changed = True
+    if changed:
+        key.set(vector, " ".join(texts(row)))
+        if record is not None:
+            record.numbers[vector] = row
+
+
+def _addresses(layout: Layout, vector: str) -> Iterator[tuple[Any, int, int, int]]:
+    """Every actuator with where its numbers begin in a vector, how many they are, and where its controls begin."""
+    at = control = 0
+    for actuator, slot in layout.actuators.items():
+        width = slot.widths[vector == "act"]
+        yield actuator, at, width, control
+        at += width
+        control += slot.widths[0]
+
+
+def _no_control(step: WriteKeyframe, path: tuple[str, ...], kind: str, making: ElementBuilder) -> None:
+    making.sink.error(
+        "not-held",
+        f"no control of `{path[-1]}` holds the pose of the key `{step.key.name}`: it is {kind}",
+        locate(making.document, (*step.key.at, CTRL, *path)),
+        help="write its control, or `ctrl: {hold: forces}`, which balances what acts on the model in that pose",
+        subjects=(path[-1],),
+    )

@@ -1,0 +1,146 @@
+"""A recipe without the faults that can be fixed: found, fixed and looked at again, until there is nothing to fix."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from composer.context import Context
+from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.sink import Sink
+from composer.fixing.edit import RECIPES, Edit, applied, edit_of, place_of
+from composer.plan.concrete import Given
+from composer.reading.unsaved import unsaved
+from composer.stages import Request, build
+
+_ROUNDS = 50
+_OF_YAML = "yaml-"
+
+
+@dataclass(slots=True)
+class Fixed:
+    """`files` are the texts before and after by path; `fixed` is what was fixed, `left` what was not."""
+
+    files: dict[Path, tuple[bytes, bytes]] = field(default_factory=dict)
+    fixed: list[Diagnostic] = field(default_factory=list)
+    left: tuple[Diagnostic, ...] = ()
+
+
+def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
+    """What a recipe and the user's own recipes that it uses become; nothing is written.
+
+    A fix that leaves its fault as it was is taken back. MuJoCo compiles nothing but what the linker has to measure.
+    """
+    return _Fixing(recipe, context, given or {}).fixed()
+
+
+class _Fixing:
+    def __init__(self, recipe: Path, context: Context, given: Given) -> None:
+        self.recipe, self.context, self.given = recipe, context, given
+        self.now: dict[Path, bytes] = {}
+        self.before: dict[Path, bytes] = {}
+        self.useless: set[tuple[str, str, str]] = set()
+        self.at_once: int | None = None
+
+    def fixed(self) -> Fixed:
+        result = Fixed()
+        left = self.found()
+        for _ in range(_ROUNDS):
+            earlier = dict(self.now)
+            tried = self.carry_out(left)
+            if not tried:
+                break
+            after = self.found()
+            useless = _persisting(left, tried, after)
+            if _breaks(left, after):
+                useless = set(map(_identity, tried)) if len(tried) == 1 else set()
+                self.at_once = 1  # which of them it was, only one after the other can show
+            elif not useless:
+                result.fixed += tried
+                left = after
+                continue
+            self.now = earlier
+            self.useless |= useless
+        result.left = tuple(left)
+        result.files = {
+            path: (text, self.now[path])
+            for path, text in self.before.items()
+            if self.now.get(path, text) != text
+        }
+        return result
+
+    def found(self) -> list[Diagnostic]:
+        """What is found of the recipe as it is now."""
+        texts = {os.path.realpath(path): text for path, text in self.now.items()}
+        context = replace(self.context, sink=Sink(), recipes={}, concrete={})
+        with unsaved(texts):
+            build(Request(self.recipe, self.given, verified=False), context)
+        return context.sink.sorted()
+
+    def carry_out(self, found: list[Diagnostic]) -> list[Diagnostic]:
+        """Make the fixes that fit and do not overlap; gives their diagnostics."""
+        edits: dict[Path, dict[Edit, Diagnostic]] = {}
+        for diagnostic in found:
+            span = place_of(diagnostic)
+            if span is None or _identity(diagnostic) in self.useless:
+                continue
+            path = Path(os.path.normpath(self.context.folder / span.file))
+            if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
+                break
+            edit = edit_of(diagnostic, _decoded(self.text(path))) if self.is_own(path) else None
+            if edit is not None and not any(_overlap(edit, each) for each in edits.setdefault(path, {})):
+                edits[path][edit] = diagnostic
+        for path, each in edits.items():
+            if not each:
+                continue
+            mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
+            self.now[path] = mark + applied(_decoded(self.text(path)), each).encode()
+        return [diagnostic for each in edits.values() for diagnostic in each.values()]
+
+    def text(self, path: Path) -> bytes:
+        if path not in self.now:
+            self.now[path] = path.read_bytes()
+        self.before.setdefault(path, self.now[path])
+        return self.now[path]
+
+    def is_own(self, path: Path) -> bool:
+        """Whether it is a recipe of the user's own, and not one that was fetched or installed."""
+        fetching = self.context.fetching
+        fetched = fetching is not None and fetching.around(path) is not None
+        return path.suffix.lower() in RECIPES and path.is_file() and not fetched
+
+
+def _identity(diagnostic: Diagnostic) -> tuple[str, str, str]:
+    """A finding apart from its place, which a fix above it moves."""
+    file = diagnostic.span.file if diagnostic.span is not None else ""
+    return file, diagnostic.code, diagnostic.message
+
+
+def _breaks(before: list[Diagnostic], after: list[Diagnostic]) -> bool:
+    """Whether a file that was YAML is not any more: a name that is put right may be there already."""
+    known = set(map(_identity, before))
+    return any(each.code.startswith(_OF_YAML) and _identity(each) not in known for each in after)
+
+
+def _persisting(
+    before: list[Diagnostic], tried: list[Diagnostic], after: list[Diagnostic]
+) -> set[tuple[str, str, str]]:
+    """What of `tried` is found again; of several equal findings, as often as before."""
+    made = Counter(map(_identity, tried))
+    others = Counter(map(_identity, before)) - made
+    now = Counter(map(_identity, after))
+    return {each for each in made if now[each] > others[each]}
+
+
+def _overlap(a: Edit, b: Edit) -> bool:
+    return (a.start < b.end and b.start < a.end) or a.start == b.start
+
+
+def _decoded(text: bytes) -> str:
+    """The text of a recipe; what is not UTF-8 has no fixes."""
+    try:
+        return text.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return ""

@@ -1,0 +1,41 @@
+"""What putting a model together finds out about its plan: what is left behind, and what edits touch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+from composer.recipe.fault import Path
+from composer.tree.adopted import Adopted
+
+if TYPE_CHECKING:
+    from composer.link.subtree import Left, Subtree
+
+Place: TypeAlias = tuple[str, Path]
+"""A recipe's file, and a path in it."""
+
+
+@dataclass(frozen=True, slots=True)
+class EditOutcome:
+    """What an entry of `edit` does: how many elements of each kind it selects, and what a removal takes out.
+
+    `gone` has what was selected first, then what goes with it.
+    """
+
+    selected: Mapping[str, int]
+    gone: tuple[Left, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Foreseen:
+    """`subtrees` are of models of which not all is taken, `edits` of entries that were carried out.
+
+    `adopted` are the settings that the model takes from its parts, `touching` the bodies
+    of which contacts are taken out because they touch.
+    """
+
+    subtrees: Mapping[Place, Subtree] = field(default_factory=dict)
+    edits: Mapping[Place, EditOutcome] = field(default_factory=dict)
+    adopted: tuple[Adopted, ...] = ()
+    touching: tuple[tuple[str, str], ...] = ()

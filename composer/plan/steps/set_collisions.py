@@ -1,0 +1,39 @@
+"""Step: which parts may touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from composer.diagnostics.span import Span
+from composer.plan.steps.step import Step, Written
+from composer.recipe.contact import Collisions
+
+
+@dataclass(frozen=True, slots=True)
+class SetCollisions(Step):
+    """Exclude contacts between bodies, or have geoms collide."""
+
+    sections: ClassVar[tuple[str, ...]] = ()
+    collisions: Collisions
+    span: Span
+
+    @classmethod
+    def of(cls, written: Written) -> Iterator[Step]:
+        for each in written.recipe.contact:
+            if isinstance(each, Collisions):
+                yield cls(each, written.span(each.at))
+
+    @property
+    def words(self) -> str:
+        if not self.collisions.sides:
+            return "exclude contacts between bodies of different parts that touch"
+        one, other = (", ".join(side) for side in self.collisions.sides)
+        if self.collisions.what == "exclude":
+            return f"exclude contacts between {one} and {other}"
+        return f"let {one} and {other} collide"
+
+    @property
+    def reason(self) -> str:
+        return self.words

@@ -1,0 +1,39 @@
+"""The check `actuated`: that joints have actuators."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from composer.recipe.checks.form import Globs, Key, Keyed
+from composer.recipe.checks.keys import Keys
+from composer.recipe.checks.kind import Kind
+from composer.recipe.fault import Path
+
+_JOINTS = Globs("globs over names of joints")
+
+
+@dataclass(frozen=True, slots=True)
+class Actuated:
+    """An actuator moves every joint that a glob of `joints` names (none: every hinge and slide), by a tendon or not."""
+
+    word: ClassVar[str] = "actuated"
+    name: str
+    joints: tuple[str, ...]
+    exclude: tuple[str, ...]
+    at: Path
+
+
+FORM = Keyed(
+    "Every joint is moved by an actuator, also by way of a tendon or of an equality to another joint.",
+    Key("joints", _JOINTS, "which joints; without it, all hinges and slides", ()),
+    Key("exclude", _JOINTS, "joints that need none", ()),
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Actuated:
+    return Actuated(keys.name, at=at, **found)
+
+
+KIND = Kind("actuated", FORM, make, "{}")

@@ -1,0 +1,174 @@
+"""The keys of a check as rows: how each is read, its JSON Schema, and what editors say of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from composer.recipe.checks.keys import Keys
+from composer.recipe.pattern import GLOB
+from composer.recipe.reference import Schema, reference
+from composer.recipe.shown import kind_of
+
+
+class Form(Protocol):
+    """What may stand behind a key."""
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> Any:
+        """The value at a path below the check; None where it is wrong, which is reported."""
+
+    def schema(self) -> Schema:
+        """The JSON Schema of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A text that is not empty; `what` is what messages expect."""
+
+    what: str
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> str | None:
+        return keys.text_of(value, self.what, *at)
+
+    def schema(self) -> Schema:
+        return {"type": "string", "minLength": 1}
+
+
+@dataclass(frozen=True, slots=True)
+class Glob:
+    """A name, a glob or a regular expression over names."""
+
+    what: str
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> str | None:
+        return keys.glob_of(value, self.what, *at)
+
+    def schema(self) -> Schema:
+        return dict(GLOB)
+
+
+@dataclass(frozen=True, slots=True)
+class Globs:
+    """One of these or a list of them, which gives a tuple; `owner` is what messages call an empty list."""
+
+    what: str
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
+        if not isinstance(value, list):
+            found = keys.glob_of(value, self.what, *at)
+            return () if found is None else (found,)
+        if not value:
+            self.refuse_empty(keys, *at)
+        each = [keys.glob_of(item, self.what, *at, index) for index, item in enumerate(value)]
+        return tuple(item for item in each if item is not None)
+
+    def refuse_empty(self, keys: Keys, *at: str | int) -> None:
+        keys.add("wrong-type", f"`{at[-1]}` of {keys.owner} expects {self.what}, got an empty list", *at)
+
+    def schema(self) -> Schema:
+        return {"anyOf": [dict(GLOB), {"type": "array", "items": dict(GLOB), "minItems": 1}]}
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A finite number that is at least `least`, or more than `above`."""
+
+    least: float | None = None
+    above: float | None = None
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> float | None:
+        return keys.number_of(value, *at, least=self.least, above=self.above)
+
+    def schema(self) -> Schema:
+        bounds = {"minimum": self.least, "exclusiveMinimum": self.above}
+        return {**reference("number"), **{key: each for key, each in bounds.items() if each is not None}}
+
+
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """A list of so many numbers, which gives a tuple."""
+
+    count: int
+    example: str
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[float, ...] | None:
+        if not isinstance(value, list) or len(value) != self.count:
+            code = "wrong-length" if isinstance(value, list) else "wrong-type"
+            got = f"{len(value)}" if isinstance(value, list) else kind_of(value)
+            message = f"`{at[-1]}` of {keys.owner} expects a list of {self.count} numbers, got {got}"
+            keys.add(code, message, *at, help=f"write for instance `{at[-1]}: {self.example}`")
+            return None
+        found = [keys.number_of(each, *at, index) for index, each in enumerate(value)]
+        return None if None in found else tuple(each for each in found if each is not None)
+
+    def schema(self) -> Schema:
+        return reference(f"number-{self.count}")
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One key: its form, what editors say of it, and what it is where it is not written.
+
+    With `needed`, an example of its value, it must be written.
+    """
+
+    name: str
+    form: Form
+    about: str
+    default: Any = None
+    needed: str | None = None
+
+    def schema(self) -> Schema:
+        shown = f" (default: {self.default:g})" if isinstance(self.default, float) else ""
+        return {**self.form.schema(), "description": f"{self.about}{shown}"}
+
+
+@dataclass(frozen=True, slots=True)
+class Keyed:
+    """A mapping with these keys and no others; each is a `noun` in messages.
+
+    >>> from composer.recipe.checks.keys import Keys
+    >>> form = Keyed("How high.", Key("height", Number(above=0), "in metres", 1.0))
+    >>> form.schema()["properties"]
+    {'height': {'mjcf': 'number', 'exclusiveMinimum': 0, 'description': 'in metres (default: 1)'}}
+    >>> form.read(Keys("tall", "height", {}, []))
+    {'height': 1.0}
+    """
+
+    about: str
+    keys: tuple[Key, ...]
+    noun: str
+
+    def __init__(self, about: str, *keys: Key, noun: str = "key") -> None:
+        for name, value in (("about", about), ("keys", keys), ("noun", noun)):
+            object.__setattr__(self, name, value)
+
+    def read(self, keys: Keys) -> dict[str, Any]:
+        """The value of each key; what is wrong goes to the faults of `keys`."""
+        keys.known([key.name for key in self.keys], self.noun)
+        for key in self.keys:
+            if key.needed is not None and key.name not in keys.value:
+                keys.lacks(key.name, key.needed)
+        return {
+            key.name: key.form.read(keys, keys.value[key.name], key.name)
+            if key.name in keys.value
+            else key.default
+            for key in self.keys
+        }
+
+    def schema(self) -> Schema:
+        schema: Schema = {
+            "type": "object",
+            "description": self.about,
+            "properties": {key.name: key.schema() for key in self.keys},
+        }
+        if required := [key.name for key in self.keys if key.needed is not None]:
+            schema["required"] = required
+        return {**schema, "additionalProperties": False}
+
+    def alone(self, given: Any) -> str | None:
+        """The mapping that is meant where a text stands for it that can only be the name of a keyframe."""
+        word = next((key.name for key in self.keys if key.name in ("key", "keys")), None)
+        if word is None or any(key.needed for key in self.keys) or not isinstance(given, str):
+            return None
+        return f"{{{word}: {given}}}"

@@ -1,0 +1,49 @@
+"""The check `limits`: that keys are within the ranges of joints and actuators."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from composer.recipe.checks.form import Globs, Key, Keyed, Number
+from composer.recipe.checks.keys import Keys
+from composer.recipe.checks.kind import Kind
+from composer.recipe.fault import Path
+
+MARGIN = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """In the keys that a glob of `keys` names (none: all), `qpos`, `ctrl` and `act` are inside their ranges.
+
+    They stay `margin` away from both ends, in the unit of each range.
+    """
+
+    word: ClassVar[str] = "limits"
+    name: str
+    keys: tuple[str, ...]
+    exclude: tuple[str, ...]
+    margin: float
+    at: Path
+
+
+FORM = Keyed(
+    "In keyframes, positions, controls and activations are within their ranges.",
+    Key("keys", Globs("globs over names of keyframes"), "which keyframes; without it, all of them", ()),
+    Key(
+        "exclude",
+        Globs("globs over names of joints and actuators"),
+        "joints and actuators that do not count",
+        (),
+    ),
+    Key("margin", Number(least=0), "how far they stay from both ends, in the unit of each range", MARGIN),
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Limits:
+    return Limits(keys.name, at=at, **found)
+
+
+KIND = Kind("limits", FORM, make, "{}")

@@ -1,0 +1,169 @@
+"""The section `contact`: pairs and excludes as MJCF has them, and those that follow from what parts are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from composer.diagnostics.suggest import closest, exists_note
+from composer.recipe.by_tag import Lists
+from composer.recipe.element import Element
+from composer.recipe.element_schema import mapping
+from composer.recipe.fault import Fault, Path
+from composer.recipe.pattern import GLOB, pattern_fault
+from composer.recipe.raw import path_of
+from composer.recipe.reader import Reader
+from composer.recipe.reference import Schema
+from composer.recipe.shown import kind_of
+
+EXCLUDE: Literal["exclude"] = "exclude"
+COLLIDE: Literal["collide"] = "collide"
+BETWEEN, TOUCHING = "between", "touching"
+
+
+@dataclass(frozen=True, slots=True)
+class Collisions:
+    """Bodies that shall not touch (`exclude`), or geoms that shall (`collide`).
+
+    The two `sides` are names of parts or globs over bodies; none for what touches already. `at` is the path of what
+    asks for it, from the top of the recipe.
+    """
+
+    what: Literal["exclude", "collide"]
+    sides: tuple[tuple[str, ...], ...]
+    at: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts(Lists):
+    """The lists of `contact`, with `exclude: touching` and `between`. Gives a tuple of `Element` and `Collisions`."""
+
+    def content(self, reader: Reader, value: Any) -> tuple[Any, ...]:
+        if not isinstance(value, dict):
+            return Lists.content(self, reader, value)
+        top: Path = path_of(value) or (self.tag,)
+        found: list[Element | Collisions] = []
+        rest = dict(value)
+        if COLLIDE in rest:
+            items = rest.pop(COLLIDE)
+            for at, item in _items(items, (COLLIDE,)):
+                found += _between(reader, COLLIDE, item, at, top)
+        excludes = rest.get(EXCLUDE)
+        if excludes == TOUCHING or (isinstance(excludes, Mapping) and "body1" not in excludes):
+            found += _exclude(reader, rest.pop(EXCLUDE), (EXCLUDE,), top)
+        elif isinstance(excludes, str):
+            reader.faults.append(_no_word(rest.pop(EXCLUDE), (EXCLUDE,)))
+        elif isinstance(excludes, list):
+            own = [(index, item) for index, item in enumerate(excludes) if not _is_element(item)]
+            for index, item in own:
+                found += _exclude(reader, item, (EXCLUDE, index), top)
+            if own:
+                kind = self.kind.children[EXCLUDE]
+                rest.pop(EXCLUDE)
+                for index, item in enumerate(excludes):
+                    if _is_element(item):
+                        read = reader.element(kind, item, (EXCLUDE, index), f"`{EXCLUDE}`")
+                        found += [] if read is None else [read]
+        return (*Lists.content(self, reader, rest), *found)
+
+    def schema(self) -> Schema:
+        schema = Lists.schema(self)
+        between = _schema()
+        exclude = schema["properties"][EXCLUDE]
+        touching: Schema = {"const": TOUCHING, "description": "bodies of different parts that touch"}
+        exclude["items"] = {"anyOf": [exclude["items"], between, touching]}
+        about = exclude.pop("description", "")
+        schema["properties"][EXCLUDE] = {"anyOf": [exclude, between, touching], "description": about}
+        schema["properties"][COLLIDE] = {
+            "anyOf": [between, {"type": "array", "items": between}],
+            "description": "a contact pair for every two geoms between parts that could not touch otherwise",
+        }
+        return schema
+
+
+def _schema() -> Schema:
+    side: Schema = {"anyOf": [dict(GLOB), {"type": "array", "items": dict(GLOB), "minItems": 1}]}
+    sides = {
+        "type": "array", "items": side, "minItems": 2, "maxItems": 2,
+        "description": "the two sides: parts by name, or globs over names of bodies",
+    }  # fmt: skip
+    return {**mapping({BETWEEN: sides}), "required": [BETWEEN]}
+
+
+def _is_element(item: Any) -> bool:
+    return isinstance(item, Mapping) and not any(closest(key, (BETWEEN,)) for key in item)
+
+
+def _items(value: Any, at: Path) -> list[tuple[Path, Any]]:
+    return (
+        [((*at, index), item) for index, item in enumerate(value)]
+        if isinstance(value, list)
+        else [(at, value)]
+    )
+
+
+def _exclude(reader: Reader, value: Any, at: Path, top: Path) -> list[Collisions]:
+    if value == TOUCHING:
+        return [Collisions(EXCLUDE, (), (*top, *at))]
+    if isinstance(value, str):
+        reader.faults.append(_no_word(value, at))
+        return []
+    return _between(reader, EXCLUDE, value, at, top)
+
+
+def _no_word(word: str, at: Path) -> Fault:
+    message = f"`{EXCLUDE}` is a list of pairs, `{TOUCHING}` or `{BETWEEN}`, got `{word}`"
+    help = (
+        f"write `{EXCLUDE}: {TOUCHING}`"
+        if closest(word, (TOUCHING,))
+        else f"write `{EXCLUDE}: {{{BETWEEN}: [ARM, TABLE]}}`"
+    )
+    return Fault("wrong-keyword", message, at, help=help)
+
+
+def _between(
+    reader: Reader, what: Literal["exclude", "collide"], value: Any, at: Path, top: Path
+) -> list[Collisions]:
+    """The entry of one `{between: [ARM, TABLE]}`; none where it has faults."""
+    example = f"write `{what}: {{{BETWEEN}: [ARM, TABLE]}}`, with names of parts or globs over bodies"
+    before = len(reader.faults)
+    if not isinstance(value, Mapping):
+        message = f"`{what}` expects `{BETWEEN}`, got {kind_of(value)}"
+        reader.faults.append(Fault("wrong-type", message, at, help=example))
+        return []
+    for key in value:
+        if key != BETWEEN:
+            note = exists_note("key", (BETWEEN,), key)
+            message = f"`{key}` is not a key of `{what}`"
+            near = f"write `{BETWEEN}`" if closest(key, (BETWEEN,)) else None
+            reader.faults.append(
+                Fault("unknown-key", message, (*at, key), key=True, notes=(note,), help=near)
+            )
+    if BETWEEN not in value:
+        if len(reader.faults) == before:
+            reader.faults.append(Fault("missing-key", f"`{what}` lacks `{BETWEEN}`", at, help=example))
+        return []
+    sides = value[BETWEEN]
+    if not isinstance(sides, list) or len(sides) != 2:
+        code = "wrong-length" if isinstance(sides, list) else "wrong-type"
+        got = f"{len(sides)}" if isinstance(sides, list) else kind_of(sides)
+        message = f"`{BETWEEN}` of `{what}` expects two sides, got {got}"
+        reader.faults.append(Fault(code, message, (*at, BETWEEN), help=example))
+        return []
+    read = [_side(reader, side, what, (*at, BETWEEN, index)) for index, side in enumerate(sides)]
+    return [] if len(reader.faults) > before else [Collisions(what, tuple(read), (*top, *at))]
+
+
+def _side(reader: Reader, value: Any, what: str, at: Path) -> tuple[str, ...]:
+    names = value if isinstance(value, list) else [value]
+    for index, name in enumerate(names):
+        place = (*at, index) if isinstance(value, list) else at
+        if not isinstance(name, str) or not name:
+            message = f"a side of `{BETWEEN}` in `{what}` is a name or a glob, got {kind_of(name)}"
+            reader.faults.append(Fault("wrong-type", message, place))
+        elif (fault := pattern_fault(name, f"`{what}`", place)) is not None:
+            reader.faults.append(fault)
+    if not names:
+        reader.faults.append(Fault("wrong-type", f"a side of `{BETWEEN}` in `{what}` is empty", at))
+    return tuple(str(name) for name in names)
