@@ -14,7 +14,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping
 from composer.compiled.kinds import HOLDERS, KINDS, ON_BODIES, Model, NameTable
 from composer.compiled.links import UNORDERED, Link, World, links
 from composer.compiled.mount import Mount
-from composer.compiled.signature import raw, shape, tells_apart, values
+from composer.compiled.signature import distinguishes, raw, shape, values
 from composer.numerics.pose import Pose
 
 _ASSETS = ("texture", "material", "mesh", "hfield")
@@ -35,7 +35,7 @@ _GLOBAL = (
 ABSENT = -1
 
 _SAME_PLACE = 1e-6
-"""Metres; nearer things are told apart by their order."""
+"""Metres; nearer things are reported apart by their order."""
 
 
 class Correspondence:
@@ -278,7 +278,7 @@ class Correspondence:
         targets = [
             (link.kind, min(self.targets(link), default=-2))
             for link in links(self.alone.model, kind, index)
-            if tells_apart(link)
+            if distinguishes(link)
         ]
         return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
 

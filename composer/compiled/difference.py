@@ -16,7 +16,7 @@ EXTRA = "extra"
 class Difference:
     """A field of an element that differs.
 
-    ``kind`` is MJCF's word for the element, ``name`` its name in the composition; an unnamed one is told by
+    ``kind`` is MJCF's word for the element, ``name`` its name in the composition; an unnamed one is reported by
     its place. ``field`` is the array of `mjModel`, with an index where only one entry is shown, or
     ``missing`` for an element the composition lacks, ``extra`` for one the part lacks. ``expected`` is the
     value in the part alone, ``actual`` the one in the composition; references are names.

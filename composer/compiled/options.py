@@ -1,7 +1,7 @@
 """Settings that a composition has once, for all its parts: `option` and `visual`.
 
 A part is not changed when these differ, but its author wrote them for a reason. Statistics are apart: the
-compiled model does not tell a written `extent` from a computed one.
+compiled model does not distinguish a written `extent` from a computed one.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ def presence_differences(
 
 
 def _missing(matching: Correspondence, kind: str) -> list[Difference]:
-    """What an unnamed element is on a missing body is not told again."""
+    """What an unnamed element is on a missing body is not reported again."""
     roster, bodies = matching.alone, matching.ids["body"]
     owners = getattr(roster.model, ON_BODIES[kind]).tolist() if kind in ON_BODIES else None
     found: list[Difference] = []

@@ -199,7 +199,7 @@ def quantity(field: str) -> Quantity:
 
 
 def rank(field: str) -> int:
-    """The order in which quantities are told: as in the table above, the others after that."""
+    """The order in which quantities are reported: as in the table above, the others after that."""
     return _RANKS.get(field.partition("[")[0], len(_RANKS))
 
 

@@ -11,7 +11,7 @@ from composer.compiled.links import UNORDERED, Link, links
 
 
 def reference_differences(matching: Correspondence) -> list[Difference]:
-    """A reference whose target is missing altogether is not told again."""
+    """A reference whose target is missing altogether is not reported again."""
     found: list[Difference] = []
     for kind in KINDS:
         if kind != "key":

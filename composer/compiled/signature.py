@@ -1,4 +1,4 @@
-"""What an unnamed element is recognised by, where order alone does not tell which is which."""
+"""What an unnamed element is recognised by, where order alone does not say which is which."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from composer.compiled.ragged import runs
 from composer.compiled.rows import row_key
 
 
-def tells_apart(link: Link) -> bool:
+def distinguishes(link: Link) -> bool:
     """Whether a reference serves to recognise an element: not where it stands, nor what is matched later."""
     return link.kind != "plugin" and link.world is World.WORLD and link.field != "jnt_actuatorid"
 
 
 def raw(model: Model, kind: str, index: int) -> Hashable:
     """The references of an element of the composition, comparable with the translated ones of the part."""
-    targets = [(link.kind, link.index) for link in links(model, kind, index) if tells_apart(link)]
+    targets = [(link.kind, link.index) for link in links(model, kind, index) if distinguishes(link)]
     return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
 
 

@@ -83,7 +83,7 @@ def of_transmission(model: Model, row: int) -> str | None:
 
 
 def of_control(model: Model, mujoco: Any, row: int) -> str | None:
-    """The unit of an actuator's only control, told from what MuJoCo computes with it.
+    """The unit of an actuator's only control, known from what MuJoCo computes with it.
 
     A servo wants a position or a velocity, a motor a force or torque, a muscle an activation.
     """

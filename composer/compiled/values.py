@@ -46,7 +46,7 @@ class Values:
         return found
 
     def _dofs(self) -> list[Difference]:
-        """The arrays with one row a degree of freedom, told by joint."""
+        """The arrays with one row a degree of freedom, listed by joint."""
         pairs: list[tuple[int, int]] = []
         mine: list[int] = []
         theirs: list[int] = []

@@ -17,14 +17,14 @@ from yaml.events import (
 )
 
 from composer.diagnostics import Diagnostic, Note, Sink, Span
+from composer.diagnostics.fix import Fix
 from composer.document.fault import MAX_KEY
 from composer.document.marks import Marks
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence
 from composer.document.quote import quoted
 from composer.document.scalar import resolve
+from composer.limits import advice, in_force
 
-MAX_DEPTH = 100
-MAX_NODES = 1_000_000
 FREE_EXPANSION = 10_000  # nodes that aliases may add, on top of one for each character of the text
 
 _STANDARD = "tag:yaml.org,2002:"
@@ -99,6 +99,7 @@ class Builder:
         self._expanded = 0
         self._root: Node | None = None
         self._lone: list[Diagnostic] = []
+        self._most, self._deepest = in_force().yaml_values, in_force().yaml_depth
 
     @property
     def in_flow(self) -> bool:
@@ -106,7 +107,7 @@ class Builder:
         return bool(self._stack) and self._stack[-1].flow
 
     def build(self, events: Iterable[Any]) -> Node | None:
-        """The tree; None when there is no value, or when reading on would exceed a bound.
+        """The tree; None when a value is missing, or when reading on would exceed a bound.
 
         Raises what the reader of the events raises.
         """
@@ -151,13 +152,20 @@ class Builder:
                     help="move what follows `---` into a file of its own, or remove the `---`",
                 )
                 return self._root
-            if self._total > MAX_NODES:
+            if self._total > self._most:
                 self._sink.error(
-                    "yaml-too-large", f"more than {MAX_NODES} values in one file", self._marks.span(event)
+                    "yaml-too-large",
+                    f"more than {self._most} values in one file",
+                    self._marks.span(event),
+                    help=advice("yaml-values"),
                 )
                 return None
         for lone in self._lone:  # where the reading breaks off, that is why
             self._sink.add(lone)
+        return self._whole()
+
+    def _whole(self) -> Node | None:
+        """The tree of a file that was read to its end; None, with an error, where it holds nothing."""
         root = self._root
         if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
             self._sink.error(
@@ -196,11 +204,12 @@ class Builder:
                 self._refuse_key(event, "a mapping" if mapping else "a list")
                 parent.key = _DROPPED
                 is_key = True
-        if len(self._stack) >= MAX_DEPTH:
+        if len(self._stack) >= self._deepest:
             self._sink.error(
                 "yaml-too-deep",
-                f"more than {MAX_DEPTH} lists and mappings within each other",
+                f"more than {self._deepest} lists and mappings within each other",
                 self._marks.span(event),
+                help=advice("yaml-depth"),
             )
             return False
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
@@ -316,7 +325,7 @@ class Builder:
             return
         if ":" in self._text[end : event.start_mark.index] or len(key.name) > MAX_KEY:
             return
-        from composer.document.lone import advice
+        from composer.document.syntax_advice import advice
 
         before = next(reversed(frame.entries or {}), None)
         frame.key, frame.has_lone = _DROPPED, True
@@ -340,6 +349,7 @@ class Builder:
                 f"`*{name}` is an alias in YAML, and nothing before it is marked `&{name}`",
                 span,
                 help=f"if the text itself is meant, quote it: {quoted('*' + name)}",
+                fix=Fix(quoted("*" + name)),
             )
             anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", True), 1, 0)
         frame = self._stack[-1] if self._stack else None
@@ -352,7 +362,7 @@ class Builder:
             return True
         self._total += anchored.size
         self._expanded += anchored.size
-        if self._expanded > FREE_EXPANSION + len(self._text) or self._total > MAX_NODES:
+        if self._expanded > FREE_EXPANSION + len(self._text) or self._total > self._most:
             self._sink.error(
                 "yaml-alias-bomb",
                 f"with `*{name}` the aliases of this file stand for {self._expanded} values, "
@@ -360,11 +370,12 @@ class Builder:
                 span,
             )
             return False
-        if len(self._stack) + anchored.height > MAX_DEPTH:
+        if len(self._stack) + anchored.height > self._deepest:
             self._sink.error(
                 "yaml-too-deep",
-                f"with `*{name}` there are more than {MAX_DEPTH} lists and mappings within each other",
+                f"with `*{name}` there are more than {self._deepest} lists and mappings within each other",
                 span,
+                help=advice("yaml-depth"),
             )
             return False
         # What is inside keeps the place where it is written; the value itself stands where the alias does.

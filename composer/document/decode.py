@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 
 from composer.diagnostics import Note, Sink, Span
-
-MAX_SIZE = 16 * 2**20  # bytes, or characters of text that is already decoded
+from composer.limits import advice, in_force, written
 
 _LINE_BREAK = re.compile(r"\r\n|\n|\r")
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\x80-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
@@ -14,17 +13,19 @@ _UTF_16_OR_32 = ((b"\xff\xfe\0\0", "UTF-32"), (b"\xff\xfe", "UTF-16"), (b"\xfe\x
 
 
 def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
-    """The text without its byte order mark; None, and an error in the sink, when it is no YAML text.
+    """The text without its byte order mark; None, and an error in the sink, when it is not YAML text.
 
     Bytes must be UTF-8. Control characters other than tab, line feed and carriage return are errors, and so
-    is anything over `MAX_SIZE`.
+    is anything over the limit `recipe-size`.
     """
-    if len(source) > MAX_SIZE:
+    limit = in_force().recipe_size
+    if len(source) > limit:
         sink.error(
             "yaml-too-large",
-            f"`{file}` is larger than the {MAX_SIZE // 2**20} MiB that a recipe may have",
+            f"`{file}` is larger than the {written('recipe-size', limit)} that a recipe may have",
             Span(file, 1, 1),
-            help="keep meshes and other data in files of their own, and name them here",
+            notes=[Note("meshes and other data are files of their own, which a recipe names")],
+            help=advice("recipe-size"),
         )
         return None
     text = _utf8(source, file, sink) if isinstance(source, bytes) else source

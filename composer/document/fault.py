@@ -1,4 +1,4 @@
-"""What a YAML reader's complaint means, in words that help to mend it."""
+"""What an error of the YAML parser means, in words that help to fix it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from composer.diagnostics import Note, Span
-from composer.document.complaint import Complaint, Fault
 from composer.document.quote import in_flow, quoted, unquoted_end, unquoted_start
+from composer.document.recovery import ParserStop, SyntaxFault
 
 _TIGHT_COLON = re.compile(r"([ \t]*(?:- +)*)([A-Za-z_][\w.-]*):([^\s:/\\][^\r\n]*)")
 _GLOB_CHOICE = re.compile(r"[\w,*?/.:\- ]*")
@@ -18,20 +18,20 @@ _LINE = re.compile(r"[^\r\n]*")
 _KEY = re.compile(r"[A-Za-z_][\w-]*")
 
 
-def explain(error: Any, text: str, file: str, outer: bool) -> Fault:
-    """The fault that a reader's `MarkedYAMLError` stands for; `outer` as in `in_flow`."""
+def explain(error: Any, text: str, file: str, outer: bool) -> SyntaxFault:
+    """The error to report for a parser's `MarkedYAMLError`; `outer` as in `in_flow`."""
     mark = error.problem_mark or error.context_mark
     at = min(mark.index, len(text)) if mark else 0
     since = min(error.context_mark.index, len(text)) if error.context_mark else at
-    complaint = Complaint(text, file, error.context or "", error.problem or "", since, at, outer)
+    stop = ParserStop(text, file, error.context or "", error.problem or "", since, at, outer)
     for rule in _RULES:
-        fault = rule(complaint)
+        fault = rule(stop)
         if fault is not None:
             return fault
-    return complaint.fault(f"this is not YAML: {complaint.problem} at {complaint.shown}", complaint.span(at))
+    return stop.fault(f"this is not YAML: {stop.problem} at {stop.shown}", stop.span(at))
 
 
-def _long_key(it: Complaint) -> Fault | None:
+def _long_key(it: ParserStop) -> SyntaxFault | None:
     """The readers look for the colon of a key in 1024 characters, as the specification has it."""
     if "simple key" in it.context:
         length = it.line_of(it.since).find(":") - (it.since - it.line_start(it.since))
@@ -44,7 +44,7 @@ def _long_key(it: Complaint) -> Fault | None:
     return it.fault(f"a key has more than {MAX_KEY} characters", it.span(starts[0])) if starts else None
 
 
-def _template(it: Complaint) -> Fault | None:
+def _template(it: ParserStop) -> SyntaxFault | None:
     if it.at == 0 or not it.text.startswith("${", it.at - 1):
         return None
     start = unquoted_start(it.text, it.at - 1)
@@ -55,7 +55,7 @@ def _template(it: Complaint) -> Fault | None:
     )
 
 
-def _alias(it: Complaint) -> Fault | None:
+def _alias(it: ParserStop) -> SyntaxFault | None:
     if "scanning an a" not in it.context or it.text[it.since : it.since + 1] not in ("*", "&"):
         return None
     end = max(unquoted_end(it.text, it.since, in_flow(it.text, it.since, it.outer)), it.since + 1)
@@ -67,7 +67,7 @@ def _alias(it: Complaint) -> Fault | None:
     return it.unquoted("yaml-syntax", it.since, end, f"`{shown}` begins with `&`, which is an anchor in YAML")
 
 
-def _tab(it: Complaint) -> Fault | None:
+def _tab(it: ParserStop) -> SyntaxFault | None:
     if it.text[it.at : it.at + 1] != "\t" or not ("cannot start" in it.problem or "tab" in it.problem):
         return None
     end = it.at
@@ -86,7 +86,7 @@ def _tab(it: Complaint) -> Fault | None:
     )
 
 
-def _reserved_start(it: Complaint) -> Fault | None:
+def _reserved_start(it: ParserStop) -> SyntaxFault | None:
     reserved = "cannot start" in it.problem or "mapping keys are not allowed" in it.problem
     if not reserved or it.at >= len(it.text):
         return None
@@ -96,7 +96,7 @@ def _reserved_start(it: Complaint) -> Fault | None:
     return it.unquoted("yaml-syntax", it.at, end, message)
 
 
-def _colon_in_flow(it: Complaint) -> Fault | None:
+def _colon_in_flow(it: ParserStop) -> SyntaxFault | None:
     if "plain scalar" not in it.context or "unexpected ':'" not in it.problem:
         return None
     # The scalar may go on over several lines; the fault is in the line of the colon.
@@ -106,7 +106,7 @@ def _colon_in_flow(it: Complaint) -> Fault | None:
     key, _, value = it.text[start:end].partition(":")
     if _KEY.fullmatch(key) and value[:1] in ("[", "{", '"', "'"):
         return it.fault(
-            f"there is no space behind the colon of `{key}`",
+            f"a space is missing behind the colon of `{key}`",
             it.span(start, start + len(key) + 1),
             f"write `{key}: {value}`",
         )
@@ -114,7 +114,7 @@ def _colon_in_flow(it: Complaint) -> Fault | None:
     return it.unquoted("yaml-syntax", start, end, message)
 
 
-def _glob_choice(it: Complaint) -> Fault | None:
+def _glob_choice(it: ParserStop) -> SyntaxFault | None:
     """`{left,right}/*_link`: text that YAML reads as a list or mapping with something behind it."""
     before, after = it.text[it.at - 1 : it.at], it.text[it.at : it.at + 1]
     if before not in ("]", "}") or not before or not after or after in "[]{},:# \t\r\n":
@@ -131,7 +131,7 @@ def _glob_choice(it: Complaint) -> Fault | None:
     return it.unquoted("yaml-syntax", start, end, message)
 
 
-def _mapping_not_allowed(it: Complaint) -> Fault | None:
+def _mapping_not_allowed(it: ParserStop) -> SyntaxFault | None:
     if "mapping values are not allowed" not in it.problem:
         return None
     begin = it.line_start(it.at)
@@ -161,7 +161,7 @@ def _mapping_not_allowed(it: Complaint) -> Fault | None:
     return it.fault("a key cannot stand here", span, "quote the text if the colon is part of it")
 
 
-def _below_value(it: Complaint, lead: str, above_begin: int, above: str) -> Fault:
+def _below_value(it: ParserStop, lead: str, above_begin: int, above: str) -> SyntaxFault:
     """A key where the value of the line above still goes on."""
     key = lead.strip()
     place = Note("the line above is this", _line_span(it, above_begin, above))
@@ -185,12 +185,12 @@ def _below_value(it: Complaint, lead: str, above_begin: int, above: str) -> Faul
     )
 
 
-def _line_span(it: Complaint, begin: int, line: str) -> Span:
+def _line_span(it: ParserStop, begin: int, line: str) -> Span:
     lead = len(line) - len(line.lstrip())
     return it.span(begin + lead, begin + len(line.rstrip()))
 
 
-def _no_colon(it: Complaint) -> Fault | None:
+def _no_colon(it: ParserStop) -> SyntaxFault | None:
     if "could not find expected ':'" not in it.problem:
         return None
     end = max(unquoted_end(it.text, it.since, False), it.since + 1)
@@ -203,7 +203,7 @@ def _no_colon(it: Complaint) -> Fault | None:
     return it.fault(f"`{key[:60]}` is neither a key nor part of a value", it.span(it.since, end), help)
 
 
-def _list_in_line(it: Complaint) -> Fault | None:
+def _list_in_line(it: ParserStop) -> SyntaxFault | None:
     if "sequence entries are not allowed" not in it.problem:
         return None
     return it.fault(
@@ -213,14 +213,14 @@ def _list_in_line(it: Complaint) -> Fault | None:
     )
 
 
-def _open_quote(it: Complaint) -> Fault | None:
+def _open_quote(it: ParserStop) -> SyntaxFault | None:
     if "quoted scalar" not in it.context or not re.search("end of stream|document indicator", it.problem):
         return None
     sign = it.text[it.since : it.since + 1]
     return it.fault(f"the quote `{sign}` is never closed", it.span(it.since), f"add the closing `{sign}`")
 
 
-def _escape(it: Complaint) -> Fault | None:
+def _escape(it: ParserStop) -> SyntaxFault | None:
     if "quoted scalar" not in it.context:
         return None
     start = it.text.rfind("\\", 0, it.at + 1)
@@ -241,7 +241,7 @@ def _escape(it: Complaint) -> Fault | None:
     )
 
 
-def _flow(it: Complaint) -> Fault | None:
+def _flow(it: ParserStop) -> SyntaxFault | None:
     if "flow sequence" not in it.context and "flow mapping" not in it.context:
         return None
     if it.text[it.since : it.since + 1] not in ("[", "{"):
@@ -266,7 +266,7 @@ def _flow(it: Complaint) -> Fault | None:
     )
 
 
-def _block(it: Complaint) -> Fault | None:
+def _block(it: ParserStop) -> SyntaxFault | None:
     if "block mapping" not in it.context and "block collection" not in it.context:
         return None
     begin = it.line_start(it.at)
@@ -310,19 +310,19 @@ def _block(it: Complaint) -> Fault | None:
     return it.fault(message, it.span(it.at), help, "yaml-syntax", opened)
 
 
-def _no_content(it: Complaint) -> Fault | None:
+def _no_content(it: ParserStop) -> SyntaxFault | None:
     if "node content" not in it.problem:
         return None
     return it.fault(f"a value is missing before {it.shown}", it.span(it.at))
 
 
-def _after_end(it: Complaint) -> Fault | None:
+def _after_end(it: ParserStop) -> SyntaxFault | None:
     if "document start" not in it.problem:
         return None
     return it.fault(f"{it.shown} stands after the end of the document", it.span(it.at))
 
 
-def _tag(it: Complaint) -> Fault | None:
+def _tag(it: ParserStop) -> SyntaxFault | None:
     if "tag" not in it.context and "tag" not in it.problem:
         return None
     start = it.since if it.text[it.since : it.since + 1] == "!" else it.at
@@ -336,7 +336,7 @@ def _tag(it: Complaint) -> Fault | None:
     )
 
 
-def _directive(it: Complaint) -> Fault | None:
+def _directive(it: ParserStop) -> SyntaxFault | None:
     if "directive" not in it.context and "YAML document" not in it.problem:
         return None
     return it.fault(
@@ -346,7 +346,7 @@ def _directive(it: Complaint) -> Fault | None:
     )
 
 
-def _block_text(it: Complaint) -> Fault | None:
+def _block_text(it: ParserStop) -> SyntaxFault | None:
     if "block scalar" not in it.context:
         return None
     sign = it.text[it.since : it.since + 1]
@@ -357,7 +357,7 @@ def _block_text(it: Complaint) -> Fault | None:
     )
 
 
-_RULES: tuple[Callable[[Complaint], Fault | None], ...] = (
+_RULES: tuple[Callable[[ParserStop], SyntaxFault | None], ...] = (
     _long_key,
     _template,
     _alias,

@@ -30,7 +30,7 @@ def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) 
 
     No I/O.
 
-    Every fault that can be told in one run goes to `sink`. After a fault that leaves the meaning of the
+    Every fault that can be found in one run goes to `sink`. After a fault that leaves the meaning of the
     rest clear (a duplicate key, a tag, text that only lacks quotes) there is still a tree, so that later
     stages can look for faults of their own; None when there is nothing to look at. Never raises on bad input.
     """

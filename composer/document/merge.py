@@ -8,7 +8,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Key, Mapping, Node, Scalar, Sequence, locate
-from composer.document.piece import is_appended
+from composer.document.piece import in_own_model, is_appended
 
 Path = tuple[str, ...]
 
@@ -62,7 +62,7 @@ class _Merge:
             elif name in entries:
                 there = entries[name]
                 merged = self.values(there[1], value, below)
-                # The place of the key that stands is where the entry begins; what is inside tells its own.
+                # The place of the key that stands is where the entry begins; what is inside has its own.
                 entries[name] = (key if merged is value else there[0], merged)
             else:
                 entries[name] = (key, value)
@@ -95,7 +95,7 @@ class _Merge:
         return Sequence(tuple(items), upper.span)
 
     def _only_once(self, written: Sequence) -> None:
-        """Tell an `id` that two items of a list have, of which only one could be meant."""
+        """Report an `id` that two items of a list have, of which only one could be meant."""
         seen: dict[str, Node] = {}
         for item in written.items:
             name = _id(item)
@@ -110,7 +110,7 @@ class _Merge:
     def _nothing_to_delete(self, key: Key, lower: Mapping) -> None:
         self.sink.error(
             "unknown-key",
-            f"there is no `{key.name}` to take out",
+            f"`{key.name}` does not exist and cannot be taken out",
             key.span,
             notes=(exists_note("key", list(lower.entries), key.name),),
             help=did_you_mean(key.name, lower.entries, "{}: null"),
@@ -127,6 +127,7 @@ def _pattern(path: Path) -> Path:
     """
     if len(path) > 3 and path[0] == "variants":
         path = path[3:]
+    path = tuple(map(str, in_own_model(path)))
     if path[:2] == ("randomize", "fields"):
         return (*path[:2], "*", *path[3:]) if len(path) > 2 else path
     if len(path) > 1 and path[0] not in ("base", "randomize", "matrix"):
@@ -160,13 +161,13 @@ def _replaced(lower: Mapping, upper: Mapping, path: Path) -> Collection[str]:
 
 
 def _given(node: Mapping, name: str) -> bool:
-    """Whether a key is there and does not delete."""
+    """Whether a key exists and does not delete."""
     found = node.entries.get(name)
     return found is not None and not (isinstance(found[1], Scalar) and found[1].value is None)
 
 
 def without_ids(document: Mapping, sink: Sink) -> Mapping:
-    """The recipe without the `id`s of items, which are for merging alone; those that are no text are told."""
+    """The recipe without the `id`s of items, which are for merging alone; those that are not text are reported."""
     return _bare(document, (), sink)
 
 

@@ -13,7 +13,7 @@ from composer.diagnostics import Span
 class Scalar:
     """A single value.
 
-    `text` is what is written, without quotes and with escapes resolved; `plain` tells that it has neither
+    `text` is what is written, without quotes and with escapes resolved; `plain` says that it has neither
     quotes nor a block style, so that `value` was found by the rules of the YAML 1.2 core schema. Of a literal block
     (`|`), `block` is the line and column at which its text begins: each line of `text` is one of the file.
     """

@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
+import re
+
 _OPENING = {"[": "]", "{": "}", "(": ")"}
+
+_PLAIN = re.compile(r"[A-Za-z_./][\w./ -]*\w|\w|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+
+
+def word(text: str) -> str:
+    """A text as YAML: in quotes where it would be something else without. What looks like a number stays one."""
+    if _PLAIN.fullmatch(text) and text.lower() not in ("true", "false", "null"):
+        return text
+    return quoted(text)
 
 
 def quoted(text: str) -> str:
@@ -19,7 +30,7 @@ def quoted(text: str) -> str:
 def unquoted_end(text: str, start: int, flow: bool) -> int:
     """Where the text that begins at `start` was probably meant to end: at the latest, with its line.
 
-    Brackets inside are followed to their partner. `flow` tells that the text stands in `[ ]` or `{ }`.
+    Brackets inside are followed to their partner. `flow` says that the text stands in `[ ]` or `{ }`.
 
     >>> line = "{a: -${x[0]} * 2, b: 1}"
     >>> line[4:unquoted_end(line, 4, True)]
@@ -60,7 +71,7 @@ def unquoted_start(text: str, index: int) -> int:
 
 
 def in_flow(text: str, index: int, outer: bool) -> bool:
-    """Whether `index` stands in `[ ]` or `{ }`; `outer` tells it for the start of its line."""
+    """Whether `index` stands in `[ ]` or `{ }`; `outer` says it for the start of its line."""
     depth, quote = int(outer), ""
     begin = max(text.rfind("\n", 0, index), text.rfind("\r", 0, index)) + 1
     for character in text[begin:index]:

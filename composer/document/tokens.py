@@ -19,7 +19,7 @@ _BLOCK = re.compile(r"[|>](?:([0-9])|[-+])*")
 
 @dataclass(slots=True)
 class Comment:
-    """A comment. `column` counts from 0; `own_line` tells that nothing but white space stands before it."""
+    """A comment. `column` counts from 0; `own_line` says that nothing but white space stands before it."""
 
     text: str
     column: int
@@ -31,7 +31,7 @@ class Comment:
 class Token:
     """A token of YAML's grammar: `BlockEntry`, `FlowSequenceStart`, `Scalar` and so on, and what stands before it.
 
-    `line` and `column` count from 0; `blank` tells of an empty line between it and the comment, or token, before.
+    `line` and `column` count from 0; `blank` says that there is an empty line before it.
     Tokens such as `BlockEnd` have no width and stand where the next one does.
     """
 
@@ -88,7 +88,7 @@ def _in_header(token: Token) -> list[str]:
 
 
 def _block(token: Token, column: int) -> None:
-    """Find how deep a block scalar stands, and leave out the lines at its end that are no part of its value."""
+    """Find how deep a block scalar stands, and leave out the lines at its end that are not part of its value."""
     header = _BLOCK.match(token.text)
     assert header is not None
     lines = _LINE_BREAK.split(token.text)

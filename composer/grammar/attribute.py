@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -36,7 +36,7 @@ class Attribute:
 
     Lengths count numbers, keywords, names or (for `chars`) characters; `None` is unbounded. `default` is the
     value, in the last version covered, of an attribute written nowhere: a scalar where `max_length` is 1,
-    else a tuple; `None` where there is no such value (names, lists without bound), or MuJoCo computes it.
+    else a tuple; `None` where no such value exists (names, lists without bound), or MuJoCo computes it.
     """
 
     name: str
@@ -96,11 +96,9 @@ class Attribute:
         """Whether that MuJoCo version (`"3.12.0"`) reads the attribute."""
         return exists_in(version, self.since, self.until)
 
-    def keywords_in(self, version: str) -> tuple[str, ...]:
-        """The keywords that MuJoCo version accepts."""
-        if not self.keyword_versions:
-            return self.keywords
-        always = (None, None)
-        return tuple(
-            word for word in self.keywords if exists_in(version, *self.keyword_versions.get(word, always))
-        )
+    def versions(self) -> Iterator[str]:
+        """The first and the last MuJoCo version that has it, in words."""
+        if self.since is not None:
+            yield f"since MuJoCo {self.since}"
+        if self.until is not None:
+            yield f"up to MuJoCo {self.until}"

@@ -54,6 +54,7 @@ def alignment(linking: Linking) -> None:
                 _make_freejoint(joint, wanted)
             else:
                 _cannot_differ(linking, unit, joint, *stubborn[0])
+    # The joints of attachments hang in no tree yet, so that the walk above has not met them.
     for part in linking.parts if linking.notes.aligned else ():
         part.joints = tuple(
             replace(joint, attributes={"align": "false", **joint.attributes})
@@ -78,6 +79,8 @@ def _free_joints(unit: Unit) -> Iterator[tuple[Node, bool]]:
 
 def is_leaf(body: Node) -> bool:
     """Whether no other body hangs on it; MuJoCo aligns no other."""
+    # MuJoCo 4.0 puts `<body pos="1 0 0"><freejoint align="true"/><geom pos=".1 0 0" size=".1"/></body>` at 1.1 0 0, and
+    # leaves it at 1 0 0 with another `<body>` inside.
     return not any(
         child.tag in _INSIDE_BODIES or (child.tag == "replicate" and not is_leaf(child))
         for child in through_frames(body)

@@ -6,7 +6,7 @@ with MuJoCo's own arithmetic and so to the same bits, and radians into degrees c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import cast
 
 from lxml import etree
@@ -20,7 +20,10 @@ from composer.tree.unit import Unit
 
 _TURNED = etree.XPath("(worldbody | default)//*[@euler or @axisangle]")
 _LIMITED = "range"
+# Not `fovy` and `cutoff`: MuJoCo 4.0 reads these in degrees under `<compiler angle="radian"/>`, too. Nor the numbers of
+# keys, which are always in radians.
 _ANGULAR = ("range", "ref", "springref", "springyield")
+# A ball has no `ref`: MuJoCo 4.0 starts `<joint type="ball" ref="90"/>` at 1 0 0 0.
 _OF_BALLS = ("range", "springyield")
 
 
@@ -76,12 +79,13 @@ def _replicate(
 ) -> None:
     """A replicate has no quat; one turn about one axis reads the same in any sequence that has the axis."""
     own = unit.settings.eulerseq
+    # The schema has no `quat` for a `<replicate>`, so that a turn about several axes cannot be written in another
+    # sequence: `euler="90 90 0"` is 0.5 0.5 0.5 0.5 in `xyz` and 0.5 0.5 0.5 -0.5 in `XYZ`.
     if to_radians:
         values = [numbers.orientation_radians(value) for value in values]
     if own != sequence:
-        turning = [at for at, value in enumerate(values) if value]
-        letters = sequence.lower()
-        if len(turning) > 1 or (turning and own[turning[0]].lower() not in letters):
+        moved = in_sequence(values, own, sequence)
+        if moved is None:
             linking.sink.error(
                 "compiler-setting",
                 f"`<replicate>` turns about several axes in the sequence `{own}`, the model reads `{sequence}`",
@@ -89,11 +93,24 @@ def _replicate(
                 help="give each axis a `<replicate>` of its own",
             )
             return
-        moved = [0.0, 0.0, 0.0]
-        for at in turning:
-            moved[letters.index(own[at].lower())] = values[at]
         values = moved
     element.set("euler", numbers.text(values))
+
+
+def in_sequence(values: Sequence[float], own: str, sequence: str) -> list[float] | None:
+    """Angles in the sequence `own` as angles in another one; None where they turn about several axes.
+
+    >>> in_sequence([20, 0, 0], "xyz", "zyx")
+    [0.0, 0.0, 20]
+    """
+    turning = [at for at, value in enumerate(values) if value]
+    letters = sequence.lower()
+    if len(turning) > 1 or (turning and own[turning[0]].lower() not in letters):
+        return None
+    moved = [0.0, 0.0, 0.0]
+    for at in turning:
+        moved[letters.index(own[at].lower())] = values[at]
+    return moved
 
 
 def _joints(unit: Unit) -> None:
@@ -101,15 +118,16 @@ def _joints(unit: Unit) -> None:
 
     A class may give one value to hinges and to slides: then each hinge gets the converted value on itself.
     """
+    # MuJoCo 4.0 turns a range only if it limits the joint: `<joint range="-90 90" limited="false"/>` keeps -90 90 in
+    # `jnt_range`. One class may serve both kinds: of `<joint range="0 90"/>` a hinge takes 1.5708 and a slide 90.
     classes = unit.classes
     in_classes = {
         str(name)
         for section in unit.root.iterchildren("default")
         for joint in section.iter("joint")
-        for name in joint.keys()  # noqa: SIM118 (an element is no mapping)
+        for name in joint.keys()  # noqa: SIM118 (an element is not a mapping)
     }
     given: dict[tuple[Node, str], list[tuple[Node, bool]]] = {}
-    done: set[tuple[Node, str]] = set()
     own: list[tuple[Node, str]] = []
     for joint in _joints_of_bodies(unit.root):
         childclass = childclass_of(joint)
@@ -130,22 +148,30 @@ def _joints(unit: Unit) -> None:
             writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute)
             if writer is not None:
                 given.setdefault((writer, attribute), []).append((flex, False))
-    for (writer, attribute), users in given.items():
-        done.add((writer, attribute))
-        if all(turns for _, turns in users):
-            own.append((writer, attribute))
-        else:
-            for joint, turns in users:
-                if turns:
-                    joint.set(attribute, str(writer.get(attribute)))
-                    own.append((joint, attribute))
-    for section in unit.root.iterchildren("default") if in_classes else ():
-        for joint in section.iter("joint"):
-            for attribute in _ANGULAR:
-                if joint.get(attribute) and (joint, attribute) not in done and joint.get("type") != "slide":
-                    own.append((joint, attribute))
+    own += _of_classes(given)
+    own += [each for each in _in_unused_classes(unit) if each not in given]
     for element, attribute in own:
         _convert(element, attribute, numbers.joint_radians)
+
+
+def _of_classes(given: Mapping[tuple[Node, str], list[tuple[Node, bool]]]) -> Iterator[tuple[Node, str]]:
+    """What turns of the values that classes give to joints: there, or on the joints where not all of them turn."""
+    for (writer, attribute), users in given.items():
+        if all(turns for _, turns in users):
+            yield writer, attribute
+            continue
+        for joint, turns in users:
+            if turns:
+                joint.set(attribute, str(writer.get(attribute)))
+                yield joint, attribute
+
+
+def _in_unused_classes(unit: Unit) -> Iterator[tuple[Node, str]]:
+    """The angles of all classes; those of classes that no joint has yet are in degrees for a later one."""
+    for section in unit.root.iterchildren("default"):
+        for joint in section.iter("joint"):
+            if joint.get("type") != "slide":
+                yield from ((joint, attribute) for attribute in _ANGULAR if joint.get(attribute))
 
 
 def _joints_of_bodies(root: Node) -> Iterator[Node]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import closest, exists_note
+from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.link import numbers
 from composer.link.alignment import is_leaf
 from composer.link.angles import model_angle
@@ -44,10 +44,11 @@ def bodies(linking: Linking) -> None:
         ready = [part for part in waiting if _mount(linking, part)]
         for part in ready:
             _hang(linking, part, tops)
+        if not ready and _grow(linking, waiting):
+            continue
         if not ready:
             lost = [part for part in waiting if part.mount is None]
-            for part in lost:
-                _nowhere(linking, part)
+            _report_lost(linking, lost)
             if not lost:
                 _ring(linking, waiting)
             prefixes = [part.prefix for part in waiting if part.prefix]
@@ -57,6 +58,14 @@ def bodies(linking: Linking) -> None:
             return
         waiting = [part for part in waiting if part not in ready]
     _in_order(linking, tops)
+
+
+def _grow(linking: Linking, waiting: Iterable[Part]) -> bool:
+    """Have the recipe add a place that a part waits for; False where it adds none, or that would wait for a part."""
+    later = linking.later_places
+    if later is None:
+        return False
+    return any(later.make(part.place.kind, str(part.place.name)) for part in waiting if part.mount is None)
 
 
 def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
@@ -90,23 +99,42 @@ def _ring(linking: Linking, waiting: list[Part]) -> None:
     )
 
 
+def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
+    """Report places that do not exist, and the first part that waits for what is added to itself."""
+    later = linking.later_places
+    waiting = []
+    for part in lost:
+        added = None if later is None else later.stands_on(part.place.kind, str(part.place.name))
+        if added is None:
+            _nowhere(linking, part)
+        elif any(linking.names.find(kind, added[0]) is not None for kind in ("body", "frame")):
+            waiting.append((part, *added))
+        # What is added to nothing is reported where that is carried out.
+    for part, to, span in waiting[:1]:
+        _waits_for_itself(linking, part, to, span)
+
+
 def _nowhere(linking: Linking, part: Part) -> None:
     """The place does not exist."""
     kind, name = part.place.kind, part.place.name or ""
-    names = [each for each in linking.names.of(kind) if not each.startswith(part.prefix or "\0")]
+    added = [] if linking.later_places is None else linking.later_places.names()
+    names = [
+        *(each for each in linking.names.of(kind) if not each.startswith(part.prefix or "\0")),
+        *(each for of_kind, each in added if of_kind == kind),
+    ]
     notes = [exists_note(kind, names, name)]
-    other = [each for each in linking.names.kinds_of(name) if each != kind]
-    near = closest(name, names)
+    other = [
+        *(each for each in linking.names.kinds_of(name) if each != kind),
+        *(each for each, of_name in added if of_name == name),
+    ]
+    near, fix = closest(name, names), None if other else renaming(name, names)
     help = f"did you mean `{kind}: {near[0]}`?" if near else None
     if not near and not names:
         bodies = [each for each in linking.names.of("body") if not each.startswith(part.prefix or "\0")]
         if bodies and kind != "body":
             notes.append(exists_note("body", bodies, name))
             help = "hang it on a body, with a `pos` if need be: `body: NAME`"
-    if (coming := linking.request.later_places.get((kind, name))) is not None:
-        notes.insert(0, Note(f"the {kind} `{name}` is added here, after the parts are attached", coming))
-        help = f"make a recipe of what has `{name}`, and start from it (`base`) or attach it as a part"
-    elif usable := [each for each in other if each in _PLACES]:
+    if usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
         notes.insert(
@@ -114,11 +142,25 @@ def _nowhere(linking: Linking, part: Part) -> None:
         )
     linking.sink.error(
         "attach-place",
-        f"there is no {kind} `{name}` to attach `{part.called}` to",
+        f"the {kind} `{name}` to attach `{part.called}` to does not exist",
         part.place.span or part.span,
         notes=(*notes, *attached_notes(linking.base, name)),
         help=help,
         subjects=(name, part.called),
+        fix=fix,
+    )
+
+
+def _waits_for_itself(linking: Linking, part: Part, to: str, added: Span) -> None:
+    """The part hangs on what is added to the part, or to what hangs on it."""
+    linking.sink.error(
+        "attach-cycle",
+        f"`{part.called}` hangs on the {part.place.kind} `{part.place.name}`, which is added to `{to}`, and that "
+        f"hangs on `{part.called}`",
+        part.place.span or part.span,
+        notes=(Note(f"the {part.place.kind} is added here", added),),
+        help="one of them must stand on the base or in the world",
+        subjects=(part.called, part.place.name),
     )
 
 
@@ -141,6 +183,7 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
     if part.place.kind == "site":
         holder = mount.getparent()
         assert holder is not None
+        # A site holds nothing: the part hangs beside it, with its pose.
         parent, pose = holder, effective_pose(mount, linking.base.classes)
     if (scaled := scaled_above(parent)) is not None:
         _scaled(linking, part, scaled)
@@ -155,37 +198,18 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         pose = _in_world(linking, parent, pose, offset)
         parent, offset = linking.base.section("worldbody"), {}
     outer, count = parent, len(parent)
+    # A frame has one pose, so that the site's and the recipe's offset from it take two.
     if pose and offset:
         parent = _child(linking, part, parent, "frame", pose)
         pose = {}
     written = part.place.written if offset and not pose else {}
     pose = pose or offset
     if part.joints or part.mocap:
-        body = _child(
-            linking, part, parent, "body", {**({"name": part.prefix} if part.prefix else {}), **pose}, written
-        )
-        if part.mocap:
-            body.set("mocap", "true")
-        if any(flex.part is part for flex in linking.notes.flexes):
-            body.set("childclass", part.top_class)
-        for joint in part.joints:
-            undone = taken_back(linking.notes.main_joint) if joint.tag == "joint" else {}
-            added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes}, joint.written)
-            _declare_joint(linking, part, added)
-        if part.prefix:
-            linking.names.declared.setdefault("body", {})[part.prefix] = body
-        parent, pose, written = body, {}, {}
+        parent, pose, written = _body_of(linking, part, parent, pose, written), {}, {}
+    # In MuJoCo 4.0 the `childclass` of a `<frame>` counts for what stands in it, and a frame without a pose changes no
+    # bit of the bodies inside.
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
-    for worldbody in list(part.unit.root.iterchildren("worldbody")):
-        owner = part.unit.origins.owners.get(worldbody)
-        if owner is not None:  # it was included from another file
-            for child in worldbody:
-                part.unit.origins.owners.setdefault(child, owner)
-        frame.extend([*above(worldbody, part.unit.header), *worldbody])
-        part.unit.root.remove(worldbody)
-    if all(part.unit.file != earlier.unit.file for earlier in linking.parts[: linking.parts.index(part)]):
-        for comment in reversed(part.unit.header):
-            frame.insert(0, comment)
+    _bring_world(linking, part, frame)
     if next(frame.iterchildren("*"), None) is not None:
         parent.append(frame)
         part.content = frame
@@ -201,6 +225,42 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
     linking.base.origins.own(frame, part.unit.file)
     if written:
         linking.base.origins.settings[frame] = dict(written)
+
+
+def _body_of(
+    linking: Linking, part: Part, parent: Node, pose: dict[str, str], written: Mapping[str, Span]
+) -> Node:
+    """The body that a part gets which moves: it has the joints of the attachment."""
+    named = {"name": part.prefix} if part.prefix else {}
+    body = _child(linking, part, parent, "body", {**named, **pose}, written)
+    if part.mocap:
+        body.set("mocap", "true")
+    if any(flex.part is part for flex in linking.notes.flexes):
+        body.set("childclass", part.top_class)
+    for joint in part.joints:
+        undone = taken_back(linking.notes.main_joint) if joint.tag == "joint" else {}
+        added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes}, joint.written)
+        _declare_joint(linking, part, added)
+    if part.prefix:
+        linking.names.declared.setdefault("body", {})[part.prefix] = body
+    return body
+
+
+def _bring_world(linking: Linking, part: Part, frame: Node) -> None:
+    """Move what stands in the world of a part into its frame, with the comments above it."""
+    unit = part.unit
+    # MuJoCo reads several `<worldbody>` as one, in their order.
+    for worldbody in list(unit.root.iterchildren("worldbody")):
+        owner = unit.origins.owners.get(worldbody)
+        if owner is not None:  # it was included from another file
+            for child in worldbody:
+                unit.origins.owners.setdefault(child, owner)
+        frame.extend([*above(worldbody, unit.header), *worldbody])
+        unit.root.remove(worldbody)
+    # The comments at the top of a file stand once, above the first part that is made of it.
+    if all(unit.file != earlier.unit.file for earlier in linking.parts[: linking.parts.index(part)]):
+        for comment in reversed(unit.header):
+            frame.insert(0, comment)
 
 
 def _scaled(linking: Linking, part: Part, frame: Node) -> None:
@@ -296,11 +356,15 @@ def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
         tag = default_tag(site)
         inherited = {name: value[0] for name in ("pos", "fromto") if (value := found.lookup(tag, name))}
         turned = found.orientation(tag)
+        # Any orientation takes the place of any other: with `<site euler="90 0 0"/>` in the class, MuJoCo 4.0 compiles
+        # `<site quat="1 0 0 0"/>` to 1 0 0 0.
         if turned and written.keys().isdisjoint(ORIENTATIONS):
             inherited[turned[0]] = turned[1]
         written = {**inherited, **written}
     ends = numbers.read(written.pop("fromto", ""))
     if len(ends) == 6 and not any(map(math.isnan, ends)):
+        # The z axis points from the second end to the first: MuJoCo 4.0 turns `<site fromto="0 0 0 1 0 0" …/>` as it
+        # does `<site zaxis="-1 0 0"/>`. Six `nan` take back what a class says.
         start, end = ends[:3], ends[3:]
         middle = [0.5 * (a + b) for a, b in zip(start, end, strict=True)]
         along = [a - b for a, b in zip(start, end, strict=True)]

@@ -39,6 +39,8 @@ def compiler(linking: Linking) -> None:
     owner = linking.base.origins.owner(settings[0], linking.base.file) if settings else None
     for element in settings:
         root.remove(element)
+    # All files stand below `assets/` with their whole path. MuJoCo 4.0 would put `meshdir` before that of
+    # every mesh; where it is missing, `assetdir`, in whatever order the two stand.
     for name in FOLDERS:
         written.pop(name, None)
     if linking.composed:
@@ -53,7 +55,12 @@ def compiler(linking: Linking) -> None:
     if not written and not children:
         return
     element = root.makeelement("compiler", written)
-    element.extend(children)
+    for child in children:
+        same = element.find(str(child.tag)) if isinstance(child.tag, str) else None
+        if same is None:
+            element.append(child)
+        else:  # in one `<compiler>` MuJoCo takes one `<lengthrange>`
+            same.attrib.update(child.attrib)
     if owner is not None:
         linking.base.origins.own(element, owner)
         set_line(element, line)

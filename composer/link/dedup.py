@@ -8,19 +8,20 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.link.linking import FileUse
+from composer.reading.regular import read_regular
 from composer.tree.classes import DefaultClass
 from composer.tree.names import LISTS, REFERS, REFERS_BY, declaration, naming_table, object_namespace
 from composer.tree.unit import Unit
 
 KINDS = ("texture", "material", "mesh", "hfield")
 """What is merged, in an order in which nothing refers to a later kind."""
+# What a class gives counts by its values, whatever the class is called.
 _NO_MEANING = ("name", "class")
 
 Merged = Mapping[str, Mapping[str, str]]
@@ -47,6 +48,7 @@ def dedup(
             if declared is None:
                 continue
             name = declared[1]
+            # The longest prefix: an asset of `arm/hand/` is not one of `arm/`.
             part = max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
             alike = kept.setdefault(meanings.of(element), [])
             free = [each for each in alike if part not in each.parts]
@@ -126,6 +128,7 @@ class _Meanings:
             return self._digest(use) if use is not None else value
         if attribute.refers is not None and attribute.refers in self._merged:
             return self._merged[attribute.refers].get(value, value)
+        # `1 1 1` and `1.0 1 1` mean the same.
         if attribute.is_number:
             try:
                 return " ".join(repr(float(number)) for number in value.split())
@@ -135,13 +138,14 @@ class _Meanings:
 
     def _digest(self, use: FileUse) -> str:
         """What stands for the bytes of a file and the format that its suffix says."""
+        # MuJoCo picks the reader of a mesh by the suffix: the same bytes as `.stl` and as `.obj` are two things.
         suffix = use.path.rpartition(".")[2].lower()
         if use.content is not None:
             return f"{hashlib.sha256(use.content).hexdigest()}.{suffix}"
         if use.source not in self._digests:
             try:
-                self._digests[use.source] = hashlib.sha256(Path(use.source).read_bytes()).hexdigest()
-            except OSError:  # told where all files are read
+                self._digests[use.source] = hashlib.sha256(read_regular(use.source)).hexdigest()
+            except OSError:  # reported where all files are read
                 self._digests[use.source] = use.source
         return f"{self._digests[use.source]}.{suffix}"
 

@@ -76,7 +76,16 @@ def _join(linking: Linking) -> None:
 
 
 def choose_classes(linking: Linking) -> None:
-    """Decide the name of every top class before anything is renamed."""
+    """Decide the name of every top class before anything is renamed.
+
+    The top class of the base keeps its name as long as it sets nothing:
+
+    >>> from composer.link.example import noted
+    >>> noted(choose_classes, base='<default><default class="c"/></default>').base_class
+    >>> linking = noted(choose_classes, base='<default><geom density="5"/></default>')
+    >>> linking.base_class, linking.parts[0].top_class
+    ('base/', 'p/')
+    """
     separator = linking.request.separator
     prefixes = {part.prefix for part in linking.parts}
     # A unit that is itself a composition has wrapped classes already.
@@ -86,11 +95,14 @@ def choose_classes(linking: Linking) -> None:
         part.top_class = _free(own, taken if part.prefix else taken | prefixes)
         taken.add(part.top_class)
     needed = any(flex.joint for flex in in_world(linking))
+    # An element cannot take back all that a class says: with `<default><geom user="1 2"/></default>` in the base,
+    # `<geom user=""/>` of a part still has 1 2 in MuJoCo 4.0. So the top class of the base may set nothing.
     if linking.parts and (linking.request.isolated_tags or needed or _top_kinds(linking.base.root)):
         linking.base_class = _free(f"base{separator}", taken | prefixes)
 
 
 def _free(name: str, taken: Set[str]) -> str:
+    # A class exists once in a model, wherever it is nested: else MuJoCo 4.0 says "repeated default class name".
     while name in taken:
         name = "_" + name
     return name
@@ -128,6 +140,8 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
         last = at == len(sections) - 1
         wrapped = root.makeelement("default", {"class": name if last else f"{name}{at + 1}"})
         wrapped.extend([*(above(section, unit.header) if unit is not linking.base else ()), *section])
+        # The top class can only be called `main` ("cannot be renamed" in MuJoCo 4.0), and a nested one has to have a
+        # name ("empty class name").
         if "class" in section.attrib:
             del section.attrib["class"]
         if outer is None:
@@ -148,6 +162,7 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
     """Give the top class by name to elements outside the body tree that have no class of their own."""
     if not kinds:
         return
+    # Sensors, keys and exclusions have no class: `<clock class="main"/>` violates the schema of MuJoCo 4.0.
     for section in unit.root:
         if section.tag not in _CLASSED:
             continue
@@ -165,6 +180,8 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
 
 def _claim_world(unit: Unit, name: str) -> None:
     """Give the top class to what stands in the world without one; below a body its childclass does it."""
+    # The world itself cannot take a class: `<worldbody childclass="c">` is "World body cannot have attributes" in
+    # MuJoCo 4.0.
     for worldbody in unit.root.iterchildren("worldbody"):
         for element in worldbody:
             tag = element.tag

@@ -47,6 +47,7 @@ def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
             declared = declaration(element, "asset")
             if declared is not None and declared[0] in SUPPORTING:
                 yield declared, element
+            # Nothing refers to a skin: it is drawn because it stands there.
             elif declared is None and element.tag != "skin":
                 yield (str(element.tag), ""), element
     for section in unit.root.iterchildren("default"):
@@ -81,6 +82,7 @@ def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
         if node.tag == "default":
             tops = [child for child in node.iterchildren("*") if child.tag != "default"]
             parent = node.getparent()
+            # A class begins with what its parent sets, so that it needs the parent even where no element names that.
             if parent is not None and parent.tag == "default":
                 need(parent, "default")
         for top in tops:

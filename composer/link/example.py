@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from lxml import etree
 
@@ -13,27 +15,46 @@ from composer.link.link import FINISHING, PASSES, row_of
 from composer.link.linking import Linking
 from composer.link.measure import measure_with
 from composer.link.part import Joint, Part, Place
+from composer.link.room import asked
 from composer.tree.parse import parse_text
 from composer.tree.unit import Unit
 
 
 def after(
-    run: object, part: str = "", base: str = "", *, on: str = "", joint: str = "", weld: bool = False
+    run: object, part: str = "", base: str = "", *, files: Mapping[str, str] | None = None, **hung: Any
 ) -> None:
     """Link a part with the prefix `p/` to a base, up to a pass, and print the sections that this pass has changed.
 
-    Both are the text inside `<mujoco>`. The part is attached to the world, or `on` a site, with a `joint` if one is
-    given. Faults are printed, too.
+    Both are the text inside `<mujoco>`; `files` are models that the part names, as whole texts. `hung` says how the
+    part hangs, as in `_part`. Errors are printed, too.
     """
+    linking, before, joined = _linked(run, part, base, files or {}, **hung)
+    units = [("model" if joined else "base", linking.base)]
+    units += [] if joined else [("part", each.unit) for each in linking.parts]
+    for (label, unit), old in zip(units, before, strict=False):
+        for text in _sections(unit):
+            if text not in old:
+                print(f"{label}: {text}")  # noqa: T201
+    for fault in linking.sink.diagnostics:
+        print(f"{fault.severity.value}: {fault.message}")  # noqa: T201
+
+
+def noted(run: object, part: str = "", base: str = "", **hung: Any) -> Linking:
+    """What a pass found out that only takes notes; the arguments are those of `after`."""
+    linking, _, _ = _linked(run, part, base, {}, **hung)
+    return linking
+
+
+def _linked(
+    run: object, part: str, base: str, files: Mapping[str, str], **hung: Any
+) -> tuple[Linking, list[list[str]], bool]:
+    """The linking after a pass, the sections of its units before that, and whether there is one model already."""
     row = row_of(run)
     assert row is not None
     sink = Sink()
-    place = Place("site", on) if on else Place()
-    joints = (Joint("joint", {"name": joint}),) if joint else ()
-    hung = Part(_unit("part", part), "p/", place, joints=joints, weld=weld)
-    linking = Linking(
-        _unit("base", base), [hung], sink, measure=measure_with(Context(sink=sink, environment={}))
-    )
+    measure = measure_with(Context(sink=sink, environment={}))
+    linking = Linking(_unit("base", base), [_part(part, files, **hung)], sink, measure=measure)
+    linking.notes.memory = asked(linking)
     facts: set[Fact] = set()
     before: list[list[str]] = []
     for each in (*PASSES, *FINISHING):
@@ -42,14 +63,15 @@ def after(
         facts |= each.leaves
         if each is row:
             break
-    joined = Fact.JOINED in facts
-    units = [("model" if joined else "base", linking.base)] + ([] if joined else [("part", hung.unit)])
-    for (label, unit), old in zip(units, before, strict=False):
-        for text in _sections(unit):
-            if text not in old:
-                print(f"{label}: {text}")  # noqa: T201
-    for fault in sink.diagnostics:
-        print(f"{fault.severity.value}: {fault.message}")  # noqa: T201
+    return linking, before, Fact.JOINED in facts
+
+
+def _part(text: str, files: Mapping[str, str], *, on: str = "", joint: str = "", weld: bool = False) -> Part:
+    """A part that hangs in the world, or `on` a site, with a `joint` if one is given."""
+    unit = _unit("part", text)
+    unit.contents = {name: each.encode() for name, each in files.items()}
+    place = Place("site", on) if on else Place()
+    return Part(unit, "p/", place, joints=(Joint("joint", {"name": joint}),) if joint else (), weld=weld)
 
 
 def _unit(label: str, text: str) -> Unit:

@@ -6,7 +6,11 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.span import Span
 from composer.link.linking import FileUse, Linking
+from composer.reading.door import Door, Passed, held
+from composer.reading.refused import Refused
+from composer.reading.regular import read_regular
 from composer.tree.files import file_attributes, is_absolute, is_plain, join, written_path
 from composer.tree.names import WORLD
 from composer.tree.settings import Settings
@@ -14,7 +18,7 @@ from composer.tree.skin_file import BadSkin, rename_bones
 from composer.tree.unit import Unit
 
 ASSETS = "assets"
-# Where each path of the bundle comes from, by the path in lower case: some file systems do not tell cases apart.
+# Where each path of the bundle comes from, by the path in lower case: some file systems do not distinguish cases.
 Taken = dict[str, tuple[str, bytes | None]]
 
 
@@ -26,6 +30,7 @@ def files(linking: Linking) -> None:
     >>> after(files, part)
     part: <asset><mesh file="assets/part/link.obj"/></asset>
     """
+    # Parts of one source share its files: the same path is taken by the same bytes only.
     taken: Taken = {}
     for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
         named = list(file_attributes(unit.root))
@@ -42,21 +47,35 @@ def _give_paths(
     simple = not unit.contents and unit.settings.strippath != "true"
     target = f"{ASSETS}/{unit.label}/"
     use = linking.files.append
-    for element, attribute, name in named:
+    # Of most files no path has to be shortened.
+    plain = [
+        f"{folders.get(element.tag, mesh_folder)}/{name}"
+        if simple and element.tag != "skin" and is_plain(name)
+        else ""
+        for element, _, name in named
+    ]
+    listed = unit.door.admit_listed(filter(None, plain))
+    for (element, attribute, name), where in zip(named, plain, strict=True):
         tag = element.tag
-        if simple and tag != "skin" and is_plain(name):  # most files: no path to be shortened
+        if where:
             path = name if "/" in name and is_settled(unit, tag, name) else target + name
-            key = path.lower()
-            if key not in taken:
-                source = f"{folders.get(tag, mesh_folder)}/{name}"
-                taken[key] = (source, None)
+            source = listed.get(where) or _admitted(linking, unit, element, attribute, where)
+            if source is None:
+                continue
+            alone: tuple[str, bytes | None] = (source, None)
+            if taken.setdefault(path.lower(), alone) == alone:
                 element.set(attribute, path)
                 use(FileUse(element, attribute, path, source, None))
                 continue
         written = written_path(unit.settings, element, name)
         known = unit.contents.get(written) if unit.contents else None
-        source = str(known) if isinstance(known, Path) else join(directory, written)
         content = known if isinstance(known, bytes) else None
+        if known is None:
+            source = _admitted(linking, unit, element, attribute, join(directory, written))
+        else:
+            source = held(known if isinstance(known, Path) else join(directory, written))
+        if source is None:
+            continue
         if prefix and tag == "skin":
             content = _skin(linking, unit, element, prefix, source, content)
         path = _free(unit, tag, written, source, content, taken)
@@ -64,15 +83,24 @@ def _give_paths(
         use(FileUse(element, attribute, path, source, content))
 
 
+def _admitted(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
+    """The path that a unit names; None where the unit may not read it, which is reported."""
+    try:
+        return unit.door.admit(path)
+    except Refused as refused:
+        refused.report(linking.sink, linking.span(unit, element, attribute))
+        return None
+
+
 def _skin(
-    linking: Linking, unit: Unit, element: Node, prefix: str, source: str, content: bytes | None
+    linking: Linking, unit: Unit, element: Node, prefix: str, source: Passed, content: bytes | None
 ) -> bytes | None:
     """A skin file names bodies; those get the prefix too."""
     try:
-        data = Path(source).read_bytes() if content is None else content
+        data = read_regular(source) if content is None else content
         return rename_bones(data, lambda name: name if name == WORLD else prefix + name)
     except OSError:
-        return content  # told where all files are read
+        return content  # reported where all files are read
     except BadSkin as fault:
         linking.sink.error("not-supported", f"`{source}`: {fault}", linking.span(unit, element))
         return content
@@ -91,6 +119,7 @@ def _free(unit: Unit, tag: object, written: str, source: str, content: bytes | N
     path = f"{ASSETS}/{unit.label}/{below}"
     if is_settled(unit, tag, written):
         path = written
+    # A bundle may be unpacked where upper and lower case are one: `A.obj` and `a.obj` get different paths.
     key = path.lower()
     if key not in taken:
         taken[key] = (source, content)
@@ -112,14 +141,24 @@ def inside(settings: Settings, written: str) -> str:
         if folder and written.startswith(start := join("", folder) + "/"):
             written = written[len(start) :]
             break
+    # Such a step would lead out of the bundle.
     if ".." in written:
         return "/".join(step for step in written.split("/") if step != "..")
     return written
 
 
-def add_file(linking: Linking, folder: Path, element: Node, attribute: str, name: str) -> None:
-    """A file that the recipe names: relative to the recipe, stored below `assets/` like those of parts."""
-    source = join(str(folder), name)
+def add_file(
+    linking: Linking, folder: Path, element: Node, attribute: str, name: str, door: Door, span: Span
+) -> None:
+    """A file that the recipe names: relative to the recipe, stored below `assets/` like those of parts.
+
+    `door` is that of the recipe, `span` where it names the file.
+    """
+    try:
+        source = door.admit(join(str(folder), name))
+    except Refused as refused:
+        refused.report(linking.sink, span)
+        return
     inside = "/".join(step for step in name.replace("\\", "/").split("/") if step not in ("..", ".", ""))
     path, number = f"{ASSETS}/{inside}", 1
     taken = {use.path.lower(): use.source for use in linking.files}

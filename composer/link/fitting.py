@@ -59,11 +59,14 @@ def _write(linking: Linking, unit: Unit, geom: Node, sizes: int, found: Survey) 
     w, a, b, c = quat
     frame = _frames_above(geom, unit)
     pose = Pose((x, y, z), (w, a, b, c))
+    # MuJoCo dissolves frames: `<frame euler="0 0 90"><geom size="1" pos="1 0 0"/></frame>` has `geom_pos` 0 1 0.
     if not frame.is_identity:
         pose = frame.inverse() @ pose
     for name in ("mesh", "fitscale", "fromto", *ORIENTATIONS):
         if name in geom.attrib:
             del geom.attrib[name]
+    # An empty text takes back what the class says: with `<default><geom mesh="m" type="mesh"/></default>` MuJoCo 4.0
+    # compiles `<geom mesh="" type="sphere" size="1"/>` to a sphere without a mesh.
     if unit.classes.effective(geom, childclass_of(geom), "mesh"):
         geom.set("mesh", "")
     geom.set("size", numbers.text(size[:sizes]))
@@ -72,7 +75,7 @@ def _write(linking: Linking, unit: Unit, geom: Node, sizes: int, found: Survey) 
 
 
 def _frames_above(geom: Node, unit: Unit) -> Pose:
-    """The pose of the frames between a geom and its body: MuJoCo tells where the geom is in the body."""
+    """The pose of the frames between a geom and its body: MuJoCo gives the pose of the geom in the body."""
     pose = Pose()
     node = geom.getparent()
     while node is not None and node.tag in ("frame", "replicate"):

@@ -33,7 +33,18 @@ _NOT_TAKEN = ("type", "axis", "pos", "damping", "springdamper")
 
 
 def note_flexes(linking: Linking) -> None:
-    """Remember the flexes that stand in the world of their units, while the units are apart."""
+    """Remember the flexes that stand in the world of their units, while the units are apart.
+
+    MuJoCo gives their vertices the joint settings of the top class:
+
+    >>> from composer.link.example import noted
+    >>> part = (
+    ...     '<default><joint armature="2"/></default>'
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" spacing="1 1 1"/></worldbody>'
+    ... )
+    >>> noted(note_flexes, part).notes.flexes[0].joint
+    {'armature': '2'}
+    """
     if not linking.parts:
         return
     for unit, part in [(linking.base, None), *((part.unit, part) for part in linking.parts)]:
@@ -183,24 +194,27 @@ _TOLERABLE = 1e-3
 
 
 def flex_turns(linking: Linking) -> None:
-    """Tell what frames change of the flexes in the world of the parts.
+    """Report what frames change of the flexes in the world of the parts.
 
     A `quat` that a frame would normalise is reported:
 
     >>> from composer.link.example import after
     >>> part = (
-    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2" quat="2 0 0 0"/></worldbody>'
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2" quat="0 2 0 0"/></worldbody>'
     ... )
     >>> after(flex_turns, part)
     error: the flex of `p/` is turned by a `quat` of length 2: MuJoCo stretches it alone, and not below a frame
     """
     for flex in linking.notes.flexes:
         parent = flex.element.getparent()
+        # In a frame of its own a flex is read the same way alone.
         if flex.part is None or parent is None or parent.tag != "worldbody":
             continue
         quat = numbers.read(str(flex.element.get("quat") or "1 0 0 0"))
         length = math.hypot(*quat)
-        if len(quat) != 4 or not length or abs(length - 1) < _ROUNDING:
+        # Of a number that stands alone MuJoCo 4.0 makes no turn, and so nothing to stretch: `quat="2 0 0 0"` leaves
+        # vertices at 0.5 that `quat="0 2 0 0"` takes to 3.5.
+        if len(quat) != 4 or not any(quat[1:]) or abs(length - 1) < _ROUNDING:
             continue
         report = linking.sink.error if abs(length - 1) > _TOLERABLE else linking.sink.warning
         w, x, y, z = quat

@@ -18,6 +18,8 @@ from composer.tree.unit import Unit
 
 _DEFAULT = Settings()
 # Rules that change a whole model after its parts: only MuJoCo can say what they give.
+# MuJoCo 4.0 gives an empty `<body/>` a mass of 3 under `boundmass="3"`, and makes moments of 1 1 5 three of 2.3333
+# under `balanceinertia`; `settotalmass` scales all bodies when everything else is done.
 MEASURED = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")
 _RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 
@@ -59,12 +61,16 @@ def _leave_out_groups(unit: Unit, low: int, high: int) -> None:
     for element, childclass in walk_bodies(unit.root):
         if element.tag == "geom":
             group = int(classes.effective(element, childclass, "group") or 0)
+            # The geom keeps its collisions and its looks: only a mass of 0 takes it out of the inertia. In MuJoCo 4.0
+            # `inertiagrouprange="1 2"` leaves of two unit spheres in groups 0 and 1 the mass of one, 4188.79.
             if not low <= group <= high:
                 element.set("mass", "0")
 
 
 def _from_geoms(unit: Unit) -> None:
     """`true`: geoms win over a written inertial; a body without geoms keeps it."""
+    # A body whose geoms all have no mass counts as one without geoms: in MuJoCo 4.0 `<body><inertial mass="7" pos="0 0
+    # 0" diaginertia="1 1 1"/></body>` keeps its mass of 7 under `inertiafromgeom="true"`.
     classes = unit.classes
     for body in _bodies(unit):
         inertials = own(body, "inertial")
@@ -78,6 +84,7 @@ def _from_geoms(unit: Unit) -> None:
 def has_mass(geom: Node, classes: Classes) -> bool:
     childclass = childclass_of(geom)
     mass = classes.effective(geom, childclass, "mass")
+    # A mass wins over a density: in MuJoCo 4.0 `<geom size=".1" mass="0" density="1000"/>` weighs nothing.
     if mass is not None:
         return numbers.read(mass)[0] != 0
     density = classes.effective(geom, childclass, "density")
@@ -128,7 +135,7 @@ def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Surve
 def write_measured(
     linking: Linking, unit: Unit, settings: Sequence[str], bodies: Iterable[Node], found: Survey
 ) -> bool:
-    """Give each of these bodies the inertia that a survey found for it; tells where that is impossible."""
+    """Give each of these bodies the inertia that a survey found for it; reports where that is impossible."""
     flexible = next(unit.root.iter("flexcomp"), None)
     if flexible is not None and any(name in settings for name in MEASURED):
         cannot_be_kept(linking, unit, settings, "`<flexcomp>` is expanded by MuJoCo")
@@ -148,6 +155,8 @@ def write_measured(
             holder.remove(inertial)
         if not written:
             linking.notes.inertia_written.add(body)
+        # What has no mass and no geoms needs no inertial. Where there are geoms, the inertial takes their place, as it
+        # does under `auto`: `<body><inertial mass="1" …/><geom size="1"/></body>` weighs 1 in MuJoCo 4.0.
         if any(mass) or any(moments) or written or own(body, "geom"):
             values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
             body.insert(

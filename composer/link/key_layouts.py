@@ -1,4 +1,4 @@
-"""How the keys of the units and of the finished model are laid out, with MuJoCo's help where the tree does not tell.
+"""How the keys of the units and of the finished model are laid out, with MuJoCo's help where the tree does not say.
 
 `layouts` is a pass: it runs while the units are still apart.
 """
@@ -63,6 +63,8 @@ def remove_keys(unit: Unit) -> None:
 
 def _write_padding(unit: Unit) -> None:
     """`<size nkey>` pads with default keys: as written keys they stay with the part that asks for them."""
+    # MuJoCo 4.0 counts up to `nkey` in the whole model: `<size nkey="3"/>` and one key of a part would give three keys,
+    # of which the padding would be nobody's.
     for size in unit.root.iterchildren("size"):
         count = int(str(size.attrib.pop("nkey", "-1")))
         for _ in range(len(keys_of(unit)), count):
@@ -70,7 +72,7 @@ def _write_padding(unit: Unit) -> None:
 
 
 def layout_of(linking: Linking, unit: Unit) -> Layout | None:
-    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is told.
+    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is reported.
 
     Rows that end in the middle of a joint then end behind it.
     """
@@ -122,6 +124,7 @@ def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
         layout = lay_out(unit, {})
     except Unknown:
         return _measured_layout(linking, unit)
+    # A body that MuJoCo aligns starts elsewhere than its `pos` says: see `is_leaf` in `alignment.py`.
     if any(slot.free or slot.kind == BLOCK for slot in layout.joints.values()) and any(
         is_measured(unit, joint, slot) for joint, slot in layout.joints.items()
     ):
@@ -134,7 +137,7 @@ def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
 
 
 def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
-    """Ask MuJoCo for the widths and references that the tree does not tell."""
+    """Ask MuJoCo for the widths and references that the tree does not say."""
     try:
         known = widths(linking, unit)
         if known is None:
@@ -147,7 +150,7 @@ def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
 
 
 def final_layout(linking: Linking) -> Layout | None:
-    """How the finished model lays out its keys; None where that is told."""
+    """How the finished model lays out its keys; None where that is reported."""
     known = {**linking.keys.measured, **_slots(linking)}
     for node in linking.keys.reshaped:
         known.pop(node, None)
@@ -159,7 +162,7 @@ def final_layout(linking: Linking) -> Layout | None:
 
 
 def refer_anew(linking: Linking, layout: Layout) -> None:
-    """Ask MuJoCo for the references that only it can tell, where the recipe has added or may have changed some."""
+    """Ask MuJoCo for the references that only it knows, where the recipe has added or may have changed some."""
     joints = (
         linking.keys.edited or joint not in linking.keys.references
         for joint, slot in layout.joints.items()
@@ -177,6 +180,7 @@ def refer_anew(linking: Linking, layout: Layout) -> None:
 def _measured_anew(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> Layout | None:
     """What the recipe has added or changed, asked of MuJoCo on the finished model without its keys."""
     unit = linking.flat()
+    # MuJoCo refuses keys whose rows do not fit the model any more.
     sections = list(unit.root.iterchildren("keyframe"))
     for section in sections:
         unit.root.remove(section)
@@ -203,7 +207,7 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
 
 
 def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
-    """Tell it."""
+    """Report it."""
     tag = unknown.element.tag
     leave_out = "leave the keys out: `keyframes: none`"
     if linking.request.requested_keys is not None:

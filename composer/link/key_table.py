@@ -20,8 +20,8 @@ class KeyTable:
     are the models that MuJoCo attaches to parts and whose keys say where something is in the world.
 
     How they are laid out: `base_layout` in the base alone, `final_layout` in the finished model; each part has its own.
-    `measured` has the widths that only MuJoCo can tell, `references` and `mocap_references` the reference
-    configuration that only MuJoCo can tell.
+    `measured` has the widths that only MuJoCo knows, `references` and `mocap_references` the reference
+    configuration that only MuJoCo knows.
 
     What edits of the joined model do to keys: `edited` says that there may be some, `reshaped` are the elements that
     may have more or fewer numbers now, `void_keys` those whose numbers have lost their meaning.

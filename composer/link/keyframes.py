@@ -49,6 +49,7 @@ def keyframes(linking: Linking) -> None:
     if final is None:
         return
     if (
+        # The keys of a model alone stay as they are written.
         linking.request.requested_keys is None
         and not linking.parts
         and not linking.keys.void_keys
@@ -77,6 +78,8 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
     if key.time is not None:
         element.set("time", key.time.text)
         record.numbers["time"] = [key.time]
+    # A row is written whole. MuJoCo 4.0 fills up a short one: of joints with `ref="1"` and `ref="2"`, `qpos="7"` means
+    # 7 and the 2 degrees of the second, and a short `ctrl` ends in 0.
     for vector in VECTORS:
         if vector in key.values:
             row = reference.row(vector, final, key.values[vector])
@@ -99,6 +102,7 @@ def _merged(linking: Linking) -> dict[str, Key]:
     owners: dict[str, Part | None] = {}
     for part, key in _coming(linking):
         name = _name(part, key)
+        # Keys without a name stay apart: MuJoCo 4.0 reads `<key/><key/>` as two.
         slot = name or f"\0{len(came)}"
         earlier = came.get(slot)
         if earlier is None:
@@ -209,6 +213,7 @@ def _same(final: Layout, before: Layout) -> bool:
 
 def _check_attached(linking: Linking) -> None:
     """MuJoCo itself brings the keys of a model that it attaches: what these say of the world stays as it is."""
+    # They are in no tree: MuJoCo 4.0 makes a key `q/k` of the key `k` of a model that it attaches with the prefix `q/`.
     for part, attach in linking.keys.attached:
         moved = part.pose_in_world
         if moved is None or moved.is_identity:
@@ -223,7 +228,7 @@ def _check_attached(linking: Linking) -> None:
 
 
 def _check_kept(linking: Linking) -> None:
-    """Tell what a key says that cannot be laid out anew."""
+    """Report what a key says that cannot be laid out anew."""
     keeping = [linking.base] if linking.request.base_keyframes != "none" else []
     keeping += [part.unit for part in linking.parts if part.keyframes != "none"]
     for unit in keeping:

@@ -21,7 +21,7 @@ from composer.tree.unit import Unit
 
 JOINTS = ("joint", "freejoint")
 _BLOCKS = ("replicate", "flexcomp", "composite", "attach")
-# Actuators with one control and, by tag, this many activations; the others only MuJoCo can tell.
+# Actuators with one control and, by tag, this many activations; the others only MuJoCo knows.
 _ACTIVATIONS = {
     "motor": 0,
     "velocity": 0,
@@ -38,7 +38,7 @@ Holder = Node | Copy
 
 
 class Unknown(Exception):
-    """A width that only MuJoCo can tell; `element` is where."""
+    """A width that only MuJoCo knows; `element` is where."""
 
     def __init__(self, element: Node) -> None:
         super().__init__(str(element.tag))
@@ -108,13 +108,16 @@ class Layout:
             nq, nv = nq + slot.widths[0], nv + slot.widths[1]
 
 
+# An actuator may have several controls since MuJoCo 4.0: `<pid joint="j" kp="1"/>` alone has `nactuator` 1 and `nu` 2,
+# and with `ki` and `slewmax` `na` 2.
 _STATE = {"position": {"timeconst"}, "general": {"dyntype", "actdim", "input"}}
+_OF_GENERAL = ("gaintype", "dyntype", "actdim", "input")
 _SEVERAL = ("pid", "so3", "dcmotor")  # kinds of gain and dynamics that say how many inputs there are
 _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
 
 
 def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
-    """The layout of a whole model; raises `Unknown` for what neither the tree nor `known` tells."""
+    """The layout of a whole model; raises `Unknown` for what neither the tree nor `known` gives."""
     layout = Layout()
     reader = _Reader(unit, known)
     for worldbody in unit.root.iterchildren("worldbody"):
@@ -123,6 +126,8 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
             reader.visit(worldbody, layout)
         else:
             layout.joints.update([(joint, known.get(joint) or reader.joint(joint)) for joint in joints])
+        # Only a child of the world is a mocap body, and a frame or a replicate may stand between: of a deeper one
+        # MuJoCo 4.0 says "not a fixed child of world".
         layout.mocaps |= {
             child: count for child in through_frames(worldbody) if (count := reader.mocaps(child))
         }
@@ -138,6 +143,8 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
 
 def _plain_joints(worldbody: Node) -> list[Node] | None:
     """The joints, if they stand in the order of their bodies, so that nothing else needs to be looked at."""
+    # The joints of a body come before those of its children, wherever they are written: in MuJoCo 4.0
+    # `<body><body><joint name="in"/>…</body><joint name="out"/></body>` has `out` first.
     joints: list[Node] = []
     body = worldbody
     for element in worldbody.iter("body", *JOINTS, *_BLOCKS):
@@ -157,6 +164,7 @@ class _Reader:
     def __init__(self, unit: Unit, known: Mapping[Node, Slot]) -> None:
         self.unit = unit
         self.known = known
+        self._said: dict[str, tuple[str | None, ...] | None] = {}
 
     @cached_property
     def influence(self) -> tuple[bool, bool]:
@@ -244,20 +252,31 @@ class _Reader:
 
     def _general(self, general: Node) -> Slot | None:
         """What a `<general>` holds, by its own settings and those of its class; None where these do not tell."""
-        found = self._class(general) if self.influence[1] else None
-        if found is not None and any(map(found.sets, (*_STATEFUL, "position"))):
-            return None
-        names = ("gaintype", "dyntype", "actdim", "input")
-        gain, dyntype, size, inputs = map(general.get, names)
-        if found is not None:
+        gain, dyntype, size, inputs = map(general.get, _OF_GENERAL)
+        if self.influence[1]:
+            said = self._said_of_general(str(general.get("class") or ""))
+            if said is None:
+                return None
             gain, dyntype, size, inputs = (
-                general.get(name) or ((given := found.lookup("general", name)) and given[0]) for name in names
+                gain or said[0],
+                dyntype or said[1],
+                size or said[2],
+                inputs or said[3],
             )
         if gain in _SEVERAL or dyntype in _SEVERAL or inputs:
             return None
         if not size or int(size) < 0:  # the default of MuJoCo
             return _STATELESS if dyntype in (None, "none") else actuator_slot(1)
         return actuator_slot(int(size))
+
+    def _said_of_general(self, name: str) -> tuple[str | None, ...] | None:
+        """What a class says of a `<general>`, by `_OF_GENERAL`; None where other tags of it have a say, too."""
+        if name not in self._said:
+            found = self.unit.classes.get(name or None)
+            given = [found.lookup("general", each) for each in _OF_GENERAL]
+            mixed = any(map(found.sets, (*_STATEFUL, "position")))
+            self._said[name] = None if mixed else tuple(each and each[0] for each in given)
+        return self._said[name]
 
     def _class(self, actuator: Node) -> DefaultClass:
         return self.unit.classes.get(str(actuator.get("class") or "") or None)

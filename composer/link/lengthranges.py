@@ -29,6 +29,7 @@ def lengthranges(linking: Linking) -> None:
     part: <compiler/>
     part: <actuator><motor joint="j" lengthrange="-0.000...
     """
+    # What hangs on a unit would be moved with it, and may stop it earlier.
     hanging = any(part.joints or part.place.kind != "world" for part in linking.parts)
     for unit in linking.units if linking.parts else ():
         rules = list(unit.root.iter("lengthrange"))
@@ -47,6 +48,7 @@ def lengthranges(linking: Linking) -> None:
                 continue
             for at, actuator in enumerate(actuators):
                 low, high = measured[2 * at : 2 * at + 2]
+                # `0 0` is to MuJoCo a range that is not written: of `<muscle lengthrange="0 0"/>` it computes one.
                 if (low, high) != (0.0, 0.0):
                     actuator.set("lengthrange", numbers.text([low, high]))
                 elif _is_muscle(actuator):

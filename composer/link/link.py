@@ -22,14 +22,14 @@ from composer.link.lengthranges import lengthranges
 from composer.link.linking import Linking
 from composer.link.names import names
 from composer.link.passthrough import passthrough
-from composer.link.replicate_capture import spurious
+from composer.link.replicate_capture import check_replicates
 from composer.link.replicates import replicates
 from composer.link.room import room
 from composer.link.root_rules import check_roots, roots
 from composer.link.sections import sections
 from composer.link.submodel_options import submodel_options
 from composer.link.submodels import submodels
-from composer.link.top_level_defaults import several_defaults
+from composer.link.top_level_defaults import top_level_defaults
 
 
 def _all(*facts: Fact) -> frozenset[Fact]:
@@ -42,7 +42,7 @@ def _all(*facts: Fact) -> frozenset[Fact]:
 #     note_flexes, flex_turns        replicates, layouts           body_reduction, choose_classes
 #     lengthranges, angles           submodel_options, agreement   files, submodels
 #     submodels, names               names, defaults               defaults, bodies
-#     bodies, spurious
+#     bodies, check_replicates
 #
 # The other neighbours commute, but not with passes further away: `files` and `layouts`, `note_flexes` and `defaults`,
 # `submodels` and `inertia` do not. A few named stages would therefore allow orders that are wrong. The needs say what
@@ -97,7 +97,7 @@ PASSES: tuple[Pass, ...] = (
         leaves=_all(Fact.CLASSES_CHOSEN),
     ),
     Pass(
-        several_defaults,
+        top_level_defaults,
         "given by its class in its file alone, where the top class is written in several `<default>`",
         needs=_all(Fact.CLASSES_CHOSEN, Fact.ALONE, Fact.OWN_NAMES),
         stops=False,
@@ -205,9 +205,9 @@ PASSES: tuple[Pass, ...] = (
         leaves=_all(Fact.JOINED),
         stops=False,
     ),
-    # The passes from here on look at the joined tree; `spurious` also needs to know whose section it reads.
+    # The passes from here on look at the joined tree; `check_replicates` also needs to know whose section it reads.
     Pass(
-        spurious,
+        check_replicates,
         "checked by the linker",
         needs=_all(Fact.JOINED, Fact.UNROLLED, Fact.OWN_SECTIONS),
         stops=False,

@@ -16,7 +16,8 @@ from composer.link.key_table import KeyTable
 from composer.link.notes import Notes
 from composer.link.part import Part
 from composer.link.request import Request
-from composer.tree.names import Names
+from composer.reading.door import Passed
+from composer.tree.names import Names, may_be_generated
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
 
@@ -32,6 +33,22 @@ class Measure(Protocol):
     ) -> Mapping[str, list[float]]: ...
 
 
+class LaterPlaces(Protocol):
+    """The places that the recipe adds, on which parts may hang."""
+
+    def make(self, kind: str, name: str) -> bool:
+        """Add a place now; False where the recipe does not, or not yet."""
+        ...
+
+    def names(self) -> list[tuple[str, str]]:
+        """The kind and the name of each place that does not exist yet."""
+        ...
+
+    def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:
+        """What a place is added to, and where its name is written; None where the recipe does not add it."""
+        ...
+
+
 class FileUse(NamedTuple):
     """An attribute of the model that names a file of the bundle, and where that file's bytes are.
 
@@ -41,7 +58,7 @@ class FileUse(NamedTuple):
     element: Node
     attribute: str
     path: str
-    source: str
+    source: Passed
     content: bytes | None
     shared: bool = True
 
@@ -63,8 +80,10 @@ class Linking:
     names: Names = field(default_factory=Names)
     base_class: str | None = None
     files: list[FileUse] = field(default_factory=list)
+    submodels: int = 0
     notes: Notes = field(default_factory=Notes)
     keys: KeyTable = field(default_factory=KeyTable)
+    later_places: LaterPlaces | None = None
 
     @property
     def composed(self) -> bool:
@@ -79,6 +98,22 @@ class Linking:
     def angle(self) -> str:
         """The model's unit of angle: `degree` only if it is every unit's."""
         return "degree" if all(unit.settings.angle == "degree" for unit in self.units) else "radian"
+
+    def find_node(self, namespace: str, name: str) -> Node | None:
+        """The element of the model that has a name."""
+        return self.names.find(namespace, name)
+
+    def known_names(self, namespace: str) -> list[str]:
+        """The names of a namespace."""
+        return self.names.of(namespace)
+
+    def kinds_of(self, name: str) -> list[str]:
+        """The namespaces in which something has a name."""
+        return self.names.kinds_of(name)
+
+    def may_generate(self, name: str) -> bool:
+        """Whether MuJoCo may make the name itself."""
+        return may_be_generated(name, self.base.root)
 
     def flat(self) -> Unit:
         """The model as it stands, with its files; it holds nothing of parts that are not joined yet."""
@@ -95,6 +130,8 @@ class Linking:
             base.origins,
             base.part_keys,
             base.header,
+            base.adopted,
+            base.door,
         )
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +14,7 @@ from composer.link.linking import Measure
 from composer.mujoco_errors.message import CRASHES, crash_help, parse
 from composer.mujoco_errors.report import report
 from composer.mujoco_errors.translation import translate
+from composer.scratch import scratch
 from composer.tree.files import file_attributes, is_absolute, written_path
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
@@ -57,7 +57,7 @@ def folder_of(unit: Unit) -> Iterator[Path]:
         return
     contents = {path: content for path, content in _contents(unit) if not is_absolute(path)}
     outward = max((path.count("../") for path in contents), default=0)
-    with tempfile.TemporaryDirectory() as name:
+    with scratch("unit") as name:
         folder = Path(name, *["model"] * outward)  # deep enough for every `..`
         folder.mkdir(parents=True, exist_ok=True)
         for path, content in contents.items():
@@ -65,7 +65,7 @@ def folder_of(unit: Unit) -> Iterator[Path]:
             file.parent.mkdir(parents=True, exist_ok=True)
             if isinstance(content, bytes):
                 file.write_bytes(content)
-            elif content.is_file():
+            elif os.path.isfile(content):
                 shutil.copyfile(content, file)
         yield folder
 
@@ -75,16 +75,17 @@ def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
     yield from unit.contents.items()
     for element, _, name in file_attributes(unit.root):
         path = written_path(unit.settings, element, name)
-        if path not in unit.contents:
+        if path not in unit.contents and unit.door.sees(unit.directory / path):
             yield path, unit.directory / path
 
 
 def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
+    whole = unit.origins.span(unit.root, unit.file)
     if compiled.crash is not None:
         code = CRASHES.get(compiled.crash, "mujoco-crash")
         message = f"`{unit.file}` by itself: {compiled.error or compiled.crash}"
-        context.sink.error(code, message, help=crash_help(code))
+        context.sink.error(code, message, whole, help=crash_help(code))
         return
     fault = parse(compiled.error or "")
     element = None if fault.line is None else element_at(unit.root, text, fault.line)
-    report(translate(" ".join(fault.message.split()), element), element, unit, context)
+    report(translate(" ".join(fault.message.split()), element), element, unit, context, at=whole)

@@ -35,7 +35,7 @@ _SIZES = ("nq", "nv")
 
 
 def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
-    """What the tree does not tell of a unit's keys, by element; None where MuJoCo does not tell either.
+    """What the tree does not say of a unit's keys, by element; None where MuJoCo does not say either.
 
     That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of every flex and of one more
     block of unknown size.
@@ -48,6 +48,8 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     found.update(_flexes(linking, unit))
     actuators = list(map(element_of, actuators_in_order(unit.root)))
     slots = list(map(actuator_slot, _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")))
+    # MuJoCo 4.0 puts the actuators of a model that it attaches behind all others, so that the first rows are the unit's
+    # own.
     if len(slots) - brought == len(actuators):
         found.update(zip(actuators, slots, strict=False))
     elif (replicate := next(unit.root.iter("replicate"), None)) is not None:
@@ -86,7 +88,7 @@ def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
 
 
 def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
-    """What each `<flexcomp>` brings, measured by itself, where the whole model does not tell them apart."""
+    """What each `<flexcomp>` brings, measured by itself, where the whole model does not distinguish them."""
     flexes = list(unit.root.iter("flexcomp"))
     if len(flexes) == 1 and next(flexes[0].iterancestors("replicate"), None) is None:
         return
@@ -106,6 +108,7 @@ def _alone(unit: Unit, flex: Node) -> Unit:
     asset.extend(copy.copy(mesh) for mesh in meshes if declaration(mesh, "asset") == ("mesh", name))
     worldbody.append(own)
     root.extend((asset, worldbody))
+    # These change no number of joints, and what they name does not come along.
     for element in (own, *asset):
         for attribute in ("material", "class"):
             element.attrib.pop(attribute, None)

@@ -87,6 +87,8 @@ def measured(
         why = "MuJoCo is not at hand"
     if why is not None or linking.measure is None:
         return Unmeasurable(str(why))
+    # `user` finds an element again in the arrays: MuJoCo carries it over to every copy. Names may be missing, and
+    # numbers change when bodies are fused or geoms discarded.
     copy = unit.copied()
     marked: list[Node] = []
     for (original, _), (element, _) in zip(walk_bodies(unit.root), walk_bodies(copy.root), strict=True):
@@ -126,6 +128,7 @@ def cannot_be_kept(
 
 def _pin(unit: Unit, body: Node, number: int) -> None:
     """A sensor of a body keeps it a body, in every version of MuJoCo."""
+    # Under `fusestatic` MuJoCo 4.0 fuses a body without joints, but not one that a `framepos` names.
     if not body.get("name"):
         body.set("name", f"pinned body {number} of {len(unit.root)}")
     sensors = unit.section("sensor")

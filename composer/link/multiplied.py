@@ -83,6 +83,9 @@ def _multiply(
     things: list[_Thing], lost: frozenset[Name], ends: list[str]
 ) -> tuple[list[_Thing], frozenset[Name]]:
     """The things after a replicate has multiplied those that refer to what is `lost`, and the names these had."""
+    # MuJoCo 4.0 multiplies what refers to something inside, too: `<motor joint="j"/>` on the joint of a body in
+    # `<replicate count="2">` gives two controls. They stand behind the actuators that are not multiplied.
+    # With `<motor name="z" …/>` behind `a` on a joint outside, the order is z, a0, a1.
     kept = [thing for thing in things if thing.refers.isdisjoint(lost)]
     taken = [thing for thing in things if not thing.refers.isdisjoint(lost)]
     whole = [thing for thing in taken if thing.refers <= lost]
@@ -92,6 +95,8 @@ def _multiply(
 
 def inner_first(top: Node) -> Iterator[Node]:
     """Every replicate in `top` and `top` itself if it is one, in the order in which MuJoCo carries them out."""
+    # MuJoCo 4.0 appends the number of the inner replicate first: a `<body name="b"/>` in `<replicate count="2"
+    # sep="-">` in `<replicate count="2" sep="_">` becomes b-0_0, b-1_0, b-0_1, b-1_1.
     for child in top.iterchildren("*"):
         yield from inner_first(child)
     if top.tag == "replicate":
@@ -124,6 +129,7 @@ def _kinds() -> dict[str, str]:
 def suffixes(replicate: Node) -> list[str]:
     """What is appended to the names in each copy; as many digits as their number has: ten begin at `00`."""
     count = int(str(replicate.get("count") or 1))
+    # `<replicate count="12"><body name="r"/></replicate>` makes r00 to r11 in MuJoCo 4.0, and `count="9"` r0 to r8.
     width = len(str(count))
     return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(count)]
 

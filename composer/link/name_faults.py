@@ -1,4 +1,4 @@
-"""What is told of names that are declared twice and of references that lead nowhere."""
+"""What is reported of names that are declared twice and of references that lead nowhere."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def loose_end(
     element: Node,
     declared: Collection[str],
 ) -> None:
-    """A reference within a source; names are told as the source has them, without the prefix."""
+    """A reference within a source; names are reported as the source has them, without the prefix."""
     wanted = name.removeprefix(prefix)
     own = [each.removeprefix(prefix) for each in declared]
     attribute = next(
@@ -39,7 +39,7 @@ def loose_end(
             wanted,
             own,
             linking.span(unit, element, attribute),
-            purpose=f", which `<{element.tag}>` refers to",
+            purpose=f", which `<{element.tag}>` refers to,",
             written=f'{attribute}="{{}}"' if attribute else "{}",
         )
     )

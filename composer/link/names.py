@@ -1,8 +1,7 @@
-"""Pass: every name of a part gets the part's prefix, and every reference follows; clashes and loose ends are told."""
+"""Pass: every name of a part gets the part's prefix, and every reference follows."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from functools import cache
 
@@ -17,11 +16,11 @@ from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import (
     DECLARES,
     GENERATES,
-    GENERATORS,
     LISTS,
     REFERS,
     REFERS_BY,
     WORLD,
+    may_be_generated,
     naming_table,
     object_namespace,
 )
@@ -79,6 +78,7 @@ def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None)
             continue
         name = str(element.get("objname") or "")
         own = [str(key.get("name") or "") for key in unit.root.iterfind("keyframe/key")]
+        # A tuple of a key that is not in the model is an error: "unrecognized object 'k' in tuple 0" in MuJoCo 4.0.
         if name not in own and may_be_generated(name, unit.root):
             element.set("objname", prefix + name)  # of a model that MuJoCo attaches
         elif name not in own:
@@ -152,6 +152,8 @@ def _slots(section: str) -> dict[str, dict[str, int]]:
     referred to. The last slot is for references in a class, which are not looked up: nothing may take them.
     """
     spaces = _namespaces()
+    # What shares a namespace the grammar says: all actuators do, joints with free joints do, frames with bodies do not.
+    # MuJoCo 4.0 calls `<freejoint name="j"/>` beside `<joint name="j"/>` a repeated name.
     table: dict[str, dict[str, int]] = {}
     for tag, actions in naming_table(section).items():
         row = table[tag] = {}
@@ -189,20 +191,23 @@ def rename(unit: Unit, prefix: str, top_class: str) -> Found:
                 if key in slots:
                     slot = slots[key]
                     if not slot or not value:
-                        _rename_special(found, element, key, value, prefix, section)
+                        if key == "file":
+                            _name_asset(found, element, value, prefix)
+                        else:
+                            _rename_special(found, element, key, value, prefix, section)
                         continue
                     if prefix:
                         value = prefix + value
                         element.set(key, value)
-                    known = by_slot[slot]
-                    if value not in known:
-                        known[value] = element
-                    elif slot <= last_declared:
+                    if by_slot[slot].setdefault(value, element) is not element and slot <= last_declared:
                         found.repeat(_namespaces()[slot - 1], value, element)
+    # MuJoCo 4.0 refuses `<composite>`, which older models have; what it makes is named by its `prefix`.
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
     # Nobody declares these two.
+    # `world` is always the whole model's, and nothing else may have the name: `<body name="world"/>` is a repeated name
+    # in MuJoCo 4.0. `main` is that of the unit, which is wrapped.
     for namespace, reserved, meant in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
         if found.wanted(namespace).pop(prefix + reserved, None) is not None and prefix + reserved != meant:
             _put_right(unit, namespace, prefix + reserved, meant)
@@ -220,10 +225,7 @@ def _put_right(unit: Unit, namespace: str, name: str, meant: str) -> None:
 
 
 def _rename_special(found: Found, element: Node, key: str, value: str, prefix: str, section: Node) -> None:
-    """Values that are no plain name: empty, lists, prefixes for more names, files, and names typed by a sibling."""
-    if key == "file":
-        _name_asset(found, element, value, prefix)
-        return
+    """Values that are not a plain name: empty, lists, prefixes for more names, and names typed by a sibling."""
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
     name = prefix + value
     if namespace == "key" or (not value and kind != GENERATES):
@@ -251,23 +253,9 @@ def _name_asset(found: Found, element: Node, file: str, prefix: str) -> None:
     if element.get("name") or not file:
         return
     tag = str(element.tag)
+    # MuJoCo 4.0 takes the name from the file, without its last suffix: `<mesh file="x.y.obj"/>` is the mesh `x.y`.
     name = prefix + stem(file)
     if prefix:
         element.set("name", name)
     if found.declared(tag).setdefault(name, element) is not element:
         found.repeat(tag, name, element)
-
-
-def may_be_generated(name: str, root: Node) -> bool:
-    """Whether what MuJoCo expands (replicate, flexcomp, …) in that tree can make the name."""
-    for element in root.iter(*GENERATORS):
-        if element.tag == "replicate":
-            if re.search(r"\d+$", name):
-                return True
-        elif element.tag == "model":
-            return True
-        else:
-            start = str(element.get("name") or element.get("prefix") or "")
-            if name.startswith(start):
-                return True
-    return False

@@ -79,10 +79,11 @@ def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key
 def cut_row(
     linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str
 ) -> dict[Holder, list[Number]] | None:
-    """The numbers of one vector of a key by joint, actuator or body; short rows give fewer, wrong ones are told."""
+    """The numbers of one vector of a key by joint, actuator or body; short rows give fewer, wrong ones are reported."""
     text = numbers_of(unit.origins.keys.get(element), element, vector)
     owners = holders(layout, vector)
     total = sum([width for _, width in owners])
+    # MuJoCo fills a short row up, and refuses a long one: "invalid qpos size, expected 1, got 2" in 4.0.
     if len(text) > total:
         linking.sink.error(
             "keyframe-conflict",
@@ -99,7 +100,7 @@ def cut_row(
                 if whole := (len(text) - at) // one * one:
                     taken[holder] = text[at : at + whole]
             elif at < len(text) and linking.parts:
-                # MuJoCo was not there to fill it up. A model alone keeps its keys as they are written.
+                # MuJoCo has not filled it up. A model alone keeps its keys as they are written.
                 linking.sink.error(
                     "keyframe-conflict",
                     f"`{vector}` of {called(element)} ends in the middle of a joint, "
@@ -179,6 +180,7 @@ def _carried(place: Pose, slot: Slot, vector: str, values: list[str]) -> list[st
             values[at_qvel : at_qvel + 3] = numbers.text(rotate(place.quat, (x, y, z))).split()
         else:
             x, y, z, w, a, b, c = numbers.read(" ".join(values[at_qpos : at_qpos + 7]))
+            # MuJoCo compiles `qpos="0 0 0 2 0 0 0"` to a unit quaternion, so that a key may have any length here.
             pose = place @ Pose((x, y, z), normalise((w, a, b, c)))
             values[at_qpos : at_qpos + 7] = numbers.text([*pose.pos, *pose.quat]).split()
     return values

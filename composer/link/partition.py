@@ -60,7 +60,7 @@ class Concern:
         bones: list[str] | None = []
         if element.tag == "skin" and element.get("file"):
             bones = self._bones(element)
-            within = bones is None  # it is told when its file is read
+            within = bones is None  # it is reported when its file is read
         for namespace, name in (*references(element, section), *(("body", bone) for bone in bones or ())):
             verdict = self._of_name(namespace, name)
             within = within or verdict.side in (Side.INSIDE, Side.BOTH)

@@ -22,6 +22,8 @@ def read_pose(attributes: Node | Mapping[str, str], degrees: bool, sequence: str
     """The pose that `pos` and one orientation attribute give; angles in the model's own unit and sequence."""
     get = attributes.get
     pos = numbers.read(str(get("pos") or "")) or list(ORIGIN)
+    # One of these is written at most: MuJoCo 4.0 says of two "multiple orientation specifiers are not allowed". A
+    # `quat` of any length is a rotation: it compiles `quat="2 0 0 0"` to 1 0 0 0.
     quat = (1.0, 0.0, 0.0, 0.0)
     if get("quat"):
         w, x, y, z = numbers.read(str(get("quat")))

@@ -67,6 +67,7 @@ class Reference:
         measured = self.linking.keys.references.get(joint)
         if measured is not None:
             return measured
+        # A free joint starts where its body stands in the world: in `<frame pos="1 0 0">` at 1 0 0 1 0 0 0.
         if slot.kind == "free":
             body = joint.getparent()
             while body is not None and body.tag != "body":

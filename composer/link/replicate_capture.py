@@ -25,7 +25,7 @@ _COPIED = frozenset(
 )
 
 
-def spurious(linking: Linking) -> None:
+def check_replicates(linking: Linking) -> None:
     """Refuse a replicate that would change another unit.
 
     MuJoCo would copy the clock of the base, too, and the replicate must stay as the `<exclude>` refers to it:
@@ -36,23 +36,26 @@ def spurious(linking: Linking) -> None:
     ...     '<contact><exclude body1="b" body2="b"/></contact>'
     ... )
     >>> base = '<sensor><clock/></sensor>'
-    >>> after(spurious, part, base)
+    >>> after(check_replicates, part, base)
     error: the `<replicate>` of `part.xml` would multiply the `<clock>` without a name of `base.xml`, too
     """
-    if not linking.notes.replicates:
+    waiting = {unit: list(things(unit)) for unit in linking.units if linking.notes.replicates}
+    if not any(
+        found for other, found in waiting.items() for unit, _ in linking.notes.replicates if other is not unit
+    ):
         return
     places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}
     made = names_made(linking.base.root)
-    told: set[tuple[Unit, Unit]] = set()
+    reported: set[tuple[Unit, Unit]] = set()
     for unit, replicate in linking.notes.replicates:
         for other in linking.units:
-            if other is unit or (unit, other) in told:
+            if other is unit or (unit, other) in reported:
                 continue
             thing = next(
-                (each for each in things(other) if _resolves(linking, each, replicate, places, made)), None
+                (each for each in waiting[other] if _resolves(linking, each, replicate, places, made)), None
             )
             if thing is not None:
-                told.add((unit, other))
+                reported.add((unit, other))
                 _refuse(linking, unit, replicate, other, thing)
 
 

@@ -9,7 +9,8 @@ is left to it.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 
 from lxml.etree import _Element as Node
 
@@ -27,7 +28,7 @@ from composer.tree.unit import Unit
 def replicates(linking: Linking) -> None:
     """Note every replicate, and write out those that would not mean in the model what they mean alone.
 
-    Beside the clock of the base, MuJoCo would make two clocks with this replicate:
+    Beside this replicate, MuJoCo would multiply the clock of the base:
 
     >>> from composer.link.example import after
     >>> part = '<worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody>'
@@ -47,12 +48,13 @@ def replicates(linking: Linking) -> None:
 
 _EXPANDED = ("flexcomp", "composite", "attach")
 _IN_TREE = "worldbody"
+_IndexOf = Callable[[Unit], NameIndex]
 
 
 def _unroll(linking: Linking, holding: list[Unit]) -> None:
     """Write out the replicates that would change another unit, or turn in another sequence."""
     units = linking.units
-    indices = {unit: NameIndex.of(unit.root) for unit in units}
+    index_of = cache(lambda unit: NameIndex.of(unit.root))
     for unit in holding:
         for nest in list(_outermost(unit)):
             inside = list(inner_first(nest))
@@ -61,9 +63,10 @@ def _unroll(linking: Linking, holding: list[Unit]) -> None:
                 for each in inside
             )
             if (
-                turns
-                or any(_multiplies(other, indices[other], inside) for other in units if other is not unit)
-            ) and (_stands_alone(unit, indices[unit], nest, inside)):
+                turns or any(_multiplies(other, index_of, inside) for other in units if other is not unit)
+            ) and (_stands_alone(unit, index_of, nest, inside)):
+                for other in units:  # as they are before anything is written out
+                    index_of(other)
                 for each in inside:
                     _write_out(unit, each)
 
@@ -85,6 +88,8 @@ def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
     """Whether some multiple of its angles in radians is not to the bit that of its angles in degrees."""
     if unit.settings.angle != "degree" or linking.angle != "radian":
         return False
+    # MuJoCo multiplies first and converts then: the fourth copy of `euler="1 0 0"` is turned by 3 degrees, which are
+    # 0.05235987755982988 radians. Three times one degree in radians ends in 9.
     radians = numbers.orientation_radians
     return any(
         radians(number * angle) != number * radians(angle)
@@ -93,12 +98,19 @@ def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
     )
 
 
-def _multiplies(unit: Unit, index: NameIndex, replicates: list[Node]) -> bool:
+def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node]) -> bool:
     """Whether one of the replicates may multiply something of the unit, wherever that stands."""
+    found = list(things(unit))
+    if not found:
+        return False
+    index = index_of(unit)
     ends = {end for replicate in replicates for end in suffixes(replicate)}
     made = names_made(unit.root)
-    for thing in things(unit):
+    for thing in found:
         names = list(referred(thing))
+        # What refers to nothing is multiplied, too, and so is what refers to something that a replicate makes. MuJoCo
+        # 3.12 and 4.0 make four clocks of this one:
+        #   <worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody><sensor><clock/></sensor>
         if not names or made_from(names, ends, index.find, made):
             return True
         if any(index.find(kind, name + end) is not None for kind, name in names for end in ends):
@@ -106,15 +118,16 @@ def _multiplies(unit: Unit, index: NameIndex, replicates: list[Node]) -> bool:
     return False
 
 
-def _stands_alone(unit: Unit, index: NameIndex, nest: Node, inside: list[Node]) -> bool:
+def _stands_alone(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node]) -> bool:
     """Whether nothing else of its unit is multiplied with it, and its copies can be written in the tree."""
     if next(nest.iter(*_EXPANDED), None) is not None or scaled_above(nest) is not None:
         return False
+    index = index_of(unit)
     for node in nest.iterdescendants("*"):
         for namespace, name in _names(node):
             if any(nest not in user.iterancestors() for user, _ in index.users(namespace, name)):
                 return False
-    return not _multiplies(unit, index, inside)
+    return not _multiplies(unit, index_of, inside)
 
 
 def _names(node: Node) -> Iterator[tuple[str, str]]:
@@ -144,8 +157,10 @@ def _write_out(unit: Unit, replicate: Node) -> None:
         made.tag = "frame"
         made.attrib.clear()
         if not pose.is_identity:
+            # As a quaternion, since the model may read `euler` in another sequence, or in radians.
             made.set("pos", numbers.text(pose.pos))
             made.set("quat", numbers.text(pose.quat))
+        # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for what stands in it, as that of a `<frame>` does.
         if replicate.get("childclass"):
             made.set("childclass", str(replicate.get("childclass")))
         _number(made, declared, end)

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
-
-from composer.diagnostics.span import Span
 
 Policy = Literal["error", "warning", "merge"]
 KeyPolicy = Literal["merge", "prefix", "none"]
@@ -23,8 +20,7 @@ class Request:
 
     The rest is what the recipe adds once the parts are joined. `isolated_tags` are the tags for which it sets the top
     default class of the base, which must not reach the parts. `adds_mass` says that it adds elements that the base's
-    rules for a whole model (`settotalmass`) would reach. `later_places` maps the kind and the name of each place that
-    it adds to where it is written.
+    rules for a whole model (`settotalmass`) would reach.
     """
 
     separator: str = "/"
@@ -34,4 +30,3 @@ class Request:
     requested_keys: frozenset[str] | None = None
     isolated_tags: frozenset[str] = frozenset()
     adds_mass: bool = False
-    later_places: Mapping[tuple[str, str], Span] = field(default_factory=dict)

@@ -37,12 +37,20 @@ def _written(linking: Linking, unit: Unit, called: str) -> Iterator[MemoryReques
     for size in unit.root.iterchildren("size"):
         for name in ROOM:
             value = str(size.get(name) or "").strip()
+            # `memory="-1"` leaves it to MuJoCo, as if it were not written.
             if value and value != "-1":
                 yield MemoryRequest(name, value, called, linking.span(unit, size, name))
 
 
 def room(linking: Linking) -> None:
-    """Leave the memory to MuJoCo where it gives the whole model more than any source asks for."""
+    """Leave the memory to MuJoCo where it gives the whole model more than any source asks for.
+
+    >>> from composer.link.example import after
+    >>> base = '<worldbody>' + '<body><freejoint/><geom size=".1"/></body>' * 30 + '</worldbody>'
+    >>> part = '<size memory="1K"/><worldbody><body><joint/><geom size=".1"/></body></worldbody>'
+    >>> after(room, part, base)  # doctest: +ELLIPSIS
+    warning: `size.memory` of `p/` is 1K, ...
+    """
     if not linking.notes.memory or linking.measure is None:
         return
     unit = linking.flat()
@@ -74,7 +82,7 @@ def room(linking: Linking) -> None:
 
 
 def _measured(linking: Linking, unit: Unit) -> float | None:
-    """What MuJoCo gives the model as it stands; None where it refuses it, which is told when it is verified."""
+    """What MuJoCo gives the model as it stands; None where it refuses it, which is reported when it is verified."""
     assert linking.measure is not None
     found = linking.measure(unit, ("narena",), attempt=True)
     return found["narena"][0] if found else None

@@ -48,7 +48,7 @@ def roots(linking: Linking) -> None:
 
 
 def check_roots(linking: Linking) -> None:
-    """Refuse free joints, mocap bodies and planes where they hang on a body; frames of the world are no bodies.
+    """Refuse free joints, mocap bodies and planes where they hang on a body; frames of the world are not bodies.
 
     >>> from composer.link.example import after
     >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
@@ -56,6 +56,8 @@ def check_roots(linking: Linking) -> None:
     >>> after(check_roots, part, base, on="tool")  # doctest: +ELLIPSIS
     error: `p/` has a free joint at its root...
     """
+    # MuJoCo 4.0: "free joint can only be used on top level". A frame of the world is no body:
+    # `<frame><body><freejoint/>…` is right, and so is a mocap body there.
     for part, body, joint, called, alone in linking.notes.floating:
         if next(body.iterancestors("body"), None) is not None:
             if joint is not None:

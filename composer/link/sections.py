@@ -28,6 +28,7 @@ def sections(linking: Linking) -> None:
             if tag == "extension":
                 _extension(linking, part, section)
             elif tag in _APPENDED and next(section.iterchildren("*"), None) is not None:
+                # MuJoCo reads several sections of one tag as one, so that it does not matter into which it goes.
                 target = linking.base.section(tag)
                 elements = [*above(section, part.unit.header), *section]
                 owner = part.unit.origins.owner(section, part.unit.file)

@@ -10,9 +10,9 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.sink import Sink
-from composer.link.agreement import default_of, merged, set_value, written
 from composer.link.linking import Linking
-from composer.link.submodels import parse_held
+from composer.link.submodels import door_of_submodel, parse_held
+from composer.link.written import default_of, merged, set_value, written
 from composer.tree.files import join
 from composer.tree.line import line_of, set_line
 from composer.tree.parse import parse_file
@@ -25,13 +25,24 @@ _FLAG = "option/flag/"
 
 
 def submodel_options(linking: Linking) -> None:
-    """Write into every such unit what it has alone; a model of one unit leaves it to MuJoCo."""
+    """Write into every such unit what it has alone; a model of one unit leaves it to MuJoCo.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<compiler conflict="merge"/><asset><model name="m" file="m.xml"/></asset>'
+    ...     '<worldbody><attach model="m" body="b" prefix="q/"/></worldbody>'
+    ... )
+    >>> model = '<mujoco><option timestep="0.004"/><worldbody><body name="b"/></worldbody></mujoco>'
+    >>> after(submodel_options, part, files={"m.xml": model})
+    part: <option timestep="0.004"/>
+    """
     for unit in linking.units if linking.parts else ():
         _adopt(unit)
 
 
 def _adopt(unit: Unit) -> None:
     said = [each for each in unit.root.iterchildren("compiler") if each.get("conflict")]
+    # Without it MuJoCo 4.0 only warns: "parent has 0.002 (default), child has 0.004, keeping parent value".
     if not said or said[-1].get("conflict") != "merge":
         return
     models: dict[str, Unit] = {}
@@ -47,16 +58,17 @@ def _adopt(unit: Unit) -> None:
 
 
 def _read(unit: Unit, file: str) -> Unit | None:
-    """A sub-model; what is wrong with it is told where it is bundled."""
+    """A sub-model; what is wrong with it is reported where it is bundled."""
     known = unit.contents.get(file) if file else None
     if isinstance(known, bytes):
         return parse_held(unit, file, known, Sink())
-    return parse_file(known or Path(join(str(unit.directory), file)), Sink()) if file else None
+    path = known or Path(join(str(unit.directory), file))
+    return parse_file(path, Sink(), door=door_of_submodel(unit, path, known)) if file else None
 
 
 def _merge(unit: Unit, sub: Unit, compiler: Node) -> None:
-    have = dict(written(unit))
-    for path, wanted in dict(written(sub)).items():
+    have = written(unit)
+    for path, wanted in written(sub).items():
         own = have.get(path)
         if path.startswith(_FLAG):
             value = None if wanted.value == default_of(path) else wanted.value

@@ -8,14 +8,19 @@ from __future__ import annotations
 import hashlib
 import os
 import posixpath
+from contextlib import suppress
 from pathlib import Path
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.sink import Sink
+from composer.limits import advice, in_force
 from composer.link.compiler import FOLDERS
 from composer.link.files import ASSETS, inside
 from composer.link.linking import FileUse, Linking
+from composer.reading.door import Door, Passed, held
+from composer.reading.refused import Refused
+from composer.reading.regular import read_regular
 from composer.tree.files import file_attributes, join, written_path
 from composer.tree.from_folder import FromFolder
 from composer.tree.parse import parse_file, parse_text
@@ -24,13 +29,22 @@ from composer.tree.write import write
 
 
 def submodels(linking: Linking) -> None:
-    """Bundle the sub-models of every unit below `assets/LABEL/models/`."""
+    """Bundle the sub-models of every unit below `assets/LABEL/models/`.
+
+    >>> from composer.link.example import after
+    >>> part = '<asset><model file="m.xml"/></asset>'
+    >>> after(submodels, part, files={"m.xml": '<mujoco model="hand"/>'})
+    part: <asset><model file="assets/part/models/m.xml" name="hand"/></asset>
+    """
     policies = [linking.request.base_keyframes, *(part.keyframes for part in linking.parts)]
     for unit, policy in zip(linking.units, policies, strict=True):
         for element in unit.root.iter("model"):
             file = element.get("file")
             if file:
-                _bundle(linking, unit, element, str(file), f"{ASSETS}/{unit.label}/models", policy != "none")
+                with suppress(_TooManyError):
+                    _bundle(
+                        linking, unit, element, str(file), f"{ASSETS}/{unit.label}/models", policy != "none"
+                    )
 
 
 def _bundle(
@@ -44,12 +58,12 @@ def _bundle(
 ) -> None:
     """Take in a model that another one names; `above` are the models that lead to it."""
     known = unit.contents.get(file)
-    source = str(known) if isinstance(known, Path) else join(str(unit.directory), file)
+    source = held(known if isinstance(known, Path) else join(str(unit.directory), file))
     if isinstance(known, bytes):
         if _is_bundled(file):
             _bundled_before(linking, unit, element, file, known)
             return
-        source = f"{source}#{hashlib.sha256(known).hexdigest()}"  # two may have one path
+        source = held(f"{source}#{hashlib.sha256(known).hexdigest()}")  # two may have one path
     if source in above:
         linking.sink.error(
             "source-cycle",
@@ -58,14 +72,19 @@ def _bundle(
             help="MuJoCo attaches a copy of what is named here: take this `<model>` out, or name another file",
         )
         return
+    _count(linking, unit, element, len(above))
     before = linking.sink.error_count
     if isinstance(known, bytes):
         shown, sub = file, parse_held(unit, file, known, linking.sink)
     else:
         shown = _shown(unit, source) if known is None else source
-        sub = parse_file(Path(source), linking.sink, file=shown, span=linking.span(unit, element, "file"))
+        at = linking.span(unit, element, "file")
+        door = door_of_submodel(unit, Path(source), known)
+        sub = parse_file(Path(source), linking.sink, file=shown, span=at, door=door)
     if sub is None or linking.sink.error_count > before:
         return
+    # MuJoCo calls a `<model>` without a name after the `model` attribute in its file. Written here, the name stays
+    # where the file is read as another one of the bundle.
     if not element.get("name"):
         element.set("name", sub.model)
     path = _free(linking, f"{folder}/{sub.label}" + ("" if keyed else "-without-keys"), source)
@@ -73,9 +92,29 @@ def _bundle(
         sub.root.remove(section)
     _own_files(linking, sub, path, keyed, (*above, source))
     sub.origins.own(sub.root, shown)
-    unit.origins.adopt(sub.origins)  # a file that it lacks is told where it names it
+    unit.origins.adopt(sub.origins)  # a file that it lacks is reported where it names it
     element.set("file", f"{path}.xml")
     linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
+
+
+class _TooManyError(Exception):
+    """Reported; what is left of the model that leads to it is not looked at."""
+
+
+def _count(linking: Linking, unit: Unit, element: Node, depth: int) -> None:
+    """Count one more sub-model: models that name one another twice each would have no end."""
+    limits = in_force()
+    linking.submodels += 1
+    if depth >= limits.nesting:
+        message = f"models name one another too deep; {limits.nesting} in one another are allowed"
+        limit = "nesting"
+    elif linking.submodels > limits.submodels:
+        message = f"there are more than {limits.submodels} models that models attach"
+        limit = "submodels"
+    else:
+        return
+    linking.sink.error("limit-exceeded", message, linking.span(unit, element, "file"), help=advice(limit))
+    raise _TooManyError
 
 
 def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
@@ -88,7 +127,13 @@ def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
         directory=Path(join(str(unit.directory), folder)) if folder else unit.directory,
         label=posixpath.splitext(name)[0],
         contents=FromFolder(unit.contents, folder),
+        door=unit.door,
     )
+
+
+def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door:
+    """What a sub-model may read: what the model may; one that a recipe names, its own folder too."""
+    return unit.door if known is None else unit.door.wider((path.parent,))
 
 
 def _is_bundled(file: str) -> bool:
@@ -117,7 +162,7 @@ def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, mode
     element.set("file", free + file.removeprefix(folder))
     for path, content in files.items():
         data = content if isinstance(content, bytes) else None
-        source = folder + path if data is not None else str(content)
+        source = held(folder + path if isinstance(content, bytes) else content)
         linking.files.append(FileUse(element, "file", free + path, source, data, shared=False))
 
 
@@ -127,12 +172,12 @@ def _alike(one: bytes | Path, other: bytes | Path) -> bool:
         return True
     try:
         return _data(one) == _data(other)
-    except OSError:  # told where all files are read
+    except OSError:  # reported where all files are read
         return False
 
 
 def _data(file: bytes | Path) -> bytes:
-    return file if isinstance(file, bytes) else file.read_bytes()
+    return file if isinstance(file, bytes) else read_regular(file)
 
 
 def _free(linking: Linking, path: str, source: str) -> str:
@@ -144,6 +189,14 @@ def _free(linking: Linking, path: str, source: str) -> str:
     return free
 
 
+def _admitted(linking: Linking, sub: Unit, element: Node, attribute: str, written: str) -> Passed | None:
+    try:
+        return sub.door.admit(join(str(sub.directory), written))
+    except Refused as refused:
+        refused.report(linking.sink, linking.span(sub, element, attribute))
+        return None
+
+
 def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple[str, ...]) -> None:
     """Files of a sub-model stand in a folder beside it, and it names them from where it is."""
     beside = path.rsplit("/", 1)[1]
@@ -151,7 +204,12 @@ def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple
     for element, attribute, file in file_attributes(sub.root):
         written = written_path(sub.settings, element, file)
         known = sub.contents.get(written)
-        source = str(known) if isinstance(known, Path) else join(str(sub.directory), written)
+        if known is None:
+            source = _admitted(linking, sub, element, attribute, written)
+        else:
+            source = held(known if isinstance(known, Path) else join(str(sub.directory), written))
+        if source is None:
+            continue
         below = name = inside(sub.settings, written)
         number = 1
         while taken.setdefault(name.lower(), source) != source:
@@ -166,6 +224,7 @@ def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple
             inner = f"{path}/models"
             _bundle(linking, sub, nested, model_file, inner, keyed, above)
             nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
+    # Its files are named from where it stands now: MuJoCo would put the folders in front of that once more.
     for compiler in sub.root.iterchildren("compiler"):
         for name in FOLDERS:
             if name in compiler.attrib:

@@ -91,7 +91,7 @@ def take_subtree(
         each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept
     ]
     concern = Concern(unit, inside, outside)
-    left = [*_named(outside, unit), *_cut_in_the_tree(concern, unit, inside)]
+    left = [*_named(outside), *_cut_in_the_tree(concern, unit, inside)]
     _make_root(unit, body)
     left += _leave_sections(unit, concern)
     left += _leave_keys(unit, rows)
@@ -128,6 +128,7 @@ def _settle_mass(linking: Linking) -> None:
     unit = linking.base
     if float(unit.settings.settotalmass) <= 0:
         return
+    # MuJoCo 4.0 makes 1 and 1 of two equal bodies under `settotalmass="2"`; one of them alone would become 2.
     write_inertias(linking, unit)
     for compiler in unit.root.iterchildren("compiler"):
         for setting in (*MEASURED, *_ALSO_SETTLED):
@@ -138,7 +139,7 @@ def _settle_mass(linking: Linking) -> None:
 # -- the body tree ----------------------------------------------------------------------------------------------
 
 
-def _named(elements: Iterable[Node], unit: Unit) -> Iterator[Left]:
+def _named(elements: Iterable[Node]) -> Iterator[Left]:
     """What of the body tree is left; frames and what only shapes others does not count."""
     for element in elements:
         if element.tag in ("worldbody", "frame", "replicate"):
@@ -190,6 +191,7 @@ def _what(element: Node, section: str) -> str:
 
 def _make_root(unit: Unit, body: Node) -> None:
     """Put the body, inside the frames between it and its parent, alone into the world."""
+    # The bodies and frames around it go, and with them the class in force.
     inherited = childclass_of(body)
     if inherited and not body.get("childclass"):
         body.set("childclass", inherited)

@@ -23,6 +23,8 @@ from composer.link.multiplied import actuators_in_order, element_of
 from composer.tree.classes import MAIN, Classes, DefaultClass
 from composer.tree.unit import Unit
 
+# All tags of actuators share one row of a class in MuJoCo 4.0: after `<default><position kp="50"/></default>` a
+# `<general joint="j"/>` is a servo with a gain of 50, while a `<motor joint="j"/>` has 1 and keeps the range.
 _OF_ANY_KIND = ("general", "motor", "plugin")
 """They take what the class has, or nothing of it."""
 _OF_NONE = ("motor", "plugin")
@@ -51,8 +53,18 @@ class _Suspect(NamedTuple):
     later: Node
 
 
-def several_defaults(linking: Linking) -> None:
-    """Write the gain that several top-level `<default>` give an actuator; refuse it where that cannot be written."""
+def top_level_defaults(linking: Linking) -> None:
+    """Write the gain that several top-level `<default>` give an actuator; refuse it where that cannot be written.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<default><position kp="4"/></default><default><velocity kv="9"/></default>'
+    ...     '<worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>'
+    ...     '<actuator><position joint="j"/></actuator>'
+    ... )
+    >>> after(top_level_defaults, part)
+    part: <actuator><position joint="j" kp="1"/></actuator>
+    """
     wrapped = [part.unit for part in linking.parts]
     if linking.base_class is not None:
         wrapped.append(linking.base)
@@ -156,6 +168,8 @@ def _write(
     own = unit.classes.get(actuator.get("class"))
     alone, there = gain(unit.classes, own, tag), _found(unit.classes, own, tag)
     common = GRAMMAR.element("actuator/motor").attributes
+    # A `kv` beside the actuator's own `dampratio` would be an error: "kv and dampratio cannot both be defined" in
+    # MuJoCo 4.0.
     settled = _ONE_OF if any(actuator.get(name) is not None for name in _ONE_OF) else ()
     for name, attribute in GRAMMAR.element(f"actuator/{tag}").attributes.items():
         if name in common or name in settled or not attribute.in_default or actuator.get(name) is not None:

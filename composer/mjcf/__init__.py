@@ -21,7 +21,7 @@ from composer.mjcf.attachment import (
     get_freejoint,
 )
 from composer.mjcf.committing import commit_defaults
-from composer.mjcf.element import Element
+from composer.mjcf.element import Element, RootElement
 from composer.mjcf.element_list import ElementList
 from composer.mjcf.errors import (
     MjcfAttributeError,
@@ -36,8 +36,10 @@ from composer.mjcf.parse import from_file, from_path, from_xml_string, from_zip
 from composer.mjcf.physics.binding import Binding
 from composer.mjcf.physics.physics import Physics
 from composer.mjcf.physics.spec import from_spec
-from composer.mjcf.root import RootElement
+from composer.mjcf.views import ViewClasses, register
 from composer.tree.name_index import SEPARATOR as PREFIX_SEPARATOR
+
+register(ViewClasses(element=Element, root=RootElement, frame=AttachmentFrame, several=ElementList))
 
 __all__ = [
     "PREFIX_SEPARATOR",

@@ -1,11 +1,11 @@
-"""Arguments of the wrong type, told like every other fault."""
+"""Arguments of the wrong type, reported like every other fault."""
 
 from __future__ import annotations
 
 import contextlib
 import operator
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from composer.mjcf.call_site import call_site
@@ -20,6 +20,16 @@ def as_path(argument: str, value: object) -> Path:
             raise expects(argument, "a path", str(path).replace("\0", "\\0"))
         return path
     raise expects(argument, "a path", type(value).__name__)
+
+
+Folders = Sequence[str | os.PathLike[str]]
+
+
+def as_folders(argument: str, value: object) -> tuple[Path, ...]:
+    """An argument that has to be a list of folders."""
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence):
+        raise expects(argument, "a list of folders", repr(value))
+    return tuple(as_path(argument, each) for each in value)
 
 
 def as_name(argument: str, value: object) -> str:

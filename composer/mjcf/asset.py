@@ -13,9 +13,13 @@ from lxml import etree
 from composer.mjcf.arguments import as_path, expects
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
+from composer.mjcf.flat import bundle_paths
 from composer.mjcf.model import Model
+from composer.reading.refused import CODE, Refused
+from composer.reading.regular import read_regular
 from composer.tree.files import in_archive, join, stem, written_path
 from composer.tree.settings import read_settings
+from composer.tree.unit import Unit
 
 
 class Asset:
@@ -64,7 +68,7 @@ class Asset:
             return self._data
         assert self.path is not None
         try:
-            return self.path.read_bytes()
+            return read_regular(self.path)
         except OSError as error:
             message = f"the file `{self.path}` cannot be read: {error.strerror or str(error)}"
             archive = in_archive(self.path)
@@ -85,8 +89,6 @@ class Asset:
         >>> wood.file.bundle_path
         'assets/table/wood.png'
         """
-        from composer.mjcf.flat import bundle_paths
-
         return None if self._model is None else bundle_paths(self._model.top).get(self.source)
 
     @property
@@ -144,9 +146,17 @@ def asset_of(model: Model, tag: str, name: str) -> Asset:
     if isinstance(known, bytes):
         asset = Asset(known, posixpath.splitext(written)[1] or ".bin", stem(written))
     else:
-        asset = Asset(path=known if isinstance(known, Path) else Path(join(str(unit.directory), written)))
+        asset = Asset(path=known if isinstance(known, Path) else _admitted(unit, written))
     asset._model = model
     return asset
+
+
+def _admitted(unit: Unit, written: str) -> Path:
+    """Where a file is that the model's own text names."""
+    try:
+        return Path(unit.door.admit(join(str(unit.directory), written)))
+    except Refused as refused:
+        raise failure(CODE, refused.message(), call_site(), help=refused.help) from None
 
 
 def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:

@@ -15,6 +15,7 @@ from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe
 from composer.mjcf.removal import release
+from composer.tree.attributes import replace
 from composer.tree.kinds import WORLD_SECTION, kind_of
 from composer.tree.name_index import SEPARATOR
 from composer.tree.renaming import Renaming
@@ -81,10 +82,7 @@ def set_model_name(model: Model, name: str | None) -> None:
         renaming = Renaming.of_prefix(attachment.parent, old, new)
         edit.check_lists(renaming)
         skins = for_prefix(attachment.parent, old, new) if new != old else []
-    if text is None:
-        edit.drop(model.unit.root, "model")
-    else:
-        model.unit.root.set("model", text)
+    replace(model.unit.root, {"model": text})
     if attachment is None or model.prefix == old:
         return
     take(skins)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from lxml.etree import _Element as Node
 
@@ -12,21 +12,18 @@ from composer.diagnostics.diagnostic import Note
 from composer.mjcf import edit
 from composer.mjcf.attributed import targets
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import Element, checked
+from composer.mjcf.element import Element, RootElement
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment
+from composer.mjcf.node_view import checked
 from composer.mjcf.reference import describe
-from composer.mjcf.views import view, views_of
+from composer.mjcf.views import view
 from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
-
-if TYPE_CHECKING:
-    from composer.mjcf.root import RootElement
 
 _OF_FRAMES = frozenset({"pos", *ORIENTATIONS, "mocap"})
 _JOINTS = ("joint", "freejoint")
 
 
-@views_of("frame")
 class AttachmentFrame(Element):
     """The body called `PREFIX/` between a model and the one it hangs on.
 

@@ -15,7 +15,6 @@ from composer.mjcf import edit
 from composer.mjcf.arguments import as_name
 from composer.mjcf.asset import asset_of
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element_list import ElementList
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from composer.mjcf.live_array import LiveArray
 from composer.mjcf.members import always_there
@@ -23,7 +22,7 @@ from composer.mjcf.misspelled import no_attribute
 from composer.mjcf.model import Model, Target
 from composer.mjcf.reference import describe, refers, resolved
 from composer.mjcf.value import BadValue, decode
-from composer.mjcf.views import view
+from composer.mjcf.views import view, views
 from composer.tree.kinds import attribute_of, kind_of, naming_attribute, spoken
 from composer.tree.name_index import own_name
 
@@ -152,7 +151,7 @@ class Attributed:
             node = self._model.section(tag) if at_top else self._model.only_child(self._node, tag)
             return view(self._model, node)
         if child.max_count != 1:
-            return ElementList(tag, (view(self._model, node) for node in self._node.iterchildren(tag)))
+            return views(self._model, tag, self._node.iterchildren(tag))
         found = next(self._node.iterchildren(tag), None)
         return None if found is None else view(self._model, found)
 

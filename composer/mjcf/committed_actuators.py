@@ -10,9 +10,9 @@ from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
 from composer.mjcf.call_site import call_site
-from composer.mjcf.edit import drop
 from composer.mjcf.errors import MjcfWarning
 from composer.mjcf.model import Model
+from composer.mjcf.physics.actuators import settings
 from composer.mjcf.reference import describe
 from composer.mjcf.views import class_of
 from composer.tree.classes import MAIN, DefaultClass
@@ -55,11 +55,9 @@ def commit(
     anything but what a plugin does. Issues an `MjcfWarning` then, and where it goes on needing its class. Where only
     a part of it was asked for, `partly`, it needs its class anyway, and becomes nothing else.
     """
-    from composer.mjcf.physics.actuators import settings
-
     sections = _sections(found)
     spelled = copy.copy(node)
-    drop(spelled, "class")
+    spelled.attrib.pop("class", "")
     if found.name != MAIN:
         spelled.set("class", found.name)
     wanted = settings(sections, spelled)
@@ -75,13 +73,13 @@ def commit(
             return
         as_good = candidate if as_good is None else as_good
         alone = copy.copy(candidate)
-        drop(alone, "class")
+        alone.attrib.pop("class", "")
         if settings((), alone) == wanted:
             _become(model, node, candidate)
             return
     if as_good is not None:
         _become(model, node, as_good)
-    _tell(f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written")
+    _warn(f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written")
 
 
 def _sections(found: DefaultClass) -> list[Node]:
@@ -107,9 +105,7 @@ def _candidates(
     *,
     in_general: bool,
 ) -> Iterator[Node]:
-    """The element with all that its classes give, with what is no matter of its tag, and as a `general`."""
-    from composer.mjcf.physics.actuators import settings
-
+    """The element with all that its classes give, with what its tag does not determine, and as a `general`."""
     for names in (given.keys(), given.keys() & OF_ALL):
         candidate = copy.copy(node)
         candidate.attrib.update({name: given[name] for name in sorted(names)})
@@ -139,7 +135,7 @@ def _become(model: Model, node: Node, other: Node) -> None:
     """Make an element what another one is; whoever holds it goes on holding it."""
     model.forget(node)
     if node.tag != other.tag:
-        _tell(
+        _warn(
             f"{describe(model, node)} is written as a `{other.tag}`: its default class gives it what a "
             f"`{node.tag}` cannot say"
         )
@@ -153,6 +149,6 @@ def _become(model: Model, node: Node, other: Node) -> None:
     model.note(node)
 
 
-def _tell(message: str) -> None:
+def _warn(message: str) -> None:
     place = call_site()
     warnings.warn_explicit(message, MjcfWarning, place.file, place.line)

@@ -6,6 +6,7 @@ from lxml.etree import _Element as Node
 
 from composer.mjcf.call_site import call_site
 from composer.mjcf.model import Model
+from composer.tree.attributes import assign
 from composer.tree.classes import DefaultClass
 
 _OF_ATTRIBUTE = "rgb"
@@ -18,15 +19,11 @@ def commit(model: Model, node: Node, found: DefaultClass) -> None:
     if not missing:
         return
     if not own and missing.keys() == {_OF_ATTRIBUTE}:
-        model.forget(node)
-        node.set("texture", missing[_OF_ATTRIBUTE])
-        model.note(node)
+        assign(model, node, {"texture": missing[_OF_ATTRIBUTE]})
         return
     if node.get("texture") is not None:  # MuJoCo takes the attribute, or layers
         missing = {_OF_ATTRIBUTE: own[_OF_ATTRIBUTE], **missing}
-        model.forget(node)
-        del node.attrib["texture"]
-        model.note(node)
+        assign(model, node, {"texture": None})
     for role, name in missing.items():
         layer = node.makeelement("layer", {"role": role, "texture": name})
         node.append(layer)

@@ -14,11 +14,12 @@ from composer.mjcf.arguments import as_name, expects
 from composer.mjcf.call_site import call_site
 from composer.mjcf.committed_actuators import ACTUATORS, OF_ALL, is_plain
 from composer.mjcf.committed_actuators import commit as commit_actuator
-from composer.mjcf.edit import drop
-from composer.mjcf.element import Element, checked
+from composer.mjcf.element import Element
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
 from composer.mjcf.mounting import childclass_at
+from composer.mjcf.node_view import checked
+from composer.tree.attributes import assign
 from composer.tree.classes import ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
 from composer.tree.kinds import ROOT, attribute_of, kind_of, spoken
 
@@ -44,7 +45,7 @@ def commit_defaults(root_or_element: Element, attributes: Collection[str] | None
     The classes stay, and so does the compiled model. A list that is written shorter than its class has it
     is completed, as MuJoCo does; an orientation is left as it is where there is one. An actuator whose class speaks of
     actuators of another tag has what MuJoCo makes of both together; where its tag cannot say that, it becomes a
-    `general`, and an `MjcfWarning` tells. For such actuators MuJoCo is imported.
+    `general`, and an `MjcfWarning` says so. For such actuators MuJoCo is imported.
 
     >>> from composer import mjcf
     >>> model = mjcf.from_xml_string('<mujoco><default><geom rgba="1 0 0 1" friction="1 0.1"/></default>'
@@ -53,7 +54,8 @@ def commit_defaults(root_or_element: Element, attributes: Collection[str] | None
     >>> model.find('geom', 'g')
     <geom name="g" size="1" friction="0.5 0.1" rgba="1 0 0 1"/>
     """
-    _commit_all(checked(root_or_element), None if attributes is None else _known(attributes))
+    top = checked(root_or_element)
+    _commit_all(top._model, top._node, None if attributes is None else _known(attributes))
 
 
 def _known(attributes: Collection[str]) -> frozenset[str]:
@@ -76,8 +78,7 @@ def _known(attributes: Collection[str]) -> frozenset[str]:
     return frozenset(found)
 
 
-def _commit_all(element: Element, only: frozenset[str] | None) -> None:
-    model, node = element._model, element._node
+def _commit_all(model: Model, node: Node, only: frozenset[str] | None) -> None:
     above = model.frame_above(node)
     if above is None:
         _commit_below(model, node, only)
@@ -86,12 +87,10 @@ def _commit_all(element: Element, only: frozenset[str] | None) -> None:
     for attachment in model.attachments.values():
         inside = attachment.frame is above or node in (attachment.host, *attachment.host.iterancestors())
         if inside:
-            from composer.mjcf.root import _root_of
-
             if above is None:
                 _commit_joints(model, attachment.frame, only)
             if above is None or above is node:
-                _commit_all(_root_of(attachment.child), only)
+                _commit_all(attachment.child, attachment.child.unit.root, only)
 
 
 def _commit_below(model: Model, top: Node, only: frozenset[str] | None) -> None:
@@ -150,7 +149,7 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
         if whole != own:
             changes[name] = whole
     if node.tag == "camera" and (changes.get("sensorsize") or node.get("sensorsize")):
-        # MuJoCo takes one of the two, and looks at the other only where this is not there.
+        # MuJoCo takes one of the two, and looks at the other only where this does not exist.
         changes.pop("fovy", None)
         if node.get("fovy"):
             changes["fovy"] = None
@@ -160,13 +159,7 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
         given = {name: value for name, value in changes.items() if value is not None}
         commit_actuator(model, node, given, found, partly=only is not None)
     elif changes:
-        model.forget(node)
-        for name, written in changes.items():
-            if written is None:
-                drop(node, name)
-            else:
-                node.set(name, written)
-        model.note(node)
+        assign(model, node, changes)
 
 
 def _given(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute]) -> dict[str, str]:

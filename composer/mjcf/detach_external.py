@@ -29,8 +29,8 @@ _OF_BODIES = frozenset({"worldbody", "default", "asset", "extension"})
 def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
     """The unit, or a copy without what refers to names that begin with one of the prefixes.
 
-    Bodies and what stands on them stay as they are but for materials: MuJoCo tells what is missing. Actuators stay, in
-    their order, and act on a site that stands in.
+    Bodies and what stands on them stay as they are but for materials: MuJoCo reports what is missing. Actuators stay,
+    in their order, and act on a site that stands in.
     """
     if not _outward(NameIndex.of(unit.root), prefixes):
         return unit

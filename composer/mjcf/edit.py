@@ -24,6 +24,7 @@ from composer.mjcf.misspelled import no_attribute
 from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe, name_for, namespace_of, refers
 from composer.mjcf.value import BadValue, encode, plain_text
+from composer.tree.attributes import assign, replace
 from composer.tree.classes import MAIN, ORIENTATIONS
 from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.kinds import attribute_of, kind_of, naming_attribute, spoken
@@ -134,26 +135,17 @@ def write(model: Model, node: Node, edit: Edit) -> None:
     _take_contents(model, edit)
     take(edit.skins)
     _give_names(edit)
-    if not edit.nameless:
-        model.forget(node)
     if edit.texts:
         site = call_site()
         model.unit.origins.settings.setdefault(node, {}).update(dict.fromkeys(edit.texts, site))
-    for name, text in edit.texts.items():
-        if text is None:
-            drop(node, name)
-            continue
-        if name in ORIENTATIONS:  # one way to write an orientation replaces the others
-            for other in ORIENTATIONS:
-                drop(node, other)
-        node.set(name, text)
+    if edit.nameless:
+        replace(node, edit.texts)
+    else:
+        assign(model, node, edit.texts)
     if (
         cast(int | None, node.sourceline) is None and node not in model.unit.origins.owners
     ):  # made because it was asked for
         model.unit.origins.own(node, call_site())
-    if edit.nameless:
-        return
-    model.note(node)
     if edit.renaming is not None:
         edit.renaming.carry_out()
 
@@ -164,12 +156,6 @@ def is_nameless(kind: ElementType, attribute: Attribute) -> bool:
     if attribute.type == "keyword":
         return all(each.refers_by != attribute.name for each in kind.attributes.values())
     return attribute.is_number or attribute.type == "bool"
-
-
-def drop(node: Node, attribute: str) -> None:
-    """Take an attribute away if it is there."""
-    if attribute in node.attrib:
-        del node.attrib[attribute]
 
 
 def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:

@@ -1,39 +1,41 @@
-"""The element of a model as Python sees it: a view, made on demand, of one node."""
+"""Elements and models as Python sees them: views, made on demand, of one node each, and of its tree."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, cast
+from pathlib import Path
+from typing import Any, cast
+
+from lxml import etree
 
 from composer.diagnostics.diagnostic import Note
-from composer.diagnostics.span import Span
 from composer.grammar import ElementType
+from composer.link.request import Policy
 from composer.mjcf import edit, finding
 from composer.mjcf.arguments import as_index, as_name
-from composer.mjcf.attaching import HOSTS, attach
-from composer.mjcf.attributed import Attributed, targets
+from composer.mjcf.asset import Files
+from composer.mjcf.attaching import attach, set_model_name
+from composer.mjcf.attributed import targets
 from composer.mjcf.call_site import call_site
-from composer.mjcf.duplicate import copied
+from composer.mjcf.duplicate import duplicate
 from composer.mjcf.errors import failure
-from composer.mjcf.html import page
+from composer.mjcf.including import include_copy
 from composer.mjcf.misspelled import unknown_tag
-from composer.mjcf.model import Model, Target
-from composer.mjcf.pickled import reduced
+from composer.mjcf.model import UNNAMED, Model, Target
+from composer.mjcf.node_view import NodeView, model_of
+from composer.mjcf.physics.physics import Physics
+from composer.mjcf.physics.to_spec import to_spec
+from composer.mjcf.picture import page_with_picture
 from composer.mjcf.removal import remove
-from composer.mjcf.text import text
-from composer.mjcf.views import view, views_of
-from composer.tree.kinds import (
-    naming_attribute,
-    spoken,
-)
+from composer.mjcf.root_view import RootView
+from composer.mjcf.views import view
+from composer.reading.door import ALL
+from composer.tree.kinds import WORLD_SECTION
 from composer.tree.name_index import SEPARATOR
-
-if TYPE_CHECKING:
-    from composer.mjcf.root import RootElement
+from composer.tree.unit import Unit
 
 
-@views_of("element")
-class Element(Attributed):
+class Element(NodeView):
     """One element of a model.
 
     Its MJCF attributes are Python attributes: numbers and arrays come as numpy, references as Elements,
@@ -71,55 +73,7 @@ class Element(Attributed):
         >>> model.worldbody.add('geom', size=[1]).root is model
         True
         """
-        return cast("RootElement", view(self._alive()._model, self._model.unit.root))
-
-    @property
-    def name(self) -> str | None:
-        """The name in its own model, without prefixes; None where it has none.
-
-        A new name must be free in the whole composition, and whatever refers to the element follows. The
-        name of a default class is its class, that of an asset without one the stem of its file, as MuJoCo
-        has it.
-
-        >>> from composer import mjcf
-        >>> model = mjcf.RootElement()
-        >>> arm = model.worldbody.add('body', name='arm')
-        >>> sensor = model.sensor.add('framepos', objtype='body', objname=arm)
-        >>> arm.name = 'left'
-        >>> sensor
-        <framepos objtype="body" objname="left"/>
-        """
-        return self._own_name()
-
-    @name.setter
-    def name(self, name: str | None) -> None:
-        attribute = naming_attribute(self._kind)
-        self._write({attribute.name if attribute else "name": name})
-
-    @property
-    def full_identifier(self) -> str | None:
-        """The name in the output of the whole composition, prefixes included; None where it has none.
-
-        >>> from composer import mjcf
-        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
-        >>> finger = gripper.worldbody.add('body', name='finger')
-        >>> frame = arm.attach(gripper)
-        >>> finger.name, finger.full_identifier
-        ('finger', 'gripper/finger')
-        """
-        model = self._alive()._model
-        return model.seen_from(model.top, self._node)
-
-    @property
-    def origin(self) -> Span:
-        """The place it came from: in a file, or the line of the program that added it.
-
-        >>> from composer import mjcf
-        >>> lines = ['<mujoco>', '<worldbody><geom name="ball" size="1"/></worldbody>', '</mujoco>']
-        >>> mjcf.from_xml_string(chr(10).join(lines)).find('geom', 'ball').origin.line
-        2
-        """
-        return self._alive()._model.span(self._node)
+        return cast(RootElement, view(self._alive()._model, self._model.unit.root))
 
     # -- adding and removing ---------------------------------------------------------------------------------
 
@@ -175,7 +129,7 @@ class Element(Attributed):
     def remove(self, cascade: bool = False) -> None:
         """Take it and all below it out of the model; models attached there are detached.
 
-        What refers to it stays and is told when the model is written, every referrer by name. With
+        What refers to it stays and is reported when the model is written, every referrer by name. With
         `cascade` it goes too: references to classes and materials are dropped from the elements that have
         them, any other referrer is removed, in a section as a whole (a tendon goes with a site of its
         path). A section is emptied.
@@ -268,7 +222,7 @@ class Element(Attributed):
         """
         model, prefix = self._alive()._model, as_name("prefix", prefix)
         found = finding.attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
-        return None if found is None else cast("RootElement", view(found, found.unit.root))
+        return None if found is None else cast(RootElement, view(found, found.unit.root))
 
     def all_children(self) -> list[Element]:
         """The children in their order, those of its own model only.
@@ -281,42 +235,6 @@ class Element(Attributed):
         """
         return [view(self._model, node) for node in self._alive()._node.iterchildren("*")]
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> Element:
-        """Among other things that are copied: the element of the copy of its model."""
-        if not memo:
-            raise failure(
-                "not-supported",
-                "an element cannot be copied without its model",
-                call_site(),
-                help="copy the model: `copy.deepcopy(element.root)`",
-            )
-        return cast(Element, copied(self, memo))
-
-    def __copy__(self) -> Element:
-        return self.__deepcopy__({})
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled with the whole composition: what is pickled together stays together."""
-        return reduced(self)
-
-    def __dir__(self) -> list[str]:
-        kind = self._kind
-        attributes, children = map(spoken, kind.attributes), map(spoken, kind.children)
-        found = {*super().__dir__(), *attributes, *children}
-        return sorted(found if kind.path in HOSTS else found - {"attach"})
-
-    def __repr__(self) -> str:
-        attributes = "".join(f' {name!s}="{value!s}"' for name, value in self._node.items())
-        return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
-
-    def __str__(self) -> str:
-        """The element and all below it in its own model, as MJCF text; comments say where models are attached."""
-        return text(self._model, self._node)
-
-    def _repr_html_(self) -> str:
-        """The element as a tree that opens and closes, for notebooks."""
-        return page(self)
-
     def _child_kind(self, tag: str) -> ElementType:
         kind = self._kind.children.get(tag) if isinstance(tag, str) else None
         if kind is None:
@@ -324,15 +242,155 @@ class Element(Attributed):
         return kind
 
 
-def model_of(root: object, what: str) -> Model:
-    """The model of an argument that has to be a root."""
-    if not isinstance(root, Element) or root._node is not root._model.unit.root:
-        raise failure("wrong-type", f"{what} is a `RootElement`, got `{type(root).__name__}`", call_site())
-    return root._model
+class RootElement(RootView, Element):
+    """A whole model; its sections are attributes, made when first asked for.
+
+    >>> from composer import mjcf
+    >>> model = mjcf.RootElement('pendulum')
+    >>> pole = model.worldbody.add('body', name='pole', pos=[0, 0, 1])
+    >>> hinge = pole.add('joint', name='hinge', axis=[0, 1, 0])
+    >>> model.actuator.add('motor', name='drive', joint=hinge).joint is hinge
+    True
+    """
+
+    __slots__ = ()
+
+    compiler: Element
+    option: Element
+    size: Element
+    statistic: Element
+    visual: Element
+    default: Element
+    extension: Element
+    asset: Element
+    worldbody: Element
+    deformable: Element
+    contact: Element
+    tendon: Element
+    equality: Element
+    actuator: Element
+    sensor: Element
+    custom: Element
+    keyframe: Element
+
+    def __init__(self, model: str | None = None) -> None:
+        """An empty model called `model`; files that are added to it resolve against the working directory."""
+        super().__init__(Model(_empty_unit()), etree.Element("mujoco"))
+        object.__setattr__(self, "_node", self._model.unit.root)
+        self._model.views[self._node] = self
+        self._model.unit.origins.own(self._node, call_site())
+        if model is not None:
+            set_model_name(self._model, model)
+
+    @property
+    def parent_model(self) -> RootElement | None:
+        """The root of the model that this one is attached to, or None.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> gripper.parent_model is arm, arm.parent_model is None
+        (True, True)
+        """
+        hung = self._model.hung
+        return None if hung is None else _root_of(hung.parent)
+
+    @property
+    def root_model(self) -> RootElement:
+        """The root of the whole composition; itself where it is not attached.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> gripper.root_model is arm.root_model is arm
+        True
+        """
+        return _root_of(self._model.top)
+
+    @property
+    def attached_models(self) -> list[RootElement]:
+        """The roots of the models attached to this one, in the order in which they were.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> frame = arm.attach(gripper)
+        >>> arm.attached_models == [gripper]
+        True
+        """
+        return [_root_of(each.child) for each in self._model.attachments.values()]
+
+    def attach(self, other: RootElement) -> Element:
+        """Hang a model in the world of this one; gives the attachment frame. See `Element.attach`.
+
+        >>> from composer import mjcf
+        >>> cell, table = mjcf.RootElement('cell'), mjcf.RootElement('table')
+        >>> frame = cell.attach(table)
+        >>> frame.pos = [0, 0, 0.4]
+        """
+        model = self._model
+        frame = attach(model, model.section(WORLD_SECTION), model_of(other, "what is attached"))
+        return cast(Element, view(model, frame))
+
+    def include_copy(self, other: RootElement, override: bool = False) -> None:
+        """Take a copy of all that another model has into this one, without a prefix; the other stays as it is.
+
+        What is attached to the other is copied and attached here; files keep coming from where they are.
+        Raises `MjcfError` with everything that stands against it, and changes nothing, where names are
+        taken, where the two have different settings, or where a compiler setting or top default class of
+        one would give the elements of the other another meaning. With `override` the settings that the
+        other writes count; where elements get another meaning by it, an `MjcfWarning` says so. Keyframes
+        come as they are: their lengths are those of the other alone.
+
+        >>> from composer import mjcf
+        >>> arm, tool = mjcf.RootElement('arm'), mjcf.RootElement('tool')
+        >>> hammer = tool.worldbody.add('body', name='hammer')
+        >>> arm.include_copy(tool)
+        >>> arm.find('body', 'hammer') is hammer, arm.find('body', 'hammer')
+        (False, <body name="hammer"/>)
+        """
+        include_copy(self._model, model_of(other, "what is included"), override)
+
+    def compile_model(self, *, conflict: Policy = "error") -> Physics:
+        """The model with everything attached to it, compiled by MuJoCo: its physics in the reference configuration.
+
+        Later edits do not reach it. `conflict` is that of `to_xml_string`. Raises `MjcfError` with what is
+        wrong with the model, at the place it comes from, also where it is MuJoCo that refuses it.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement('ball')
+        >>> ball = model.worldbody.add('geom', name='ball', size=[0.1])
+        >>> model.compile_model().bind(ball).size
+        array([0.1, 0. , 0. ])
+        """
+        return Physics.from_mjcf_model(self, conflict=conflict)
+
+    def to_spec(self, *, conflict: Policy = "error") -> Any:
+        """The model with everything attached to it as a `mujoco.MjSpec` of its own, its files in memory.
+
+        `conflict` is that of `to_xml_string`. Raises `MjcfError`.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement('ball')
+        >>> ball = model.worldbody.add('geom', name='ball', size=[0.1])
+        >>> model.to_spec().geom('ball').name
+        'ball'
+        """
+        return to_spec(self._model, conflict)
+
+    def _repr_html_(self) -> str:
+        """The model as a tree that opens and closes, with its picture where there is OpenGL, for notebooks."""
+        return page_with_picture(self._model)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> RootElement:
+        """A copy with copies of everything attached, itself attached to nothing."""
+        return _root_of(duplicate(self._model, memo))
 
 
-def checked(element: object) -> Element:
-    """An argument that has to be an element of a model."""
-    if not isinstance(element, Element):
-        raise failure("wrong-type", f"expects an element, got `{type(element).__name__}`", call_site())
-    return element._alive()
+def _root_of(model: Model) -> RootElement:
+    root = view(model, model.unit.root)
+    assert isinstance(root, RootElement)
+    return root
+
+
+def _empty_unit() -> Unit:
+    return Unit(etree.Element("mujoco"), UNNAMED, Path(), UNNAMED, Files(), door=ALL)

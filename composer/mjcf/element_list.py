@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, SupportsIndex, overload
+from typing import SupportsIndex, overload
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.unknown import unknown_name
 from composer.mjcf.call_site import call_site
+from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfKeyError, failed, failure
 
-if TYPE_CHECKING:
-    from composer.mjcf.element import Element
 
-
-class ElementList(Sequence["Element"]):
+class ElementList(Sequence[Element]):
     """What `body.geom` is: the elements by number or by name, as they were when it was asked for.
 
     `del` and `clear()` take elements out of the model. Elements are added by `add` and `insert` of the
@@ -56,7 +54,8 @@ class ElementList(Sequence["Element"]):
                 return element
         names = self._ipython_key_completions_()
         unnamed = Note(f"none of the {len(self)} elements here has a name: take them by number")
-        found = unknown_name(self.tag, index, names, call_site(), purpose=" here")
+        message = f"the {self.tag} `{index}` does not exist here"
+        found = unknown_name(self.tag, index, names, call_site(), message=message)
         raise failed(found if names or not self else replace(found, notes=(unnamed,)), MjcfKeyError)
 
     def __contains__(self, item: object) -> bool:

@@ -6,14 +6,18 @@ import os
 import shutil
 from pathlib import Path
 
+from composer.bundle.archive import write_archive
+from composer.bundle.bundle import Bundle, BundleError, check_paths
+from composer.bundle.collect import collect
+from composer.bundle.output_error import OutputError, unwritable
+from composer.bundle.staging import parents, real, stage_beside
 from composer.diagnostics.sink import Sink
 from composer.link.request import Policy
 from composer.mjcf.arguments import as_path
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import Element
+from composer.mjcf.element import Element, RootElement
 from composer.mjcf.errors import MjcfError, failure, raise_errors
-from composer.mjcf.flat import flatten, tell
-from composer.mjcf.root import RootElement
+from composer.mjcf.flat import flatten, issue_warnings
 from composer.tree.write import write
 
 
@@ -42,13 +46,9 @@ def export_with_assets(
     """
     out = as_path("out_dir", out_dir)
     files = _files(model, model_filename, conflict)
-    from composer.bundle.output_error import OutputError, unwritable
-    from composer.bundle.staging import parents, real, sibling
-
     target = real(out)
-    stage = sibling(target, "tmp")
     try:
-        with parents(target):
+        with parents(target), stage_beside(target) as stage:
             made = not target.exists()
             if made:
                 target.mkdir()
@@ -59,8 +59,6 @@ def export_with_assets(
                 if made:
                     shutil.rmtree(target, ignore_errors=True)
                 raise
-            finally:
-                shutil.rmtree(stage, ignore_errors=True)
     except OSError as error:
         raise _output_failure(unwritable(out, error)) from error
     except OutputError as error:
@@ -87,10 +85,6 @@ def export_with_assets_as_zip(
     >>> mjcf.from_zip(file).model
     'arm'
     """
-    from composer.bundle.archive import write_archive
-    from composer.bundle.bundle import Bundle
-    from composer.bundle.output_error import OutputError
-
     out = as_path("zip_path", zip_path)
     files = _files(model, model_filename, conflict)
     try:
@@ -101,9 +95,6 @@ def export_with_assets_as_zip(
 
 def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[str, bytes]:
     """Everything that is to be written, by path."""
-    from composer.bundle.bundle import BundleError, check_paths
-    from composer.bundle.collect import collect
-
     _check_is_model(model)
     if (
         not isinstance(model_filename, str)
@@ -127,7 +118,7 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[st
         raise failure(
             "file-unreadable", f"a file of the model cannot be exported: {error}", call_site()
         ) from None
-    tell(flat)
+    issue_warnings(flat)
     return files
 
 
@@ -155,8 +146,5 @@ def _move(files: dict[str, bytes], stage: Path, target: Path) -> None:
         (stage / path).replace(place)
 
 
-def _output_failure(error: Exception) -> MjcfError:
-    from composer.bundle.output_error import OutputError
-
-    assert isinstance(error, OutputError)
+def _output_failure(error: OutputError) -> MjcfError:
     return failure(error.code, error.message, call_site(), help=error.help)

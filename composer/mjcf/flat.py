@@ -10,23 +10,27 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import get_args
 
+from composer.bundle.collect import collect, read
 from composer.context import Context
 from composer.diagnostics.diagnostic import Cause, Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.text import render
+from composer.engine import Session
 from composer.link.defaults import choose_classes
 from composer.link.key_layouts import layouts
 from composer.link.link import finish, link, link_alone
 from composer.link.linking import FileUse, Linking, Measure
+from composer.link.measure import measure_with
 from composer.link.request import Policy, Request
 from composer.mjcf.call_site import call_site
+from composer.mjcf.detach_external import without_outward
 from composer.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
 from composer.mjcf.loose_ends import check_references
 from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.mounting import Mounting
 from composer.mjcf.pruning import prune
 from composer.mjcf.relocated import relocated_text
-from composer.mjcf.unique_names import is_inner, rename_file, told_apart
+from composer.mjcf.unique_names import is_inner, rename_file, with_unique_names
 from composer.tree.unit import Unit
 from composer.tree.write import to_text
 
@@ -81,7 +85,7 @@ def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copi
 def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, check_keys: bool) -> Flat:
     """The same of a model that was checked.
 
-    With `check_keys` the keys of a model that nothing hangs on are laid out, too, only to tell those that do not fit.
+    With `check_keys` the keys of a model that nothing hangs on are laid out, too, only to report those that do not fit.
     """
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
@@ -120,7 +124,7 @@ def _check(model: Model, conflict: Policy) -> None:
     raise_errors(names)
 
 
-def tell(flat: Flat) -> None:
+def issue_warnings(flat: Flat) -> None:
     """Issue what was settled as Python warnings, at the line that asked for the output."""
     for each in flat.warnings:
         place = call_site()
@@ -135,7 +139,7 @@ def text(model: Model, conflict: Policy) -> str:
         return known
     flat = linked(model, conflict, copied, check_keys=False)
     name_files(flat)
-    tell(flat)
+    issue_warnings(flat)
     return to_text(flat.unit.root)
 
 
@@ -144,7 +148,7 @@ def name_files(flat: Flat) -> None:
     bases = {use.path[use.path.rfind("/") :].lower() for use in flat.files}
     if len(bases) == len(flat.files):
         return
-    for use, name in told_apart(flat.files):
+    for use, name in with_unique_names(flat.files):
         if name != use.path and not is_inner(use, flat.files):
             rename_file(use.element, use.attribute, name)
 
@@ -156,11 +160,9 @@ def assets(model: Model) -> dict[str, bytes]:
 
 def contents(flat: Flat) -> dict[str, bytes]:
     """The bytes of the files of a model by the names that `name_files` gives them. Raises `MjcfError`."""
-    from composer.bundle.collect import read
-
     found: dict[str, bytes] = {}
     sink = Sink()
-    for use, name in told_apart(flat.files):
+    for use, name in with_unique_names(flat.files):
         if name not in found:
             found[name] = read(flat.unit, use, sink) or b""
     raise_errors(sink)
@@ -169,8 +171,6 @@ def contents(flat: Flat) -> dict[str, bytes]:
 
 def bundle_paths(model: Model) -> dict[bytes | Path, str]:
     """The path of each file in an export, by where its bytes are, or by the bytes. Raises `MjcfError`."""
-    from composer.bundle.collect import collect
-
     flat = flatten(model, "warning")
     sink = Sink()
     collect(flat.unit, flat.files, sink)
@@ -193,19 +193,14 @@ class _NamesChecked(Sink):
 
 
 def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measure:
-    """MuJoCo, in a process of its own that ends with `ending`, asked only for what the tree does not tell.
+    """MuJoCo, in a process of its own that ends with `ending`, asked only for what the tree does not say.
 
     Of each unit alone.
     """
     started: list[Measure] = []
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
-        from composer.mjcf.detach_external import without_outward
-
         if not started:
-            from composer.engine import Session
-            from composer.link.measure import measure_with
-
             started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
         return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
 
@@ -215,5 +210,5 @@ def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measur
 def _for_python(diagnostic: Diagnostic) -> Diagnostic:
     if diagnostic.help is None:
         return diagnostic
-    told = diagnostic.severity == "error"
-    return replace(diagnostic, help=_HELP.get(diagnostic.code, diagnostic.help) if told else None)
+    is_error = diagnostic.severity == "error"
+    return replace(diagnostic, help=_HELP.get(diagnostic.code, diagnostic.help) if is_error else None)

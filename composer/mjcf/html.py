@@ -1,62 +1,28 @@
-"""Elements as notebooks show them: MJCF as a tree that opens and closes, a whole model with its picture."""
+"""Elements as notebooks show them: MJCF as a tree that opens and closes."""
 
 from __future__ import annotations
 
-import base64
-import warnings
 from html import escape
-from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
-from composer.engine.png import png
-from composer.mjcf.errors import MjcfError, MjcfWarning
 from composer.mjcf.model import Model
 from composer.tree.kinds import ROOT, WORLD_SECTION
-
-if TYPE_CHECKING:
-    from composer.mjcf.element import Element
-    from composer.mjcf.root import RootElement
 
 SHOWN = 1000
 """Elements of a tree; what is more is counted only, as a page of a hundred thousand helps nobody."""
 _DEEPEST = 100
-_SIZE = 240, 320
 _STYLE = "font-family: monospace; white-space: pre; line-height: 1.4"
 _INSIDE = "margin-left: 1.5em"
 
 
-def page(element: Element) -> str:
+def page(model: Model, node: Node) -> str:
     """The element and all below it, attached models where they hang; the first two levels are open."""
     lines: list[str] = []
-    left = _tree(element._model, element._node, lines, SHOWN, 0)
+    left = _tree(model, node, lines, SHOWN, 0)
     if left < 0:
         lines.append(f"<div>… and {-left} more elements</div>")
     return f'<div style="{_STYLE}">{"".join(lines)}</div>'
-
-
-def page_with_picture(root: RootElement) -> str:
-    """The same of a whole model, with a picture of it where there is OpenGL and MuJoCo takes the model."""
-    image = picture(root)
-    if image is None:
-        return page(root)
-    data = base64.b64encode(image).decode()
-    return (
-        '<div style="display: flex; gap: 1em; align-items: flex-start">'
-        f'<img alt="{escape(root.model)}" src="data:image/png;base64,{data}"/>{page(root)}</div>'
-    )
-
-
-def picture(root: RootElement) -> bytes | None:
-    """The whole composition in its reference configuration, as a PNG; None where that cannot be had."""
-    if not len(root.root_model._model.section(WORLD_SECTION)):
-        return None
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", MjcfWarning)
-        try:
-            return png(root.root_model.compile_model(conflict="warning").render(*_SIZE))
-        except MjcfError:
-            return None
 
 
 def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:

@@ -180,7 +180,7 @@ def _place_for(model: Model, path: tuple[str, ...]) -> Node:
 
 
 def _move(model: Model, source: Model) -> Iterator[Node]:
-    """Bring everything over that is no setting; gives the nodes that have come."""
+    """Bring everything over that is not a setting; gives the nodes that have come."""
     origins = model.unit.origins
     for section in list(source.unit.root.iterchildren("*")):
         tag = str(section.tag)

@@ -11,8 +11,9 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR, ElementType
-from composer.link.agreement import INSTEAD_OF_MEMORY
+from composer.link.sizes import INSTEAD_OF_MEMORY
 from composer.tree.files import stem
+from composer.tree.ignored import ignored, is_unread_alone
 from composer.tree.name_index import MAY_REPEAT, own_name
 from composer.tree.names import DECLARES, naming_table
 from composer.tree.unit import Unit
@@ -26,7 +27,7 @@ _Row = dict[str, dict[str, frozenset[str]]]
 
 
 def check_tree(unit: Unit, sink: Sink) -> None:
-    """Tell what MJCF does not have, and every name that two elements have, where it stands. No values are looked at."""
+    """Report what MJCF does not have, and every name that two elements have. No values are looked at."""
     names: list[tuple[object, str | None]] = []
     for section in unit.root.iterchildren("*"):
         tag = str(section.tag)
@@ -39,7 +40,7 @@ def check_tree(unit: Unit, sink: Sink) -> None:
             if not len(parent):
                 continue
             allowed = table.get(parent.tag)
-            if allowed is None:  # told as a child of its parent
+            if allowed is None:  # reported as a child of its parent
                 continue
             for child in parent:
                 kind = child.tag
@@ -161,13 +162,8 @@ def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> 
     for name in map(str, node.keys()):
         if name in kind.attributes:
             continue
-        if name in kind.ignored:
-            sink.warning(
-                "unknown-attribute",
-                f"MuJoCo ignores `{name}` of `<{kind.tag}>`, which has no effect",
-                unit.origins.span(node, unit.file, name, key=True),
-                help=f"remove `{name}`",
-            )
+        if is_unread_alone(node, name, unit):
+            sink.add(ignored(node, name, unit))
             continue
         span = unit.origins.span(node, unit.file, name)
         sink.add(unknown_attribute(name, f"`<{kind.tag}>`", sorted(kind.attributes), span))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,13 @@ from numpy.typing import NDArray
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 
-if TYPE_CHECKING:
-    from composer.mjcf.attributed import Attributed
+
+class Owner(Protocol):
+    """An element as its arrays know it."""
+
+    def get(self, attribute: str) -> Any: ...
+    def set_attributes(self, **attributes: object) -> None: ...
+    def _described(self) -> str: ...
 
 
 class LiveArray(np.ndarray[Any, Any]):
@@ -24,10 +29,10 @@ class LiveArray(np.ndarray[Any, Any]):
     numbers as they were when it was read; parts of it (`pos[:2]`) cannot be written to.
     """
 
-    _owner: tuple[Attributed, str] | None
+    _owner: tuple[Owner, str] | None
 
     @classmethod
-    def of(cls, array: NDArray[Any], element: Attributed, attribute: str) -> LiveArray:
+    def of(cls, array: NDArray[Any], element: Owner, attribute: str) -> LiveArray:
         """The array of an element's attribute; `array` becomes its memory."""
         live = array.view(cls)
         live._owner = element, attribute

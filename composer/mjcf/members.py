@@ -71,10 +71,7 @@ def _remarks(attribute: Attribute) -> Iterator[str]:
         yield "it must be set"
     elif attribute.default is not None:
         yield f"{to_text(attribute, attribute.default)} where it is not set anywhere"
-    if attribute.since is not None:
-        yield f"since MuJoCo {attribute.since}"
-    if attribute.until is not None:
-        yield f"up to MuJoCo {attribute.until}"
+    yield from attribute.versions()
 
 
 def _takes(attribute: Attribute) -> str:

@@ -1,4 +1,4 @@
-"""Tags and attributes that MJCF does not have, told with what it has."""
+"""Tags and attributes that MJCF does not have, reported with those that it has."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from composer.tree.kinds import spoken
 
 
 def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
-    """That there is no such element here, with those that there are."""
+    """That no such element exists here, with those that do."""
     names = sorted(known)
     written = tag if isinstance(tag, str) else None
     near = closest(written, names) if written else []

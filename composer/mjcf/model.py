@@ -15,7 +15,7 @@ from composer.grammar import GRAMMAR
 from composer.tree.classes import MAIN
 from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute, section_of
 from composer.tree.name_index import SEPARATOR, NameIndex, own_name
-from composer.tree.names import WORLD
+from composer.tree.names import WORLD, may_be_generated
 from composer.tree.removal import names_in
 from composer.tree.unit import Unit
 
@@ -81,7 +81,7 @@ class Attachment:
 class Model:
     """What a `RootElement` and all Elements of one model share.
 
-    Asking for a section that is not there makes it, under a lock: reading is safe in several threads.
+    Asking for a section that does not exist makes it, under a lock: reading is safe in several threads.
     `views` has the Element of every node that has been asked for, so that each has one; see `views.py`.
     `attachments` are by prefix, in the order in which they were made.
     """
@@ -210,6 +210,33 @@ class Model:
         found = self.lookup(namespace, name)
         return None if found is None else found.node
 
+    def known_names(self, namespace: str) -> Iterator[str]:
+        """Every name of a namespace that the model can refer to."""
+        yield from self.names.declared.get(namespace, ())
+        for prefix, attachment in self.attachments.items():
+            if namespace == "body" and attachment.is_body:
+                yield prefix
+            if namespace == "joint":
+                yield from (prefix + str(joint.get("name") or "") for joint in attachment.frame)
+            yield from (prefix + name for name in attachment.child.known_names(namespace))
+
+    def kinds_of(self, name: str) -> Iterator[str]:
+        """The namespaces in which something has a name."""
+        namespaces = dict.fromkeys(each for model in self.composition() for each in model.names.declared)
+        yield from (each for each in namespaces if self.lookup(each, name) is not None)
+
+    def may_generate(self, name: str) -> bool:
+        """Whether MuJoCo may make the name itself."""
+        if may_be_generated(name, self.unit.root):
+            return True
+        return any(attachment.child.may_generate(rest) for attachment, rest in self.split(name))
+
+    def composition(self) -> Iterator[Model]:
+        """The model and all that hang on it, at any depth."""
+        yield self
+        for attachment in self.attachments.values():
+            yield from attachment.child.composition()
+
     def names_of(self, node: Node) -> list[tuple[str, str]]:
         """Namespace and name of everything that goes with a node, what is attached there included."""
         if not self.attachments:
@@ -221,7 +248,7 @@ class Model:
         return [*names_in(node), *(name for attachment in hanging for name in attachment.names())]
 
     def lookup_attached(self, namespace: str, name: str) -> Target | None:
-        """The same for a model that hangs: its world is no body, its top class has the bare prefix."""
+        """The same for a model that hangs: its world is not a body, its top class has the bare prefix."""
         if namespace == "default" and not name:
             return Target(self, self.section("default"))
         if (namespace, name) in (("body", WORLD), ("default", MAIN)):

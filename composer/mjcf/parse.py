@@ -9,29 +9,37 @@ from pathlib import Path
 from typing import IO, cast
 
 from composer.bundle.bundle import MODEL
+from composer.bundle.read import ReadError, read
 from composer.diagnostics.sink import Sink
-from composer.mjcf.arguments import as_files, as_path
+from composer.mjcf.arguments import Folders, as_files, as_folders, as_path
 from composer.mjcf.asset import Files
 from composer.mjcf.call_site import call_site
+from composer.mjcf.element import RootElement
 from composer.mjcf.errors import failure, raise_errors
 from composer.mjcf.intake import check_tree, one_of_each_section
 from composer.mjcf.model import UNNAMED, Model
-from composer.mjcf.root import RootElement
 from composer.mjcf.separators import escape_separators as escape_separators_of
 from composer.mjcf.views import view
+from composer.reading.door import Door
+from composer.reading.project import own_door
+from composer.tree.admitted import all_admitted
 from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
 
 _TEXT = "<xml_string>"
 
 
-def from_path(path: str | os.PathLike[str], *, escape_separators: bool = False) -> RootElement:
+def from_path(
+    path: str | os.PathLike[str], *, escape_separators: bool = False, trust: Folders = ()
+) -> RootElement:
     r"""The model of an MJCF file.
 
     Its files resolve against its own folder and its compiler's, `<include>` is followed, as MuJoCo does.
     Names with a `/` are names like others; with `escape_separators` they get a `\` in its place, so that
     a `/` in a name means an attached model and nothing else.
-    Raises `MjcfError` for a file that cannot be read, is not well-formed, is no MJCF, has elements or
+    The model may read files of its project and in the folders of `trust`, and no others: see docs/sources.md. That is
+    judged where they are read.
+    Raises `MjcfError` for a file that cannot be read, is not well-formed, is not MJCF, has elements or
     attributes that MJCF does not have, or a name twice, all of them with file and line. Meshes and textures
     are not read.
 
@@ -42,7 +50,8 @@ def from_path(path: str | os.PathLike[str], *, escape_separators: bool = False) 
     <geom name="ball" size="1"/>
     """
     file = as_path("path", path)
-    return _model(lambda sink: parse_file(file, sink), escape_separators)
+    door = own_door(file, as_folders("trust", trust))
+    return _model(lambda sink: parse_file(file, sink, door=door), escape_separators)
 
 
 def from_xml_string(
@@ -51,12 +60,13 @@ def from_xml_string(
     assets: Mapping[str, bytes] | None = None,
     base_dir: str | os.PathLike[str] | None = None,
     escape_separators: bool = False,
+    trust: Folders = (),
 ) -> RootElement:
     """The model of MJCF text.
 
     `assets` has the bytes of files by the path that the model looks them up by (compiler folder included),
-    or by bare file name; included files may be among them. What is not there is read from `base_dir`, by
-    default the working directory. `escape_separators` is that of `from_path`. Raises `MjcfError` as
+    or by bare file name; included files may be among them. What does not exist is read from `base_dir`, by
+    default the working directory. `escape_separators` and `trust` are those of `from_path`. Raises `MjcfError` as
     `from_path` does.
 
     >>> model = from_xml_string('<mujoco><asset><mesh file="cube.stl"/></asset></mujoco>', assets={'cube.stl': b'...'})
@@ -69,18 +79,21 @@ def from_xml_string(
         )
     files = Files(as_files("assets", assets))
     directory = as_path("base_dir", base_dir) if base_dir is not None else Path()
+    door = own_door(directory / "model.xml", as_folders("trust", trust))
     return _model(
         lambda sink: parse_text(
-            xml_string, sink, file=_TEXT, directory=directory, label=UNNAMED, contents=files
+            xml_string, sink, file=_TEXT, directory=directory, label=UNNAMED, contents=files, door=door
         ),
         escape_separators,
     )
 
 
-def from_file(file_object: IO[str] | IO[bytes], *, escape_separators: bool = False) -> RootElement:
+def from_file(
+    file_object: IO[str] | IO[bytes], *, escape_separators: bool = False, trust: Folders = ()
+) -> RootElement:
     """The model of an open file, text or binary; its folder is that of `file_object.name` where there is one.
 
-    `escape_separators` is that of `from_path`. Raises `MjcfError` as `from_path` does.
+    `escape_separators` and `trust` are those of `from_path`. Raises `MjcfError` as `from_path` does.
 
     >>> import io
     >>> from_file(io.StringIO('<mujoco model="arm"/>')).model
@@ -99,10 +112,11 @@ def from_file(file_object: IO[str] | IO[bytes], *, escape_separators: bool = Fal
         raise failure("file-unreadable", f"`file_object` cannot be read: {error}", call_site()) from None
     name = getattr(file_object, "name", None)
     if not isinstance(name, str):
-        return from_xml_string(data, escape_separators=escape_separators)
+        return from_xml_string(data, escape_separators=escape_separators, trust=trust)
     path = Path(name)
+    door = own_door(path, as_folders("trust", trust))
     return _model(
-        lambda sink: parse_text(data, sink, file=name, directory=path.parent, label=path.stem),
+        lambda sink: parse_text(data, sink, file=name, directory=path.parent, label=path.stem, door=door),
         escape_separators,
     )
 
@@ -121,8 +135,6 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
     >>> from_zip(file).model
     'arm'
     """
-    from composer.bundle.read import ReadError, read
-
     archive = as_path("path", path)
     if archive.is_dir():
         raise failure("file-unreadable", f"`{archive}` is a folder, not a zip", call_site())
@@ -133,17 +145,22 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
     folder, name = posixpath.split(bundle.model)
     files = {posixpath.relpath(each, folder or "."): content for each, content in bundle.files.items()}
     label = archive.stem if name == MODEL else posixpath.splitext(name)[0]
-    return _model(
-        lambda sink: parse_text(
+
+    def parse(sink: Sink) -> Unit | None:
+        unit = parse_text(
             bundle.files[bundle.model],
             sink,
             file=f"{archive}/{bundle.model}",
             directory=archive / folder,
             label=label,
             contents=Files(files),
-        ),
-        escape_separators,
-    )
+            door=Door.of((archive,), f"the zip `{archive}`, which may read only itself"),
+        )
+        if unit is not None:
+            all_admitted(unit, sink)
+        return unit
+
+    return _model(parse, escape_separators)
 
 
 def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
@@ -151,6 +168,7 @@ def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
     unit = parse(sink)
     raise_errors(sink, call_site)
     assert unit is not None
+    raise_errors(sink)
     check_tree(unit, sink)
     raise_errors(sink)
     one_of_each_section(unit)

@@ -14,6 +14,7 @@ from composer.diagnostics.span import Span
 from composer.mjcf.attributed import Attributed
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.views import view
+from composer.reading.door import Door
 from composer.tree.origin import Origins
 from composer.tree.start_tag import SourceText
 from composer.tree.unit import Unit
@@ -71,6 +72,7 @@ class _Composition:
     contents: Mapping[str, bytes | Path]
     texts: dict[str, Path | bytes | str | SourceText | None]
     attached: list[_Attached]
+    door: Door
 
     @classmethod
     def of(cls, model: Model) -> _Composition:
@@ -88,13 +90,16 @@ class _Composition:
                 _Attached(cls.of(each.child), _Tree.of(each.frame, unit.origins), places[each.host])
                 for each in model.attachments.values()
             ],
+            unit.door,
         )
 
     def restored(self) -> Model:
         origins = Origins(texts=self.texts)
         root = self.tree.restored(origins)
         header = tuple(root[at] for at in self.header)
-        unit = Unit(root, self.file, self.directory, self.label, self.contents, origins, header=header)
+        unit = Unit(
+            root, self.file, self.directory, self.label, self.contents, origins, header=header, door=self.door
+        )
         model = Model(unit)
         nodes = list(root.iter()) if self.attached else []
         for each in self.attached:

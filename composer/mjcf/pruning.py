@@ -1,4 +1,4 @@
-"""Elements that are there because somebody only looked at them, and that mean nothing."""
+"""Elements that exist because somebody only looked at them, and that mean nothing."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> s
 def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[Target | str]:
     """The nodes that a reference means, or each several one of a list; the name itself where nothing has it.
 
-    MuJoCo may still make such a name (the copies of a `replicate`); if not, writing the model tells.
+    MuJoCo may still make such a name (the copies of a `replicate`); if not, writing the model reports it.
     """
     written = {str(key): str(value) for key, value in node.items()}
     namespace = namespace_of(attribute, written)

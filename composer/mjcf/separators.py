@@ -8,6 +8,7 @@ from composer.mjcf.bones import renamed, take
 from composer.mjcf.errors import raise_errors
 from composer.mjcf.model import Model
 from composer.mjcf.reference import describe
+from composer.tree.attributes import assign
 from composer.tree.kinds import kind_of, naming_attribute
 from composer.tree.name_index import SEPARATOR
 
@@ -41,9 +42,7 @@ def escape_separators(model: Model) -> None:
         for name, node in names.items():
             attribute = naming_attribute(kind_of(node))
             assert attribute is not None
-            model.forget(node)
-            node.set(attribute.name, _escaped(name))
-            model.note(node)
+            assign(model, node, {attribute.name: _escaped(name)})
     for namespace, uses in model.names.uses.items():
         model.names.follow(namespace, {name: _escaped(name) for name in uses if SEPARATOR in name})
     if SEPARATOR in model.unit.model:

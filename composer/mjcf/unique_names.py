@@ -13,7 +13,7 @@ from composer.tree.files import CUBE, NAMED_AFTER_FILE, stem
 from composer.tree.write import write
 
 
-def told_apart(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
+def with_unique_names(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
     """A path for each file such that no two end in the same; sub-models name theirs by it."""
     taken: dict[str, str] = {}
     names = {use.path: _free(use.path, taken) for use in files}

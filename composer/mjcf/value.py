@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from composer.grammar.attribute import Attribute
+from composer.grammar.characters import NOT_XML
 from composer.grammar.check import check_length, check_python, check_value, expected, plain
 from composer.grammar.format import number_text, to_text
 from composer.grammar.number import INT_MAX, items, parse_real
@@ -28,7 +29,6 @@ _DECIMALS = re.compile(
     r"[ \t\n\r]*(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?:[ \t\n\r]+|$))+", re.ASCII
 )
 _BOOLEANS = {True: "true", False: "false"}
-_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class BadValue(ValueError):
@@ -62,7 +62,7 @@ def encode(attribute: Attribute, value: object) -> str:
         raise BadValue(fault)
     if attribute.is_number:
         _check_finite(attribute, text)
-    unwritable = _NOT_XML.search(text)
+    unwritable = NOT_XML.search(text)
     if unwritable:
         raise BadValue(f"has the character {unwritable.group()!r}, which XML cannot hold")
     return text
@@ -138,7 +138,7 @@ def _flat(attribute: Attribute, value: object) -> object:
     if isinstance(value, bytes | bytearray):
         raise BadValue(f"expects {expected(attribute)}, got `{value!r}`")
     if isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "f":
-        value = value.astype(np.float64)  # a `longdouble` is no `float`
+        value = value.astype(np.float64)  # a `longdouble` is not a `float`
     value = plain(value)
     if not isinstance(value, list | tuple):
         return value

@@ -1,10 +1,11 @@
-"""The one Element of each node. Classes of Elements register here, so that what makes views need not import them."""
+"""The one Element of each node. What makes views does not import their classes: `composer.mjcf` registers them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, TypeVar
+from typing import Any
 
 from lxml.etree import _Element as Node
 
@@ -13,19 +14,23 @@ from composer.mjcf.members import class_name, members
 from composer.mjcf.model import Model
 from composer.tree.kinds import kind_of
 
-T = TypeVar("T", bound=type)
-Role = Literal["element", "root", "frame"]
-_CLASSES: dict[Role, Any] = {}
+
+@dataclass(frozen=True, slots=True)
+class ViewClasses:
+    """The class of the views of all elements, of roots, of attachment frames, and of lists of elements."""
+
+    element: type[Any]
+    root: type[Any]
+    frame: type[Any]
+    several: type[Any]
 
 
-def views_of(role: Role) -> Callable[[T], T]:
-    """Registers the class of the views of all elements, of roots, or of attachment frames."""
+_CLASSES: list[ViewClasses] = []
 
-    def register(view_class: T) -> T:
-        _CLASSES[role] = view_class
-        return view_class
 
-    return register
+def register(classes: ViewClasses) -> None:
+    """The classes that are made from now on; called once, when `composer.mjcf` is imported."""
+    _CLASSES[:] = [classes]
 
 
 def view(model: Model, node: Node) -> Any:
@@ -34,16 +39,21 @@ def view(model: Model, node: Node) -> Any:
     return model.views.setdefault(node, _class_for(model, node)._of(model, node)) if found is None else found
 
 
+def views(model: Model, tag: str, nodes: Iterable[Node]) -> Any:
+    """The Elements of nodes that have one tag, as an `ElementList`."""
+    return _CLASSES[0].several(tag, (view(model, node) for node in nodes))
+
+
 def _class_for(model: Model, node: Node) -> Any:
     if node.getparent() is not None:
         return class_of(kind_of(node))
-    return _CLASSES["root" if node is model.unit.root else "frame"]
+    return _CLASSES[0].root if node is model.unit.root else _CLASSES[0].frame
 
 
 @cache
 def class_of(kind: ElementType) -> type[Any]:
     """The class of the elements of a kind: `Element` with a property for each attribute and child, documented."""
-    base = _CLASSES["element"]
+    base = _CLASSES[0].element
     inside = {
         **members(kind, taken=dir(base)),
         "__slots__": (),

@@ -3,19 +3,62 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
 
+from composer.numerics import one
 from composer.numerics.exact import exp, log
-from composer.numerics.normal import FARTHEST, probability, quantile
-from composer.numerics.stream import below, fraction
+from composer.numerics.normal import FARTHEST, probability
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 Support = tuple[float, float]
 """The least and the greatest number that may be drawn."""
 
 
-@dataclass(frozen=True, slots=True)
-class Uniform:
+class Arithmetic(Protocol):
+    """What distributions compute with: the functions of `one.py` on numbers, or those of `many.py` on arrays."""
+
+    def fraction(self, bits: Any, /) -> Any: ...
+    def below(self, bits: Any, count: int, /) -> Any: ...
+    def exp(self, x: Any, /) -> Any: ...
+    def quantile(self, p: Any, /) -> Any: ...
+    def within(self, value: Any, low: float, high: float, /) -> Any: ...
+
+
+class Distribution(ABC):
+    """A distribution of numbers; a choice among given values is `below` of their count."""
+
+    def draw(self, bits: int) -> float:
+        """The number that 64 random bits make.
+
+        >>> Uniform(0.0, 2.0).draw(2**63), Integers(1, 6).draw(2**64 - 1)
+        (1.0000000000000002, 6)
+        """
+        number: float = self._draw(bits, one)
+        return number
+
+    def draw_all(self, bits: NDArray[Any]) -> NDArray[Any]:
+        """`draw` of each of an array of bits, `(n,)` of uint64, in one go: `(n,)` with the same numbers to the bit."""
+        from composer.numerics import many  # numpy, which a model with one sample has no use for
+
+        with many.overflowing():
+            numbers: NDArray[Any] = self._draw(bits, many)
+        return numbers
+
+    @property
+    @abstractmethod
+    def support(self) -> Support: ...
+
+    @abstractmethod
+    def _draw(self, bits: Any, by: Arithmetic) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Uniform(Distribution):
     """Every number between two is as likely as any other."""
 
     low: float
@@ -25,16 +68,12 @@ class Uniform:
     def support(self) -> Support:
         return self.low, self.high
 
-    def draw(self, bits: int) -> float:
-        """
-        >>> Uniform(0.0, 2.0).draw(2**63)
-        1.0000000000000002
-        """
-        return _within(self.low + (self.high - self.low) * fraction(bits), *self.support)
+    def _draw(self, bits: Any, by: Arithmetic) -> Any:
+        return by.within(self.low + (self.high - self.low) * by.fraction(bits), *self.support)
 
 
-@dataclass(frozen=True, slots=True)
-class LogUniform:
+@dataclass(frozen=True)
+class LogUniform(Distribution):
     """The logarithm is uniform: as many between 0.1 and 1 as between 1 and 10. Both ends are positive."""
 
     low: float
@@ -44,13 +83,17 @@ class LogUniform:
     def support(self) -> Support:
         return self.low, self.high
 
-    def draw(self, bits: int) -> float:
-        first, last = log(self.low), log(self.high)
-        return _within(exp(first + (last - first) * fraction(bits)), *self.support)
+    @cached_property
+    def _logarithms(self) -> tuple[float, float]:
+        return log(self.low), log(self.high)
+
+    def _draw(self, bits: Any, by: Arithmetic) -> Any:
+        first, last = self._logarithms
+        return by.within(by.exp(first + (last - first) * by.fraction(bits)), *self.support)
 
 
-@dataclass(frozen=True, slots=True)
-class Normal:
+@dataclass(frozen=True)
+class Normal(Distribution):
     """Gauss's distribution, with its mean and standard deviation."""
 
     mean: float
@@ -60,12 +103,12 @@ class Normal:
     def support(self) -> Support:
         return (-math.inf, math.inf) if self.std else (self.mean, self.mean)
 
-    def draw(self, bits: int) -> float:
-        return self.mean + self.std * quantile(fraction(bits))
+    def _draw(self, bits: Any, by: Arithmetic) -> Any:
+        return self.mean + self.std * by.quantile(by.fraction(bits))
 
 
 @dataclass(frozen=True)
-class TruncNormal:
+class TruncNormal(Distribution):
     """What a normal distribution has between two numbers."""
 
     mean: float
@@ -90,16 +133,15 @@ class TruncNormal:
             low, high, sign = -high, -low, -1.0
         return probability(low), probability(high), sign
 
-    def draw(self, bits: int) -> float:
+    def _draw(self, bits: Any, by: Arithmetic) -> Any:
         first, last, sign = self._span
-        p = first + (last - first) * (fraction(bits) if sign > 0 else 1.0 - fraction(bits))
-        if not 0.0 < p < 1.0:  # rounded to the very end
-            return self.low if (p <= 0.0) == (sign > 0) else self.high
-        return _within(self.mean + self.std * sign * quantile(p), *self.support)
+        p = first + (last - first) * (by.fraction(bits) if sign > 0 else 1.0 - by.fraction(bits))
+        # Where p is rounded to 0 or 1, the quantile is infinite, and an end is what is drawn.
+        return by.within(self.mean + self.std * sign * by.quantile(p), *self.support)
 
 
-@dataclass(frozen=True, slots=True)
-class LogNormal:
+@dataclass(frozen=True)
+class LogNormal(Distribution):
     """The logarithm is normal, with this mean and standard deviation."""
 
     mean: float
@@ -109,12 +151,12 @@ class LogNormal:
     def support(self) -> Support:
         return (0.0, math.inf) if self.std else (exp(self.mean), exp(self.mean))
 
-    def draw(self, bits: int) -> float:
-        return exp(self.mean + self.std * quantile(fraction(bits)))
+    def _draw(self, bits: Any, by: Arithmetic) -> Any:
+        return by.exp(self.mean + self.std * by.quantile(by.fraction(bits)))
 
 
-@dataclass(frozen=True, slots=True)
-class Integers:
+@dataclass(frozen=True)
+class Integers(Distribution):
     """Whole numbers from the first to the last, both of them included."""
 
     low: int
@@ -124,18 +166,5 @@ class Integers:
     def support(self) -> Support:
         return self.low, self.high
 
-    def draw(self, bits: int) -> int:
-        """
-        >>> Integers(1, 6).draw(0), Integers(1, 6).draw(2**64 - 1)
-        (1, 6)
-        """
-        return self.low + below(bits, self.high - self.low + 1)
-
-
-Distribution = Uniform | LogUniform | Normal | TruncNormal | LogNormal | Integers
-"""A distribution of numbers; a choice among given values is `below` of their count."""
-
-
-def _within(value: float, low: float, high: float) -> float:
-    """Rounding does not lead out of the bounds."""
-    return min(max(value, low), high)
+    def _draw(self, bits: Any, by: Arithmetic) -> Any:
+        return self.low + by.below(bits, self.high - self.low + 1)

@@ -9,6 +9,8 @@ from composer.numerics.exact import log
 
 FARTHEST = 20.0
 """So many standard deviations from the mean there is nothing left that could be drawn."""
+MIDDLE = 0.425
+"""So far from a half one quotient of polynomials is enough."""
 _DIGITS = Context(prec=140, Emin=-999_999, Emax=999_999)
 _PI = Decimal(
     "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211706798"
@@ -38,17 +40,24 @@ _FAR = (
 
 
 def quantile(p: float) -> float:
-    """The number below which the normal distribution is with probability p, between 0 and 1.
+    """The number below which the normal distribution is with probability p; infinite at 0 and 1, and beyond them.
 
-    >>> quantile(0.5), round(quantile(0.975), 12)
-    (0.0, 1.95996398454)
+    >>> quantile(0.5), round(quantile(0.975), 12), quantile(0.0)
+    (0.0, 1.95996398454, -inf)
     """
     q = p - 0.5
-    if abs(q) <= 0.425:
-        return q * _quotient(_MIDDLE, 0.180625 - q * q)
+    if abs(q) <= MIDDLE:
+        return middle(q)
+    if not 0.0 < p < 1.0:
+        return math.copysign(math.inf, q)
     r = math.sqrt(-log(p if q < 0 else 1.0 - p))
     found = _quotient(_NEAR, r - 1.6) if r <= 5.0 else _quotient(_FAR, r - 5.0)
     return -found if q < 0 else found
+
+
+def middle(q: float) -> float:
+    """`quantile` of a half and `q`, for q up to `MIDDLE`; of a numpy array too."""
+    return q * _quotient(_MIDDLE, 0.180625 - q * q)
 
 
 def _quotient(table: tuple[tuple[float, ...], tuple[float, ...]], x: float) -> float:

@@ -34,6 +34,10 @@ class Pose:
     def is_identity(self) -> bool:
         return self.pos == ORIGIN and self.quat == IDENTITY_QUAT
 
+    @property
+    def is_finite(self) -> bool:
+        return all(map(math.isfinite, (*self.pos, *self.quat)))
+
     def __matmul__(self, inner: Pose) -> Pose:
         """The pose of ``inner``, given in this frame, in the frame this one is given in."""
         if self.is_identity:

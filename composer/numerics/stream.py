@@ -12,13 +12,26 @@ _VERSION = "mjcompose draws 1"
 def bits(seed: int, sample: int, field: str, element: str, component: int) -> int:
     """64 random bits for one number: the first eight bytes, most significant first, of the SHA-256 of a JSON list.
 
-    There is no state, so that what else is drawn, in which order and by whom, changes nothing.
+    It has no state, so that what else is drawn, in which order and by whom, changes nothing.
 
     >>> hex(bits(7, 1, "friction", "cube/box", 0))
     '0x488ac89d436f6e7e'
     """
-    key = json.dumps([_VERSION, seed, sample, field, element, component], separators=(",", ":"))
-    return int.from_bytes(hashlib.sha256(key.encode("ascii")).digest()[: BITS // 8], "big")
+    before, after = identity(seed, field, element, component)
+    return int.from_bytes(hashlib.sha256(b"%b%d%b" % (before, sample, after)).digest()[: BITS // 8], "big")
+
+
+def identity(seed: int, field: str, element: str, component: int) -> tuple[bytes, bytes]:
+    """What stands before and after the number of the sample in that JSON list.
+
+    >>> identity(7, "friction", "cube/box", 0)
+    (b'["mjcompose draws 1",7,', b',"friction","cube/box",0]')
+    """
+    before, after = (
+        json.dumps(each, separators=(",", ":")).encode("ascii")
+        for each in ([_VERSION, seed], [field, element, component])
+    )
+    return before[:-1] + b",", b"," + after[1:]
 
 
 def fraction(bits: int) -> float:

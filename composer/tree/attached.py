@@ -7,7 +7,7 @@ from composer.tree.unit import Unit
 
 
 def attached_notes(unit: Unit, name: str) -> list[Note]:
-    """Where a name that is not there may be one that an `<attach>` brings."""
+    """Where a name that does not exist may be one that an `<attach>` brings."""
     return [
         Note(
             "it may be of the model that MuJoCo attaches here, and can only be referred to: to reach into that,"

@@ -13,7 +13,7 @@ _FIRST = re.compile(r"<!\[CDATA\[(.*?)\]\]>", re.DOTALL)
 def take_cdata_in(root: Node, data: bytes) -> None:
     """Give every `<text>` that has a section and no `data` the one for the other: attributes are what is worked on.
 
-    The parsed tree does not tell sections from plain text, which means nothing to MuJoCo: `data` is asked again.
+    The parsed tree does not distinguish sections from plain text, which means nothing to MuJoCo: `data` is asked again.
     """
     parser = etree.XMLParser(
         remove_blank_text=True, resolve_entities=False, no_network=True, huge_tree=True, strip_cdata=False,

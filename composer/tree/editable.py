@@ -10,7 +10,23 @@ from lxml.etree import _Element as Node
 from composer.tree.name_index import NameIndex
 
 
-class Editable(Protocol):
+class Lookup(Protocol):
+    """Where names are looked up: a model, with what is attached to it."""
+
+    def find_node(self, namespace: str, name: str) -> Node | None:
+        """The element that a name means, of this model or of what is attached to it."""
+
+    def known_names(self, namespace: str) -> Iterable[str]:
+        """Every name of a namespace that the model can refer to."""
+
+    def kinds_of(self, name: str) -> Iterable[str]:
+        """The namespaces in which something has a name."""
+
+    def may_generate(self, name: str) -> bool:
+        """Whether MuJoCo may make the name itself, as it does for the copies of a `<replicate>`."""
+
+
+class Editable(Lookup, Protocol):
     """One tree with its names, which edits keep up to date, and the models it is attached to.
 
     A recipe edits one flat tree. `composer.mjcf` edits a tree of models: in those above a name has a prefix.
@@ -22,9 +38,6 @@ class Editable(Protocol):
 
     def levels(self) -> Iterator[tuple[Self, str]]:
         """The model, then those it is attached to, each with what stands before this model's names there."""
-
-    def find_node(self, namespace: str, name: str) -> Node | None:
-        """The element that a name means, of this model or of what is attached to it."""
 
     def names_of(self, node: Node) -> Iterable[tuple[str, str]]:
         """Namespace and name of everything that goes with an element."""

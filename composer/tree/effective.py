@@ -117,6 +117,7 @@ def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[
         turned |= orientation
 
 
+@cache
 def default_text(attribute: Attribute) -> str | None:
     """MuJoCo's default as text, as far as the grammar knows one."""
     default = attribute.default

@@ -64,7 +64,7 @@ def written_path(settings: Settings, element: Node, name: str) -> str:
 
 def stem(file: str) -> str:
     """The name MuJoCo gives an asset that has none: `x.y.obj` is `x.y`."""
-    base = file.replace("\\", "/").rpartition("/")[2]
+    base = file.replace("\\", "/").rpartition("/")[2] if "/" in file or "\\" in file else file
     name, dot, _ = base.rpartition(".")
     return name if dot else base
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
+from composer.reading.folders import files_among
 from composer.tree.files import file_attributes, is_absolute, join, written_path
 from composer.tree.unit import Unit
 
@@ -21,15 +22,21 @@ def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
     """
     if unit.settings.strippath == "true":
         return
+    directory = str(unit.directory)
     models = [(each, "file", str(each.get("file") or "")) for each in unit.root.iterfind("asset/model")]
+    places: list[tuple[Node, str, str, str]] = []
     for element, attribute, name in [*file_attributes(unit.root), *models]:
         folder = included.get(element)
-        usual = name if element.tag == "model" else written_path(unit.settings, element, name)
-        if folder is None or not name or is_absolute(name) or name in unit.contents or usual in unit.contents:
+        if folder is None or not name or is_absolute(name) or name in unit.contents:
             continue
-        there, beside = join(str(unit.directory), usual), join(str(folder), name)
-        wins = element.tag in _BESIDE_FIRST or not os.path.exists(there)
-        if there != beside and wins and os.path.exists(beside):
+        usual = name if element.tag == "model" else written_path(unit.settings, element, name)
+        there, beside = join(directory, usual), join(str(folder), name)
+        if there != beside and usual not in unit.contents:
+            places.append((element, attribute, there, beside))
+    found = {path for _, paths in files_among(there for _, _, there, _ in places) for path in paths}
+    for element, attribute, there, beside in places:
+        wins = element.tag in _BESIDE_FIRST or not (there in found or os.path.exists(there))
+        if wins and os.path.exists(beside):
             element.set(attribute, _from(_folder(unit, element), beside))
 
 

@@ -99,7 +99,7 @@ def query(tag: str, section: str | None) -> Query:
     """What `find(tag)` looks for, from the root (`section` None) or from inside a section.
 
     A family takes all of its tags; any other tag takes itself. From the root what stands in default classes
-    is not found, as it is no part of the model; inside a section the section's own elements of that tag are
+    is not found, as it is not part of the model; inside a section the section's own elements of that tag are
     meant (`joint` in `tendon` is the joint of a fixed tendon).
     """
     sections = _sections() if section is None else (section,)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from lxml.etree import _Element as Node
 
 from composer.tree.classes import MAIN
 from composer.tree.files import NAMED_AFTER_FILE, stem
-from composer.tree.names import DECLARES, GENERATES, LISTS, REFERS_BY, WORLD, naming_table, object_namespace
+from composer.tree.names import LISTS, WORLD, declaring, naming_table, own_references
 
 SEPARATOR = "/"
 # MuJoCo lets two `<model>` assets have one name.
 MAY_REPEAT = frozenset({"model"})
+ALWAYS = frozenset({("body", WORLD), ("default", MAIN)})
+"""What every model has, by namespace and name."""
+_ALWAYS_NAMES = frozenset(name for _, name in ALWAYS)
 
 Use = tuple[Node, str]
 """An element and its attribute that holds a reference."""
@@ -47,24 +50,24 @@ class NameIndex:
 
     def note(self, node: Node, section: str, *, declares: bool = True) -> None:
         """Take up the names of one node, not of what is below it; the first of two equal names keeps it."""
-        for kind, namespace, attribute, name in _names_in(node, section):
-            if kind != DECLARES:
+        for attribute, namespace in declaring(section).get(node.tag, ()) if declares else ():
+            if (own := own_name(node, attribute)) is not None:
+                self.declared.setdefault(namespace, {}).setdefault(own, node)
+        for attribute, namespace, name, _ in own_references(node, section):
+            if name not in _ALWAYS_NAMES or (namespace, name) not in ALWAYS:
                 self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None
-            elif declares:
-                self.declared.setdefault(namespace, {}).setdefault(name, node)
 
     def forget(self, node: Node, section: str) -> None:
         """Drop the names of one node, as they are written in it now."""
-        for kind, namespace, attribute, name in _names_in(node, section):
-            if kind == DECLARES:
-                names = self.declared.get(namespace, {})
-                if names.get(name) is node:
-                    del names[name]
-            else:
-                users = self.uses.get(namespace, {}).get(name, {})
-                users.pop((node, attribute), None)
-                if not users:
-                    self.uses.get(namespace, {}).pop(name, None)
+        for attribute, namespace in declaring(section).get(node.tag, ()):
+            names, own = self.declared.get(namespace, {}), own_name(node, attribute)
+            if own is not None and names.get(own) is node:
+                del names[own]
+        for attribute, namespace, name, _ in own_references(node, section):
+            users = self.uses.get(namespace, {}).get(name, {})
+            users.pop((node, attribute), None)
+            if not users:
+                self.uses.get(namespace, {}).pop(name, None)
 
     def users(self, namespace: str, name: str) -> list[Use]:
         """Who refers to a name, in the order in which they began to."""
@@ -104,31 +107,3 @@ def own_name(node: Node, attribute: str) -> str | None:
 def is_list(node: Node, attribute: str, section: str) -> bool:
     """Whether an attribute that refers holds several names."""
     return naming_table(section)[str(node.tag)][attribute][0] == LISTS
-
-
-def _names_in(node: Node, section: str) -> Iterator[tuple[int, str, str, str]]:
-    """Kind, namespace, attribute and name of every name that a node declares or refers to."""
-    actions = naming_table(section).get(str(node.tag))
-    if not actions:
-        return
-    for attribute, (kind, namespace) in actions.items():
-        if kind == DECLARES:
-            name = own_name(node, attribute)
-            if name is not None:
-                yield kind, namespace, attribute, name
-            continue
-        value = node.get(attribute)
-        if not value or kind == GENERATES:
-            continue
-        if kind == LISTS:
-            for each in str(value).split():
-                if each != WORLD:
-                    yield kind, namespace, attribute, each
-            continue
-        if kind == REFERS_BY:
-            target = object_namespace(node, namespace)
-            if target is None:
-                continue
-            namespace = target
-        if not (value == WORLD and namespace == "body") and not (value == MAIN and namespace == "default"):
-            yield kind, namespace, attribute, str(value)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
+from typing import Any
 
 from lxml.etree import _Element as Node
 
@@ -70,6 +72,26 @@ def naming_table(section: str) -> dict[str, dict[str, Action]]:
     return table
 
 
+@cache
+def declaring(section: str) -> dict[Any, tuple[tuple[str, str], ...]]:
+    """For each tag: the attributes that declare names, with the namespace."""
+    return {
+        tag: tuple((name, namespace) for name, (kind, namespace) in actions.items() if kind == DECLARES)
+        for tag, actions in naming_table(section).items()
+    }
+
+
+@cache
+def _referring(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
+    """For each tag: the attributes that refer to names, how, and the namespace or the attribute that says it."""
+    return {
+        tag: tuple(
+            (name, *action) for name, action in actions.items() if action[0] not in (DECLARES, GENERATES)
+        )
+        for tag, actions in naming_table(section).items()
+    }
+
+
 def object_namespace(element: Node, type_attribute: str) -> str | None:
     """The namespace that a `objtype`-like attribute names, or None where it is absent or unknown."""
     return GRAMMAR.objtypes.get(str(element.get(type_attribute, "")))
@@ -77,16 +99,28 @@ def object_namespace(element: Node, type_attribute: str) -> str | None:
 
 def references(top: Node, section: str) -> Iterator[tuple[str, str]]:
     """Namespace and name of what an element of a section, and every element in it, refers to."""
-    table = naming_table(section)
     for node in top.iter("*"):
-        for key, (kind, namespace) in table.get(str(node.tag), {}).items():
-            value = str(node.get(key) or "")
-            if kind == REFERS and value:
-                yield namespace, value
-            elif kind == LISTS:
-                yield from ((namespace, each) for each in value.split())
-            elif kind == REFERS_BY and value and (target := object_namespace(node, namespace)):
-                yield target, value
+        for _, namespace, name, _ in own_references(node, section):
+            yield namespace, name
+
+
+def own_references(node: Node, section: str) -> list[tuple[str, str, str, str]]:
+    """Attribute, namespace and name of each thing that one element of a section refers to.
+
+    The fourth is the attribute that says the namespace, such as `objtype`; it is empty where the grammar says it.
+    """
+    found = []
+    for attribute, kind, namespace in _referring(section).get(node.tag, ()):
+        value = node.get(attribute)
+        if not value:
+            continue
+        if kind == REFERS:
+            found.append((attribute, namespace, str(value), ""))
+        elif kind == LISTS:
+            found += [(attribute, namespace, each, "") for each in str(value).split()]
+        elif target := object_namespace(node, namespace):
+            found.append((attribute, target, str(value), namespace))
+    return found
 
 
 def declaration(node: Node, section: str) -> tuple[str, str] | None:
@@ -97,3 +131,18 @@ def declaration(node: Node, section: str) -> tuple[str, str] | None:
     if node.tag in NAMED_AFTER_FILE and section in ("asset", "deformable") and (file := node.get("file")):
         return str(node.tag), stem(str(file))
     return None
+
+
+def may_be_generated(name: str, root: Node) -> bool:
+    """Whether what MuJoCo expands (replicate, flexcomp, …) in that tree can make the name."""
+    for element in root.iter(*GENERATORS):
+        if element.tag == "replicate":
+            if re.search(r"\d+$", name):
+                return True
+        elif element.tag == "model":
+            return True
+        else:
+            start = str(element.get("name") or element.get("prefix") or "")
+            if name.startswith(start):
+                return True
+    return False

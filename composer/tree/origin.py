@@ -9,6 +9,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.span import Span
+from composer.reading.regular import TooLarge, read_regular
 from composer.tree.key_number import KeyRecord
 from composer.tree.line import line_of
 from composer.tree.start_tag import SourceText
@@ -23,16 +24,20 @@ class Origins:
 
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies.
     `owners` holds the elements themselves, so that their identity is stable. `texts` has, by the name that messages
-    use, where the text of a file is; it is read when a fault in that file is told. `settings` has the attributes that
-    a program or the linker has set, each with its place. `renamed` has what edits renamed: the old and the new name,
-    each time. `keys` has how the keys were laid out that are not as their file has them.
+    use, where the text of a file is; it is read when an error in it is reported. `settings` has the attributes that
+    a program or the linker has set, each with its place or what finds it. `renamed` has what edits renamed: the old and
+    the new name, each time. `keys` has how the keys were laid out that are not as their file has them. `unread` is what
+    MuJoCo passes over in the files themselves, by file, line and attribute (None: the element). `size` is the bytes of
+    all files.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
     texts: dict[str, Path | bytes | str | SourceText | None] = field(default_factory=dict)
-    settings: dict[Node, dict[str, Span]] = field(default_factory=dict)
+    settings: dict[Node, dict[str, Span | Callable[[], Span]]] = field(default_factory=dict)
     renamed: dict[Node, list[tuple[str, str]]] = field(default_factory=dict)
     keys: dict[Node, KeyRecord] = field(default_factory=dict)
+    unread: set[tuple[str, int | None, str | None]] = field(default_factory=set)
+    size: int = 0
 
     def own(self, element: Node, owner: str | Span | Place) -> None:
         self.owners[element] = owner
@@ -59,9 +64,14 @@ class Origins:
 
         With `attribute` that is the value of that one, or with `key` its name, if it is written there.
         """
-        if attribute is not None and (found := self.settings.get(element, {}).get(attribute)) is not None:
+        if attribute is not None and (found := self.set_at(element, attribute)) is not None:
             return found
         return self.span_by(self.owner(element, default_file), element, attribute, key)
+
+    def set_at(self, element: Node, attribute: str) -> Span | None:
+        """Where a program, a recipe or the linker has set an attribute; None for one that stands in its file."""
+        found = self.settings.get(element, {}).get(attribute)
+        return found() if callable(found) else found
 
     def span_by(
         self, owner: str | Span | Place, element: Node, attribute: str | None = None, key: bool = False
@@ -103,12 +113,13 @@ class Origins:
         self.settings.update(other.settings)
         self.renamed.update(other.renamed)
         self.keys.update(other.keys)
+        self.unread |= other.unread
 
     def carried(self, old: Node, new: Node) -> Origins:
         """The same knowledge for `new`, a deep copy of `old`."""
         if not (self.owners or self.settings or self.renamed or self.keys):
-            return Origins(texts=dict(self.texts))
-        found = Origins(texts=dict(self.texts))
+            return Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
+        found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
         for node, copy in zip(old.iter(), new.iter(), strict=True):
             if node in self.owners:
                 found.owners[copy] = self.owners[node]
@@ -120,13 +131,19 @@ class Origins:
                 found.keys[copy] = self.keys[node]
         return found
 
+    def count(self, more: int, most: int) -> None:
+        """Count the bytes of a file. Raises TooLarge where all files of the model have more than `most` together."""
+        self.size += more
+        if self.size > most:
+            raise TooLarge(self.size, most, "the files of this model are together")
+
     def text(self, file: str) -> SourceText | None:
         """The text of a file, read when it is first asked for; None where there is none to be had."""
         known = self.texts.get(file)
         if known is None or isinstance(known, SourceText):
             return known
         try:
-            text = SourceText(known.read_bytes() if isinstance(known, Path) else known)
+            text = SourceText(read_regular(known) if isinstance(known, Path) else known)
         except OSError:
             text = None
         self.texts[file] = text

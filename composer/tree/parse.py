@@ -8,6 +8,7 @@ import threading
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -17,19 +18,26 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.grammar import GRAMMAR
-from composer.tree import xml_fault
+from composer.limits import advice, in_force
+from composer.reading.door import Door
+from composer.reading.project import own_door
+from composer.reading.refused import Refused
+from composer.reading.regular import TooLarge
+from composer.tree import doctype, xml_fault
 from composer.tree.cdata import take_cdata_in
 from composer.tree.comments import take_header_in
+from composer.tree.expansion import CODE, check_size
 from composer.tree.files import join
+from composer.tree.ignored import note_unread
 from composer.tree.unit import Unit
+from composer.tree.xml_size import check_attributes, check_text
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _DECLARATION = re.compile(r"\A\s*<\?xml\b.*?\?>", re.DOTALL)
 _NOT_BREAK = re.compile(r"[^\n]")
 _TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
 _CDATA = b"<![CDATA["
-_MAX_BYTES = 256 * 1024 * 1024
-_BINARY = getattr(os, "O_BINARY", 0)  # on Windows
+_DROPPED = ("body", "frame")
 _INCLUDED = "refer to the model that includes it"
 _NO_MODEL = {
     "mujocoinclude": _INCLUDED,
@@ -38,29 +46,33 @@ _NO_MODEL = {
 }
 
 
-def parse_file(path: Path, sink: Sink, *, file: str | None = None, span: Span | None = None) -> Unit | None:
+def parse_file(
+    path: Path, sink: Sink, *, file: str | None = None, span: Span | None = None, door: Door | None = None
+) -> Unit | None:
     """The unit of an MJCF file; faults go to `sink` and give None.
 
-    `file` is how messages name it, `span` where it is asked for.
+    `file` is how messages name it, `span` where it is asked for; `door` is what it may read, by default its project.
     """
-    shown = file or str(path)
-    data = read_file(path, sink, file=shown, span=span)
+    shown, door = file or str(path), door or own_door(path)
+    data = read_file(path, sink, door, file=shown, span=span)
     if data is None:
         return None
-    unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem)
+    unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem, door=door)
     if unit is not None:
         unit.origins.texts[shown] = path
     return unit
 
 
-def read_file(path: Path, sink: Sink, *, file: str, span: Span | None = None) -> bytes | None:
+def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | None = None) -> bytes | None:
     """The bytes of a model file; where they cannot be had that goes to `sink`."""
     try:
-        return _read(path)
+        return door.read(path, in_force().xml_size)
+    except Refused as refused:
+        refused.report(sink, span)
+        return None
     except OSError as error:
         message, help = _unreadable(f"the model `{file}`", Path(file), path, error)
-        code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
-        sink.error(code, message, span, help=help)
+        sink.error(_code(error, "file-unreadable"), message, span, help=help)
         return None
 
 
@@ -72,15 +84,21 @@ def parse_text(
     directory: Path,
     label: str,
     contents: Mapping[str, bytes | Path] | None = None,
+    door: Door | None = None,
 ) -> Unit | None:
-    """The unit of MJCF text whose files resolve against `directory`, or against `contents` first."""
+    """The unit of MJCF text whose files resolve against `directory`, or against `contents` first.
+
+    `door` is what it may read of what is not in `contents`; by default, as if it were a file in `directory`.
+    """
     before = sink.error_count
     root = parse_xml(data, file, sink)
     if root is None:
         return None
     header = take_header_in(root)
-    unit = Unit(root, file, directory, label, contents or {}, header=header)
+    door = door or own_door(directory / "model.xml")
+    unit = Unit(root, file, directory, label, contents or {}, header=header, door=door)
     unit.origins.texts[file] = data
+    unit.origins.size = len(data)
     if root.tag != "mujoco":
         sink.error(
             "not-mjcf",
@@ -95,9 +113,12 @@ def parse_text(
         includes = _Includes(unit, sink)
         includes.expand(root, file, directory)
         find_beside(unit, includes.folders)
-    for section in root.iterchildren("*") if sink.error_count == before else ():
+    for section in list(root.iterchildren("*")) if sink.error_count == before else ():
         if section.tag not in _sections():
             _unknown_section(section, unit, sink)
+    note_unread(unit)
+    if sink.error_count == before:
+        check_size(unit, sink)
     return None if sink.error_count > before else unit
 
 
@@ -107,8 +128,19 @@ def _sections() -> frozenset[str]:
 
 
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
-    """MuJoCo refuses it too, but for bodies and frames, which it drops without a word."""
+    """MuJoCo refuses it too, but for bodies and frames, which it (3.2 to 4.0) drops without a word.
+
+    A file in which nothing else would be left is there to be included, and an error.
+    """
     tag, known = str(section.tag), list(GRAMMAR.root.children)
+    if tag in _DROPPED and any(len(world) for world in unit.root.iterchildren("worldbody")):
+        if _has_unknown(section, unit, sink):
+            return
+        message = f"MuJoCo ignores a `<{tag}>` in `<mujoco>`, which is not part of the model"
+        span = unit.origins.span(section, unit.file)
+        sink.warning("unknown-element", message, span, help="put it into `<worldbody>`, or remove it")
+        unit.root.remove(section)
+        return
     sink.error(
         "unknown-element",
         f"`<{tag}>` cannot stand in `<mujoco>`",
@@ -120,6 +152,29 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
     )
 
 
+def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
+    """Whether there is something in what MuJoCo drops that it refuses all the same: it checks names, and no values."""
+    waiting = [(dropped, GRAMMAR.section("worldbody").children[str(dropped.tag)])]
+    while waiting:
+        node, kind = waiting.pop()
+        for name in map(str, node.keys()):
+            if name not in kind.attributes and name not in kind.ignored:
+                message, span = (
+                    f"`{name}` is not an attribute of `<{node.tag}>`",
+                    unit.origins.span(node, unit.file, name),
+                )
+                sink.error("unknown-attribute", message, span, help=f"remove the `<{dropped.tag}>` it is in")
+                return True
+        for child in node.iterchildren("*"):
+            if child.tag not in kind.children:
+                message = f"`<{child.tag}>` cannot stand in `<{node.tag}>`"
+                span = unit.origins.span(child, unit.file)
+                sink.error("unknown-element", message, span, help=f"remove the `<{dropped.tag}>` it is in")
+                return True
+            waiting.append((child, kind.children[str(child.tag)]))
+    return False
+
+
 class _Includes:
     """Expands `<include>` where it stands; MuJoCo reads each file at most once."""
 
@@ -128,17 +183,26 @@ class _Includes:
         self.seen: dict[str, tuple[Node, str]] = {}
         self.folders: dict[Node, Path] = {}
 
-    def expand(self, tree: Node, file: str, folder: Path) -> None:
+    def expand(self, tree: Node, file: str, folder: Path, depth: int = 0) -> None:
         for element in list(tree.iter("include")):
-            self._replace(element, file, folder)
+            self._replace(element, file, folder, depth + 1)
 
-    def _replace(self, element: Node, file: str, folder: Path) -> None:
+    def _replace(self, element: Node, file: str, folder: Path, depth: int) -> None:
         origins = self.unit.origins
 
-        def refuse(message: str, help: str | None = None, notes: tuple[Note, ...] = ()) -> None:
+        def refuse(
+            message: str, help: str | None = None, notes: tuple[Note, ...] = (), code: str = "xml-include"
+        ) -> None:
             span = origins.span(element, file, "file")
-            self.sink.error("xml-include", message, span, notes=notes, help=help)
+            self.sink.error(code, message, span, notes=notes, help=help)
 
+        if len(element) or (element.text or "").strip():  # MuJoCo takes not even a comment
+            refuse("`<include>` has something inside, which MuJoCo refuses", 'write `<include file="…"/>`')
+            return
+        if depth > in_force().nesting:
+            allowed = f"{in_force().nesting} files in one another are allowed"
+            refuse(f"files include one another too deep; {allowed}", advice("nesting"), code=CODE)
+            return
         name = str(element.get("file") or "")
         if not name:
             refuse("`<include>` does not say which `file`", 'write `<include file="…"/>`')
@@ -155,9 +219,14 @@ class _Includes:
         self.seen[shown] = element, file
         try:
             content = self.unit.contents.get(name)
-            data = content if isinstance(content, bytes) else _read(path)
+            data = content if isinstance(content, bytes) else self.unit.door.read(path, in_force().xml_size)
+            origins.count(len(data), in_force().xml_size)
+        except Refused as refused:
+            refused.report(self.sink, origins.span(element, file, "file"))
+            return
         except OSError as error:
-            refuse(*_unreadable(f"the included file `{name}`", Path(name), path, error))
+            message, help = _unreadable(f"the included file `{name}`", Path(name), path, error)
+            refuse(message, help, code=CODE if isinstance(error, TooLarge) else "xml-include")
             return
         included = parse_xml(data, shown, self.sink)
         if included is None:
@@ -167,9 +236,10 @@ class _Includes:
             refuse(f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`")
             return
         take_header_in(included)
-        self.expand(included, shown, path.parent)
+        self.expand(included, shown, path.parent, depth)
+        beside = path.parent
         for each in included.iter("*"):
-            self.folders.setdefault(each, path.parent)
+            self.folders.setdefault(each, beside)
         parent = element.getparent()
         assert parent is not None
         at = parent.index(element)
@@ -182,7 +252,10 @@ class _Includes:
     def _find(self, name: str, folder: Path) -> Path:
         """Against the main file's folder, then against that of the file that includes."""
         main = Path(join(str(self.unit.directory), name))
-        return main if os.path.exists(main) or name in self.unit.contents else Path(join(str(folder), name))
+        if name in self.unit.contents or os.path.lexists(main):
+            return main
+        beside = Path(join(str(folder), name))
+        return beside if os.path.lexists(beside) else main
 
     def _shown(self, path: Path) -> str:
         """The file as messages name it: beside the model's own file."""
@@ -190,25 +263,16 @@ class _Includes:
         return os.path.normpath(os.path.join(os.path.dirname(self.unit.file), inside))
 
 
-def _read(path: Path) -> bytes:
-    """The bytes of a model file. Raises OSError, also for one that is too large."""
-    file = os.open(path, os.O_RDONLY | _BINARY)  # half the time of `open`
-    try:
-        size = os.fstat(file).st_size
-        if size > _MAX_BYTES:
-            raise OSError(f"it is larger than {_MAX_BYTES >> 20} MiB")
-        data = piece = os.read(file, size + 1)
-        while piece and len(data) != size:  # no plain file, or one that is being written
-            data += (piece := os.read(file, _MAX_BYTES))
-            if len(data) > _MAX_BYTES:
-                raise OSError(f"it is larger than {_MAX_BYTES >> 20} MiB")
-        return data
-    finally:
-        os.close(file)
+def _code(error: OSError, other: str) -> str:
+    if isinstance(error, TooLarge):
+        return CODE
+    return "file-not-found" if isinstance(error, FileNotFoundError) else other
 
 
 def _unreadable(what: str, name: Path, path: Path, error: OSError) -> tuple[str, str | None]:
     """Message and help for a file at `path`, which is written `name`."""
+    if isinstance(error, TooLarge):
+        return f"{what} is not read: {error}", advice("xml-size", error.size)
     if not isinstance(error, FileNotFoundError):
         return f"{what} cannot be read: {error.strerror.lower() if error.strerror else error}", None
     near = closest(path.name, _beside(path))
@@ -225,6 +289,13 @@ def _beside(path: Path) -> list[str]:
 _PARSERS = threading.local()
 
 
+class _NoFiles(etree.Resolver):
+    """XML may name a DTD or entities in other files, which libxml2 2.14 reads even with `load_dtd=False`."""
+
+    def resolve(self, url: Any, id: Any, context: Any) -> Any:  # type: ignore[override]  # the stubs lack `context`
+        return self.resolve_empty(context)  # type: ignore[attr-defined]
+
+
 def _parser() -> etree.XMLParser:
     """One parser for each thread: making one costs as much as parsing a small model."""
     parser = getattr(_PARSERS, "parser", None)
@@ -233,6 +304,7 @@ def _parser() -> etree.XMLParser:
             remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
             collect_ids=False,
         )  # fmt: skip
+        parser.resolvers.add(_NoFiles())
     assert isinstance(parser, etree.XMLParser)
     return parser
 
@@ -240,9 +312,13 @@ def _parser() -> etree.XMLParser:
 def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
     """The root of XML that may be lax where MuJoCo's reader is; what is wrong with it goes to `sink`."""
     if isinstance(data, str):
-        data = data.encode(errors="surrogatepass")  # what is not text is told by the parser
+        data = data.encode(errors="surrogatepass")  # what is not text is reported by the parser
+    if doctype.refused(data, file, sink) or not check_text(data, file, sink):
+        return None
     root = _parsed(data, file, sink)
-    if root is not None and _CDATA in data:
+    if root is None or not check_attributes(root, data, file, sink):
+        return None
+    if _CDATA in data:
         take_cdata_in(root, data)
     return root
 
@@ -261,7 +337,7 @@ def _parsed(data: bytes, file: str, sink: Sink) -> Node | None:
     except (etree.XMLSyntaxError, UnicodeDecodeError):
         line, column = fault.position
         text = data.decode("utf-8", "replace")
-        xml_fault.tell(fault.msg or "it cannot be read", file, max(line, 1), max(column, 1), text, sink)
+        xml_fault.report(fault.msg or "it cannot be read", file, max(line, 1), max(column, 1), text, sink)
         return None
 
 
@@ -271,6 +347,7 @@ def _with_undefined_prefixes(data: bytes) -> Node | None:
         remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
         collect_ids=False, recover=True,
     )  # fmt: skip
+    parser.resolvers.add(_NoFiles())
     root = etree.fromstring(data, parser)
     return root if all(each.domain == etree.ErrorDomains.NAMESPACE for each in parser.error_log) else None
 

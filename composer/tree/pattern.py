@@ -1,4 +1,8 @@
-"""What a pattern over names means: a name, a glob, or a regular expression with a time limit."""
+"""What a pattern over names means: a name, a glob, or a regular expression.
+
+A regular expression may take as long as two to the power of the characters of a name, and nothing stops Python's `re`
+on every system and in every thread. One that may try much is tried in a process of its own, with a time limit.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +10,12 @@ import json
 import re
 import sys
 from collections.abc import Callable, Collection
+from typing import Any
 
 from composer.tree.glob import is_glob, matcher
 
 SECONDS = 2.0
-# In a child process, as nothing else stops Python's `re` on every system and in every thread.
+_LONGEST = 10_000
 _CHILD = (
     "import json, re, sys\n"
     "pattern, names = json.load(sys.stdin)\n"
@@ -19,12 +24,22 @@ _CHILD = (
 )
 
 
-class BadPattern(Exception):
-    """A pattern that cannot be used: `message` says why, `help` what to write."""
+_REPEATS, _GOES_BACK = re.compile(r"[*+{]"), re.compile(r"[*+?{|]")
+_REPEATED_GROUP_OR_REFERENCE = re.compile(r"\)[*+?{]|\(\?|\\\d")
+_CHOICES = 8
+"""Signs of choices that an expression may have at most which is tried here: two to the power of these are the tries."""
 
-    def __init__(self, message: str, help: str | None = None) -> None:
+
+class BadPattern(Exception):
+    """A pattern that cannot be used: `message` says why, `help` what to write; `is_slow` that it took too long."""
+
+    def __init__(self, message: str, help: str | None = None, *, is_slow: bool = False) -> None:
         super().__init__(message)
-        self.message, self.help = message, help
+        self.message, self.help, self.is_slow = message, help, is_slow
+
+
+class TooSlow(Exception):
+    """That a process took longer than it may."""
 
 
 def is_regular(pattern: str) -> bool:
@@ -46,9 +61,22 @@ def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -
     >>> pads("left/pad1"), pads("pad1")
     (True, False)
     """
+    if (wrong := length_fault(pattern)) is not None:
+        raise BadPattern(wrong)
     if not is_regular(pattern):
         return matcher(pattern, separator)
     return fitting(pattern[1:-1], names()).__contains__
+
+
+def length_fault(pattern: str) -> str | None:
+    """That a pattern is longer than anybody writes one; None for those that people write.
+
+    >>> length_fault("{left,right}/*"), length_fault("*" * 10_001)
+    (None, 'a pattern of 10001 characters is too long; 10000 are allowed')
+    """
+    if len(pattern) <= _LONGEST:
+        return None
+    return f"a pattern of {len(pattern)} characters is too long; {_LONGEST} are allowed"
 
 
 def fault_of(pattern: str) -> str | None:
@@ -64,24 +92,51 @@ def fault_of(pattern: str) -> str | None:
     return None
 
 
+def is_quick(pattern: str) -> bool:
+    """Whether a regular expression, between its slashes, never takes long: it repeats once, and no group.
+
+    >>> is_quick("link_[0-9]+"), is_quick("(left|right)_.*"), is_quick("(a+)+"), is_quick("a*b*")
+    (True, True, False, False)
+    """
+    if len(_REPEATS.findall(pattern)) > 1 or _REPEATED_GROUP_OR_REFERENCE.search(pattern):
+        return False
+    return len(_GOES_BACK.findall(pattern)) <= _CHOICES
+
+
+def takes_process(pattern: str) -> bool:
+    """Whether a pattern is a regular expression that is tried in a process of its own."""
+    return is_regular(pattern) and not is_quick(pattern[1:-1])
+
+
 def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> frozenset[str]:
     """The names that the whole expression fits. Raises `BadPattern` where it is not valid, and after `seconds`."""
-    import subprocess  # few programs that look up names in an index need it
-
     if (wrong := fault_of(pattern)) is not None:
         raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {wrong}")
+    if is_quick(pattern):
+        return frozenset(filter(re.compile(pattern).fullmatch, names))
     try:
-        done = subprocess.run(
-            [sys.executable, "-I", "-S", "-c", _CHILD],
-            input=json.dumps([pattern, sorted(names)]),
-            capture_output=True,
-            text=True,
-            timeout=seconds,
-            check=True,
-        )
-    except subprocess.TimeoutExpired:
+        return frozenset(asked_aside(_CHILD, [pattern, sorted(names)], seconds))
+    except TooSlow:
         raise BadPattern(
             f"the regular expression `/{pattern}/` takes longer than {SECONDS:g} seconds",
             "write it without repetitions inside repetitions, or use a glob",
+            is_slow=True,
         ) from None
-    return frozenset(json.loads(done.stdout))
+
+
+def asked_aside(program: str, question: object, seconds: float = SECONDS) -> Any:
+    """What a Python program answers in a process of its own, as JSON both ways. Raises `TooSlow` after `seconds`."""
+    import subprocess  # few programs that look up names in an index need it
+
+    from composer.processes.process import Process
+
+    with Process(
+        [sys.executable, "-I", "-S", "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            answer, _ = process.communicate(json.dumps(question), timeout=seconds)
+        except subprocess.TimeoutExpired:
+            raise TooSlow from None
+        finally:
+            process.end()
+    return json.loads(answer)

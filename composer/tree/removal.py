@@ -8,6 +8,7 @@ from typing import Generic
 
 from lxml.etree import _Element as Node
 
+from composer.tree.attributes import assign
 from composer.tree.editable import M, Reference, referrers
 from composer.tree.kinds import ROOT, WORLD_SECTION, section_of
 from composer.tree.names import declaration
@@ -52,9 +53,7 @@ class Removal(Generic[M]):
     def drop_references(self) -> None:
         """Take away the attributes that refer to what goes."""
         for model, node, attribute, *_ in self.references:
-            model.forget(node)
-            node.attrib.pop(attribute, "")
-            model.note(node)
+            assign(model, node, {attribute: None})
 
 
 def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:

@@ -11,6 +11,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.grammar import GRAMMAR
+from composer.grammar.characters import NOT_XML
 from composer.tree.classes import MAIN, Classes
 from composer.tree.effective import chain
 from composer.tree.files import NAMED_AFTER_FILE
@@ -20,15 +21,12 @@ from composer.tree.name_index import own_name
 from composer.tree.names import WORLD
 from composer.tree.pattern import fitter, is_pattern
 from composer.tree.selector import EVERYTHING, XPATH, Selector, paths_of
+from composer.tree.xpath import nodes_at
 
 # They do not count as parents: MuJoCo resolves them.
 _TRANSPARENT = ("frame", "replicate")
 _WITH_NAME: Any = etree.XPath("descendant::*[@name=$name]")
 BASE = "base"
-
-
-class BadXPath(Exception):
-    """An XPath that is none, or that gives no elements."""
 
 
 @cache
@@ -74,11 +72,17 @@ class Selection:
     base_class: str | None = None
     holds: Callable[[Node, Selector], bool] = lambda node, selector: True
     _fits: dict[str, Callable[[str], bool]] = field(default_factory=dict)
+    _known: dict[int, dict[Node, bool]] = field(default_factory=dict)
 
     def of(self, selector: Selector) -> list[Node]:
         """Every element that is meant, in the order of the tree. Raises `BadPattern` and `BadXPath`."""
+        self._known.clear()  # the model may have changed
+        return self._of(selector)
+
+    def _of(self, selector: Selector) -> list[Node]:
         if selector.tag == XPATH:
-            return [node for node in self._by_path(selector) if self._narrowed(node, selector)]
+            nodes = nodes_at(self.root, selector.pattern)
+            return [node for node in nodes if self._narrowed(node, selector)]
         found = self._called(selector)
         if found is None:
             found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
@@ -103,6 +107,8 @@ class Selection:
         name, paths = selector.pattern, paths_of(selector.tag)
         if name == WORLD or is_pattern(name) or not _is_written_as_name(paths):
             return None
+        if NOT_XML.search(name):
+            return []  # libxml2 takes no such text, and no element has such a name
         return [
             node
             for section in self.root.iterchildren("*")
@@ -124,21 +130,18 @@ class Selection:
         name = name_of(node)
         return MAIN if node.tag == "default" and name == self.base_class else name
 
-    def _by_path(self, selector: Selector) -> list[Node]:
-        try:
-            found = self.root.xpath(selector.pattern)
-        except etree.XPathError as error:
-            raise BadXPath(str(error).lower()) from None
-        if not isinstance(found, list) or not all(
-            isinstance(each, etree._Element) and isinstance(each.tag, str) for each in found
-        ):
-            raise BadXPath("it gives no elements")
-        return [each for each in found if isinstance(each, etree._Element) and each is not self.root]
-
     def _meant(self, node: Node, selector: Selector) -> bool:
-        """Whether a selector means this element."""
-        if selector.tag == XPATH:
-            return node in self.of(selector)
+        """Whether a selector means this element, which is found out once: the elements around it ask for each below."""
+        known = self._known.setdefault(id(selector), {})
+        if node not in known:
+            if selector.tag == XPATH:
+                known.update(dict.fromkeys(self.root.iter("*"), False))
+                known.update(dict.fromkeys(self._of(selector), True))
+            else:
+                known[node] = self._is_meant(node, selector)
+        return known[node]
+
+    def _is_meant(self, node: Node, selector: Selector) -> bool:
         path = "body" if node.tag == "worldbody" else kind_of(node).path
         if path not in paths_of(selector.tag) or (node.tag == "worldbody" and selector.pattern != WORLD):
             return False

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
+from composer.reading.regular import read_regular
 from composer.tree.files import written_path
 from composer.tree.settings import read_settings
 
@@ -50,7 +51,7 @@ def renamed_skin(source: bytes | Path, rename: Callable[[str], str | None]) -> b
     files are read, or by MuJoCo.
     """
     try:
-        before = source if isinstance(source, bytes) else source.read_bytes()
+        before = source if isinstance(source, bytes) else read_regular(source)
         after = rename_bones(before, lambda name: rename(name) or name)
     except BadBone:
         raise
@@ -68,7 +69,7 @@ def bones(source: bytes | Path) -> list[str] | None:
         return name
 
     try:
-        rename_bones(source if isinstance(source, bytes) else source.read_bytes(), note)
+        rename_bones(source if isinstance(source, bytes) else read_regular(source), note)
     except (OSError, BadSkin):
         return None
     return found

@@ -1,7 +1,7 @@
 """From the line that lxml keeps of an element back to where its start tag stands in the text.
 
 lxml's line is the one on which a start tag ends. The text is looked at only when somebody asks, which is when a
-fault is told.
+fault is reported.
 """
 
 from __future__ import annotations
@@ -11,12 +11,13 @@ from bisect import bisect_right
 from collections.abc import Mapping
 from html import unescape
 from itertools import accumulate
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
-_NOT_BREAK = re.compile(r"[^\n]")
 _ATTRIBUTE = re.compile(r"""\s*([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
 _ITEM = re.compile(r"\S+")
+_MOST_COMPARED = 500_000
+"""Start tags that are compared for one text: a file of one line may have many elements, and faults in all of them."""
 _TAG_END = re.compile(r"\s*/?>")
 
 
@@ -37,9 +38,16 @@ class _StartTag(NamedTuple):
     values: Mapping[str, tuple[int, int]]
 
 
+_Exact: TypeAlias = dict[frozenset[tuple[str, str]], _StartTag]
+
+
 def _decoded(data: bytes) -> str:
     wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
     return data.decode("utf-16" if wide else "utf-8-sig", "replace")
+
+
+def _blank(comment: re.Match[str]) -> str:
+    return "\n".join(" " * len(line) for line in comment.group().split("\n"))
 
 
 class SourceText:
@@ -48,10 +56,13 @@ class SourceText:
     def __init__(self, data: bytes | str) -> None:
         text = data if isinstance(data, str) else _decoded(data)
         self._text = text.replace("\r\n", "\n").replace("\r", "\n")
-        # What stands in a comment is no element, however much it looks like one.
-        self._bare = _COMMENT.sub(lambda comment: _NOT_BREAK.sub(" ", comment.group()), self._text)
+        # What stands in a comment is not an element, however much it looks like one.
+        self._bare = _COMMENT.sub(_blank, self._text)
+        # By tag and line: the start tags that end there, and the first with exactly some attributes.
+        self._ending: dict[tuple[str, int], tuple[list[_StartTag], _Exact]] = {}
+        self._compared = 0
         lines = self._text.split("\n")
-        self._starts = list(accumulate((len(line) + 1 for line in lines), initial=0))[:-1]
+        self._starts = list(map(sum, enumerate(accumulate(map(len, lines[:-1]), initial=0))))
 
     def element(self, tag: str, line: int, attributes: Mapping[str, str]) -> Stretch | None:
         """`<tag` of the element whose start tag ends on `line`; None where no such tag does.
@@ -90,6 +101,21 @@ class SourceText:
     def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> _StartTag | None:
         if not 1 <= line <= len(self._starts):
             return None
+        if (tag, line) not in self._ending:
+            candidates = self._ending_on(tag, line)
+            exact = {self._written(each): each for each in reversed(candidates)}
+            self._ending[tag, line] = candidates, exact
+        candidates, exact = self._ending[tag, line]
+        # None is more like it; and a program may write ten thousand elements on one line.
+        found = exact.get(frozenset(attributes.items()))
+        if found is not None:
+            return found
+        self._compared += len(candidates)
+        if self._compared > _MOST_COMPARED:
+            return None
+        return max(candidates, key=lambda each: self._likeness(each, attributes), default=None)
+
+    def _ending_on(self, tag: str, line: int) -> list[_StartTag]:
         first = self._starts[line - 1]
         last = self._starts[line] if line < len(self._starts) else len(self._text)
         opening = re.compile(rf"<{re.escape(tag)}(?=[\s/>])")
@@ -104,7 +130,11 @@ class SourceText:
             if candidate is not None and candidate.end < last:
                 candidates.append(candidate)
         candidates.reverse()
-        return max(candidates, key=lambda each: self._likeness(each, attributes), default=None)
+        return candidates
+
+    def _written(self, candidate: _StartTag) -> frozenset[tuple[str, str]]:
+        values = candidate.values.items()
+        return frozenset((name, unescape(self._text[start:end])) for name, (start, end) in values)
 
     def _read(self, start: int, at: int) -> _StartTag | None:
         names, values = {}, {}

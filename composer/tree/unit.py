@@ -10,6 +10,8 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
+from composer.reading.door import NOTHING, Door
+from composer.tree.adopted import Adopted
 from composer.tree.classes import Classes
 from composer.tree.files import join
 from composer.tree.key import PartKeys
@@ -24,8 +26,10 @@ class Unit:
 
     `directory` is the folder of the main file, against which MuJoCo resolves every file of the model; `label` names
     the unit's folder in a bundle; `contents` has the files that are not found on disk by their written path: their
-    bytes, or where they are; `part_keys` has, of a composition, the keys of each part that it is made of, by path
-    (`left/gripper`); `header` are the comments in the root that stood before it. A unit is changed in place by edits
+    bytes, or where they are, which has passed a door; `door` is what else the model may read; `part_keys` has, of a
+    composition, the keys of each part that it is made of, by path (`left/gripper`); `header` are the comments in the
+    root that stood before it; `adopted` has, of a composition, the settings that its parts agree on. A unit is changed
+    in place by edits
     and consumed by the linker: `copied()` first to keep it.
     """
 
@@ -37,6 +41,8 @@ class Unit:
     origins: Origins = field(default_factory=Origins)
     part_keys: Mapping[str, PartKeys] = field(default_factory=dict)
     header: tuple[Node, ...] = ()
+    adopted: tuple[Adopted, ...] = ()
+    door: Door = NOTHING
 
     @cached_property
     def settings(self) -> Settings:
@@ -67,7 +73,17 @@ class Unit:
         root = copy.deepcopy(self.root)
         origins = self.origins.carried(self.root, root)
         header = tuple(root[self.root.index(comment)] for comment in self.header)
-        return Unit(root, self.file, self.directory, self.label, self.contents, origins, header=header)
+        return Unit(
+            root,
+            self.file,
+            self.directory,
+            self.label,
+            self.contents,
+            origins,
+            header=header,
+            adopted=self.adopted,
+            door=self.door,
+        )
 
     def source_of(self, path: str) -> bytes | Path:
         """The bytes of a file by its written path, or where they are."""

@@ -34,7 +34,7 @@ _PLANAR = ("_TX", "_TY", "_RZ")
 
 
 def name_fused_links(root: Node) -> None:
-    """Take out the empty frames that mark links; one that is no body any more leaves its name to what it became."""
+    """Take out the empty frames that mark links; one that is not a body any more leaves its name to what it became."""
     bodies = {body.get("name") for body in root.iter("body")}
     for body in root.iter("body"):
         body.attrib.pop("fuse", "")  # it has been asked for and done
@@ -49,7 +49,7 @@ def name_fused_links(root: Node) -> None:
 
 
 def locate_in_urdf(unit: Unit, robot: Node, data: bytes) -> None:
-    """Let every element of `unit`, which was converted from `robot`, be told at its place in the URDF text `data`."""
+    """Give every element of `unit`, converted from `robot`, its place in the URDF text `data`."""
     unit.origins.texts[unit.file] = data
     written = Origins(texts={unit.file: data})
     for element, source in _Sources(robot).of(unit.root):

@@ -9,7 +9,7 @@ from composer.tree.unit import Unit
 
 
 class Watch(Protocol):
-    """Is told after each thing that may have changed a model, and changes nothing itself."""
+    """Is notified after each thing that may have changed a model, and changes nothing itself."""
 
     def __call__(self, units: Iterable[Unit], done: object) -> None:
         """`units` are all the trees there are; `done` is what has just been done to them.

@@ -13,11 +13,11 @@ from composer.tree import lfs
 _Words = tuple[str, str | None]
 
 
-def tell(said: str, file: str, line: int, column: int, text: str, sink: Sink) -> None:
+def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) -> None:
     """An `xml-syntax` error for what lxml said of `file`; a tag that it names by its line is shown too."""
     if lfs.is_pointer(text):
-        told = f"`{file}` is not XML: it is not the file itself but where Git LFS has it"
-        sink.error("xml-syntax", told, Span(file, line, column), help=lfs.HELP)
+        message = f"`{file}` is not XML: it is not the file itself but where Git LFS has it"
+        sink.error("xml-syntax", message, Span(file, line, column), help=lfs.HELP)
         return
     said = re.sub(r", line \d+, column \d+.*", "", said, flags=re.DOTALL)
     message, help = next(

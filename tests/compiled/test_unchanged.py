@@ -529,6 +529,14 @@ def test_identical_unnamed_bodies_are_told_apart_by_where_they_stand() -> None:
     assert [(difference.kind, difference.array) for difference in found] == [("light", "light_pos")]
 
 
+def test_a_named_body_is_no_stand_in_for_one_without_a_name() -> None:
+    body = '<body {} pos="0 0 {}"><geom size=".1"/></body>'
+    xml = "<mujoco><worldbody><body name='palm'>{}</body></worldbody></mujoco>"
+    alone = mujoco.MjModel.from_xml_string(xml.format(body.format("", 1)))
+    both = mujoco.MjModel.from_xml_string(xml.format(body.format("", 2) + body.format('name="added"', 1)))
+    assert told(compare(alone, both)) == {("body", "#2", "body_pos")}
+
+
 def test_every_array_of_the_model_has_its_place_in_the_tables() -> None:
     """An array that a new MuJoCo brings must be plain, or be given a rule."""
     model = mujoco.MjModel.from_xml_string(HAND)

@@ -5,8 +5,8 @@ import codecs
 import pytest
 
 from composer.diagnostics import Sink, Span
-from composer.document import decode as module
 from composer.document.decode import decode, position
+from composer.limits import allow
 
 
 def test_text_and_bytes_without_their_mark() -> None:
@@ -52,8 +52,8 @@ def test_control_characters_are_located_and_counted(character: str) -> None:
     assert "1 more" in found.notes[0].message
 
 
-def test_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MAX_SIZE", 10)
+@allow(recipe_size=10)
+def test_too_large() -> None:
     for source in ("x" * 11, b"x" * 11):
         sink = Sink()
         assert decode(source, "f", sink) is None

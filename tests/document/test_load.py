@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from composer.diagnostics import Sink, Span
 from composer.document import Mapping, Node, Scalar, Sequence, load, to_python
-from composer.document.build import MAX_DEPTH
+from composer.limits import Limits, allow
 
+MAX_DEPTH = Limits().yaml_depth
 MODULE = sys.modules["composer.document.load"]  # the package has the function under this name
 
 # YAML allows a key 1024 characters, escapes included.
@@ -382,10 +383,23 @@ def test_depth_limit_is_exact() -> None:
     assert read("[" * (MAX_DEPTH + 1) + "]" * (MAX_DEPTH + 1)) == (None, ["yaml-too-deep"])
 
 
-def test_number_of_values_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules["composer.document.build"], "MAX_NODES", 20)
-    assert read("[" + "1, " * 19 + "]")[1] == []
-    assert read("[" + "1, " * 20 + "]") == (None, ["yaml-too-large"])
+def test_number_of_values_is_bounded() -> None:
+    with allow(yaml_values=20):
+        assert read("[" + "1, " * 19 + "]")[1] == []
+        assert read("[" + "1, " * 20 + "]") == (None, ["yaml-too-large"])
+
+
+def test_the_values_of_aliases_count() -> None:
+    text = "a: &a [" + "1, " * 10 + "]\nb: *a\n"
+    with allow(yaml_values=30):
+        assert read(text)[1] == []
+    with allow(yaml_values=20):
+        assert read(text)[0] is None and read(text)[1] != []
+
+
+def test_the_bounds_can_be_raised() -> None:
+    with allow(yaml_depth=MAX_DEPTH + 1):
+        assert read("[" * (MAX_DEPTH + 1) + "]" * (MAX_DEPTH + 1))[1] == []
 
 
 # --- anything at all

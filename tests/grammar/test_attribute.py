@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pytest
+from grammar.keywords import keywords_in
 
 from composer.grammar import GRAMMAR
 
@@ -34,13 +35,13 @@ def test_lengths() -> None:
 
 def test_keywords_by_version() -> None:
     integrator = GRAMMAR.element("option").attributes["integrator"]
-    assert "discrete" in integrator.keywords_in("3.13.0")
-    assert "discrete" not in integrator.keywords_in("3.12.0")
+    assert "discrete" in keywords_in(integrator, "3.13.0")
+    assert "discrete" not in keywords_in(integrator, "3.12.0")
     equality = GRAMMAR.element("flexcomp/edge").attributes["equality"]
-    assert "vert" in equality.keywords_in("3.17.0")
-    assert "vert" not in equality.keywords_in("4.0.0")
+    assert "vert" in keywords_in(equality, "3.17.0")
+    assert "vert" not in keywords_in(equality, "4.0.0")
     cone = GRAMMAR.element("option").attributes["cone"]
-    assert cone.keywords_in("3.12.0") == cone.keywords == ("pyramidal", "elliptic")
+    assert keywords_in(cone, "3.12.0") == cone.keywords == ("pyramidal", "elliptic")
 
 
 def test_exists_in() -> None:

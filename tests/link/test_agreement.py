@@ -5,6 +5,7 @@ import pytest
 from link.workshop import BASE, Linked, Piece, Workshop
 
 from composer.link.agreement import settling
+from composer.link.written import opinions
 
 
 def options(inside: str) -> str:
@@ -53,11 +54,59 @@ CONFLICTS = [
 ]
 
 
+OTHERS = [
+    '<option timestep="0.001"/>',
+    '<option cone="pyramidal"/>',
+    '<option gravity="0 0 -9.81"/>',
+    '<option><flag contact="enable"/></option>',
+    '<visual><global offwidth="640"/></visual>',
+    '<visual><rgba haze="0 1 0 1"/></visual>',
+    '<statistic extent="4"/>',
+    '<statistic center="0 0 2"/>',
+]
+"""Another value of each, MuJoCo's default where there is one."""
+
+
 @pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
-def test_what_a_part_asks_for_in_vain_is_told(
+@pytest.mark.parametrize("conflict", ["error", "warning", "merge"])
+def test_what_all_parts_that_write_it_agree_on_is_taken(
+    workshop: Workshop, written: str, path: str, settling: str, conflict: str
+) -> None:
+    pieces = [Piece(options(written), "a/"), Piece(BASE, "b/"), Piece(options(written), "c/")]
+    linked = workshop.link(BASE, *pieces, conflict=conflict)
+    assert not linked.sink.diagnostics
+    (each,) = linked.linking.base.adopted
+    assert (each.path.replace("/", "."), each.parts, each.is_written) == (path, ("a/", "c/"), True)
+    assert f'{path.rpartition(".")[2]}="{each.value}"' in written and each.value in linked.xml
+    linked.model()
+
+
+@pytest.mark.parametrize(("first", "other"), list(zip([each[0] for each in CONFLICTS], OTHERS, strict=True)))
+def test_parts_that_write_different_values_conflict(workshop: Workshop, first: str, other: str) -> None:
+    for one, two in ((first, other), (other, first)):
+        linked = workshop.link(BASE, Piece(options(one), "a/"), Piece(options(two), "b/"))
+        fault = linked.fault
+        assert fault.code == "option-conflict"
+        assert fault.span is not None and fault.span.file == str(linked.paths[2])
+        assert "`b/` wants" in fault.message and "`a/` has" in fault.message
+        assert [note.span.file for note in fault.notes if note.span] == [str(linked.paths[1])]
+        assert not linked.linking.base.adopted
+
+
+def test_an_agreed_default_is_not_written_and_counts_in_the_recipe_around(workshop: Workshop) -> None:
+    inner = workshop.link(BASE, options('<option cone="pyramidal"/>')).linking.flat()
+    (each,) = inner.adopted
+    assert (each.value, each.is_written) == ("pyramidal", False)
+    assert [*opinions(inner)] == ["option/cone"]
+
+
+@pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
+def test_what_a_part_asks_for_in_vain_is_reported(
     workshop: Workshop, written: str, path: str, settling: str
 ) -> None:
-    linked = workshop.link(BASE, f"<mujoco>\n{written}</mujoco>")
+    linked = workshop.link(
+        options(OTHERS[CONFLICTS.index((written, path, settling))]), f"<mujoco>\n{written}</mujoco>"
+    )
     fault = linked.fault
     assert (fault.code, fault.span and fault.span.line) == ("option-conflict", 2)
     assert f"`{path}`" in fault.message
@@ -74,19 +123,24 @@ def test_what_the_recipe_settles_is_no_conflict(
 
 @pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
 def test_a_conflict_may_be_a_warning(workshop: Workshop, written: str, path: str, settling: str) -> None:
-    linked = workshop.link(BASE, options(written), conflict="warning")
+    base = options(OTHERS[CONFLICTS.index((written, path, settling))])
+    linked = workshop.link(base, options(written), conflict="warning")
     assert told(linked) == [("option-conflict", "warning")]
     assert written not in linked.xml
 
 
-@pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
-def test_a_default_gives_way_in_a_merge(workshop: Workshop, written: str, path: str, settling: str) -> None:
-    linked = workshop.link(BASE, options(written), conflict="merge")
+def test_of_parts_that_disagree_none_has_its_way_under_a_warning(workshop: Workshop) -> None:
+    parts = [Piece(options(f'<option timestep="{step}"/>'), f"p{step}/") for step in (0.001, 0.002, 0.003)]
+    linked = workshop.link(BASE, *parts, conflict="warning")
+    assert told(linked) == [("option-conflict", "warning")] * 2  # 0.002 is what MuJoCo does anyway
+    assert linked.model().opt.timestep == 0.002
+
+
+def test_a_default_gives_way_in_a_merge(workshop: Workshop) -> None:
+    pieces = [Piece(options(f'<option cone="{cone}"/>'), f"{cone}/") for cone in ("pyramidal", "elliptic")]
+    linked = workshop.link(BASE, *pieces, conflict="merge")
     assert told(linked) == [("option-conflict", "warning")]
-    section, *inner, name = path.split(".")
-    element = linked.linking.base.root.find("/".join([section, *inner]))
-    assert f'{name}="{element.get(name)}"' in written
-    linked.model()
+    assert linked.model().opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
 
 
 def test_both_places_are_told(workshop: Workshop) -> None:
@@ -105,22 +159,23 @@ def test_both_places_are_told(workshop: Workshop) -> None:
 
 def test_all_settings_of_a_part_are_one_finding_with_one_help(workshop: Workshop) -> None:
     wanted = '<option cone="elliptic" impratio="10"/><visual><map znear="0.1"/></visual>'
-    linked = workshop.link(BASE, *(Piece(options(wanted), prefix) for prefix in ("a/", "b/", "c/")))
+    base = '<option impratio="5" cone="pyramidal"/><visual><map znear="0.2"/></visual>'
+    linked = workshop.link(options(base), *(Piece(options(wanted), prefix) for prefix in ("a/", "b/", "c/")))
     fault = linked.fault
     assert [note.message.split(":")[0] for note in fault.notes] == [
         "`option.cone`", "`option.impratio`", "`visual.map.znear`",
     ]  # fmt: skip
     assert [other.message for other in fault.others] == ["`b/`", "`c/`"]
     sentence, *lines = str(fault.help).splitlines()
-    assert "`drop: [option, visual]`" in sentence and "`conflict: merge`" in sentence
+    assert "`drop: [option, visual]`" in sentence
     assert lines == ["option: {cone: elliptic, impratio: 10}", "visual: {map: {znear: 0.1}}"]
 
 
 def test_a_merge_is_advised_only_where_it_would_settle_everything(workshop: Workshop) -> None:
-    parts = [Piece(options(f'<option cone="{cone}"/>'), f"{cone}/") for cone in ("elliptic", "pyramidal")]
-    base = options('<option cone="elliptic"/>')
-    assert "conflict: merge" in str(workshop.link(BASE, parts[0]).fault.help)
-    assert "conflict: merge" not in str(workshop.link(base, parts[1]).fault.help)
+    part = options('<option cone="pyramidal"/>')
+    slow, fast = (options(f'<option timestep="{step}"/>') for step in (0.01, 0.001))
+    assert "conflict: merge" in str(workshop.link(slow, fast).fault.help)
+    assert "conflict: merge" not in str(workshop.link(options('<option cone="elliptic"/>'), part).fault.help)
 
 
 MERGES = [

@@ -132,3 +132,13 @@ def test_a_free_joint_is_not_limited_by_a_class(workshop: Workshop) -> None:
     part = """<mujoco><compiler autolimits="false"/><worldbody>
       <body name="b"><joint type="free" range="-1 1"/><geom size="1"/></body></worldbody></mujoco>"""
     workshop.link(BASE, part).check()
+
+
+def test_length_ranges_of_several_compilers_become_one(workshop: Workshop) -> None:
+    model = """
+    <mujoco><compiler><lengthrange mode="all"/></compiler><worldbody/>
+      <compiler><lengthrange inttotal="2"/></compiler></mujoco>"""
+    linked = workshop.link(model)
+    (found,) = linked.linking.base.root.iter("lengthrange")
+    assert dict(found.attrib) == {"mode": "all", "inttotal": "2"}
+    linked.check()

@@ -22,7 +22,7 @@ NOT_TO_BE_SWAPPED = {
     ("submodels", "names"),
     ("names", "defaults"),
     ("defaults", "bodies"),
-    ("bodies", "spurious"),
+    ("bodies", "check_replicates"),
 }
 
 

@@ -9,10 +9,12 @@ from link.workshop import BASE, Piece, Workshop, obj
 
 from composer.bundle.collect import collect
 from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
 from composer.link.files import add_file, files, inside
 from composer.link.link import link
 from composer.link.linking import FileUse, Linking
 from composer.link.part import Part
+from composer.reading.project import own_door
 from composer.tree.settings import Settings
 from composer.tree.unit import Unit
 
@@ -155,7 +157,7 @@ NAMES = {
     "a name twice": ["a.obj", "a.obj"],
     "a name in two ways": ["a.obj", "./a.obj", "x/../a.obj"],
     "outside and inside": ["../m/a.obj", "m/a.obj"],
-    "far outside": ["../../m/../n/a.obj", "n/a.obj"],
+    "from outside to outside": ["../m/../n/a.obj", "n/a.obj"],
     "spaces": ["a b.obj", " a.obj"],
     "unicode": ["Schraube_ü.obj", "螺丝.obj"],
     "several dots": ["a.b.obj", "..a.obj", ".a.obj"],
@@ -169,10 +171,10 @@ def test_names_of_files_of_all_kinds(workshop: Workshop, names: list[str]) -> No
     content = {name.replace("&amp;", "&"): obj(0.1 + at / 10) for at, name in enumerate(names)}
     content.pop("./a.obj", None)
     content.pop("x/../a.obj", None)
-    content.pop("../../m/../n/a.obj", None)
+    content.pop("../m/../n/a.obj", None)
     content |= {"x/y": b""}
-    if "../../m/../n/a.obj" in names:
-        content |= {"../../n/a.obj": obj(0.7), "../../m/y": b""}
+    if "../m/../n/a.obj" in names:
+        content |= {"../n/a.obj": obj(0.7), "../m/y": b""}
     text = meshes(*names)
     linked = workshop.link(text, Piece(text, files=content), files=content)
     linked.check()
@@ -292,15 +294,16 @@ def test_files_of_the_recipe_itself_do_not_meet_those_of_parts(workshop: Worksho
     linking = linked.linking
     root = linking.base.root
     elements = [root.makeelement("mesh") for _ in range(4)]
+    door = own_door(tmp_path / "recipe.yaml")
     for element, name in zip(elements, ["my/a.obj", "../my/a.obj", "my/a.obj", r"x\.\y.obj"], strict=True):
-        add_file(linking, tmp_path, element, "file", name)
+        add_file(linking, tmp_path / "in", element, "file", name, door, Span("recipe.yaml", 1, 1))
     assert [element.get("file") for element in elements] == [
         "assets/2/my/a.obj",
         "assets/3/my/a.obj",
         "assets/2/my/a.obj",
         "assets/x/y.obj",
     ]
-    assert linking.files[-1].source == f"{tmp_path}/x/y.obj"
+    assert linking.files[-1].source == f"{tmp_path}/in/x/y.obj"
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,13 @@ def test_a_quat_that_stretches_alone_is_refused_with_one_that_does_not(workshop:
     workshop.link(BASE, turned(mended)).check()
 
 
-def test_one_that_hardly_stretches_is_told(workshop: Workshop) -> None:
+def test_one_that_does_not_turn_stretches_nothing(workshop: Workshop) -> None:
+    linked = workshop.link(BASE, turned("2 0 0 0"))
+    assert linked.codes == []
+    linked.check()
+
+
+def test_one_that_hardly_stretches_is_reported(workshop: Workshop) -> None:
     linked = workshop.link(BASE, turned("0.7071 0.7071 0 0"))
     assert linked.codes == ["not-supported"] and not linked.sink.has_errors
 

@@ -57,6 +57,16 @@ def test_keys_of_one_name_become_one(workshop: Workshop) -> None:
     assert model.key("grip").time == 3
 
 
+def test_a_key_knows_all_keys_that_it_is_made_of(workshop: Workshop) -> None:
+    linked = on_arm(workshop, "merge")
+    made_of = {
+        key.get("name"): [str(each.get("qpos")) for each in record.keys]
+        for key, record in linked.linking.base.origins.keys.items()
+    }
+    assert made_of["home"] == [".1 .2 .3 .4", ".5 .6 .8 0 0"]
+    assert made_of["up"] == ["1 2 3 4"]
+
+
 def test_what_no_part_says_is_the_reference(workshop: Workshop) -> None:
     model = on_arm(workshop, "merge").check()
     assert key(model, "up", "qpos") == [1, 2, 3, *model.qpos0[3:8], 4]

@@ -107,6 +107,7 @@ def test_the_xml_is_plain(workshop: Workshop) -> None:
 def test_faults_of_several_passes_are_told_at_once(workshop: Workshop) -> None:
     free = '<joint type="free" damping="1"/>'
     base = BASE.replace("</worldbody>", f'<body name="f">{free}</body></worldbody>')
+    base = base.replace("<worldbody>", '<option timestep="2"/><worldbody>', 1)
     part = f"""<mujoco><compiler alignfree="true"/><option timestep="1"/>
       <worldbody><body name="b">{free}</body><site name="mark"/></worldbody>
       <actuator><motor joint="none"/></actuator></mujoco>"""

@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from link.workshop import BASE, Piece, Workshop, obj, placed
 
-from composer.link.names import may_be_generated, rename
+from composer.link.names import rename
 from composer.tree.classes import MAIN
+from composer.tree.names import may_be_generated
 
 # Every attribute that refers to a name, and every kind of thing it may refer to.
 REFERRING = """
@@ -432,7 +433,7 @@ TUPLE = '<custom><tuple name="t"><element objtype="key" objname="{}"/></tuple></
     [
         ("home", "merge", None),
         ("home", "prefix", None),
-        ("hme", "merge", "there is no key `hme`, which `<element>` refers to"),
+        ("hme", "merge", "the key `hme`, which `<element>` refers to, does not exist"),
         ("home", "none", "a tuple refers to the key `home`, which `keyframes: none` leaves out"),
     ],
 )

@@ -4,9 +4,9 @@ import mujoco
 import pytest
 from link.workshop import BASE, Linked, Piece, Workshop
 
-from composer.link.agreement import SINGLETONS
 from composer.link.linking import Linking
 from composer.link.submodel_options import submodel_options
+from composer.link.written import SINGLETONS
 
 pytestmark = pytest.mark.mujoco4("MuJoCo 3 has no `conflict`")
 
@@ -56,10 +56,12 @@ def test_a_unit_has_the_options_that_it_has_alone(workshop: Workshop, own: str, 
 
 
 def test_what_is_attached_to_a_part_is_a_wish_of_the_part(workshop: Workshop) -> None:
-    found = linked(workshop, host(), '<option cone="elliptic"/>')
+    part = Piece(host(), files={"sub.xml": sub('<option cone="elliptic"/>')})
+    base = BASE.replace("<worldbody>", '<option cone="pyramidal"/><worldbody>')
+    found = workshop.link(base, part)
     assert (found.fault.code, found.fault.message) == (
         "option-conflict",
-        "`part/` wants `option.cone` to be `elliptic`, the model has `pyramidal`, MuJoCo's default",
+        "`part/` wants `option.cone` to be `elliptic`, the model has `pyramidal`",
     )
     assert found.fault.span is not None
     assert found.fault.span.line == 1

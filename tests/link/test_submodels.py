@@ -123,3 +123,24 @@ def test_sub_models_of_compositions_that_differ_in_a_mesh_alone_stay_apart(works
     finish(outer)
     model = Linked(workshop, outer, [], []).model()
     assert alone[0] != alone[1] and model.geom_rbound.tolist() == alone[0] + alone[1]
+
+
+def test_what_is_attached_is_counted_through_the_door(tmp_path: Path) -> None:
+    """Not even to count it is a file outside opened."""
+    from composer.diagnostics import Sink
+    from composer.link.attached_size import attached_size
+    from composer.reading.door import Door
+    from composer.tree.parse import parse_text
+
+    (tmp_path / "own").mkdir()
+    (tmp_path / "secret.xml").write_text("<mujoco><worldbody><body/></worldbody></mujoco>")
+    text = (
+        f'<mujoco><asset><model name="m" file="{tmp_path}/secret.xml"/></asset>'
+        '<worldbody><attach model="m" prefix="a"/></worldbody></mujoco>'
+    )
+    for roots, size in (([tmp_path / "own"], 0), ([tmp_path], 3)):
+        unit = parse_text(
+            text, Sink(), file="m.xml", directory=tmp_path / "own", label="m", door=Door.of(roots)
+        )
+        assert unit is not None
+        assert attached_size(unit)(next(unit.root.iter("attach"))) == size

@@ -9,6 +9,7 @@ import pytest
 from link.test_files import skin
 from link.workshop import Workshop, obj
 from lxml import etree
+from sampling import rest_slow
 
 from composer.compiled.mount import Mount
 from composer.compiled.unchanged import compare
@@ -362,7 +363,15 @@ def _bodies(path: Path) -> list[str]:
 @pytest.mark.skipif(CORPUS is None, reason="MJCOMPOSE_CORPUS is not set")
 @pytest.mark.parametrize(
     "robot",
-    ["franka_emika_panda/panda.xml", "shadow_hand/right_hand.xml", "unitree_g1/g1.xml", "aloha/aloha.xml"],
+    rest_slow(
+        [
+            "franka_emika_panda/panda.xml",
+            "shadow_hand/right_hand.xml",
+            "unitree_g1/g1.xml",
+            "aloha/aloha.xml",
+        ],
+        quick=["shadow_hand/right_hand.xml"],
+    ),
 )
 def test_any_body_of_a_robot(robot: str) -> None:
     path = Path(str(CORPUS)) / "models" / robot

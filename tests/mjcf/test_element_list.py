@@ -22,7 +22,9 @@ def test_it_is_a_list_and_takes_names(world: mjcf.Element) -> None:
 
 
 def test_a_name_that_is_not_there_is_told_with_those_that_are(world: mjcf.Element) -> None:
-    with pytest.raises(mjcf.MjcfError, match="no geom `d` here\n.*geoms that exist: a, b, c") as caught:
+    with pytest.raises(
+        mjcf.MjcfError, match="the geom `d` does not exist here\n.*geoms that exist: a, b, c"
+    ) as caught:
         world.geom["d"]
     assert isinstance(caught.value, KeyError) and caught.value.diagnostics[0].span.file == __file__  # type: ignore[union-attr]
     unnamed = world.add("body").add("site").parent

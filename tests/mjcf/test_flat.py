@@ -64,6 +64,7 @@ def test_keys_come_along_under_the_prefix(
 def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
     arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled
 ) -> None:
+    arm.option.impratio, arm.option.cone = 1, "pyramidal"
     gripper.option.impratio = 10
     gripper.option.cone = "elliptic"
     arm.attach(gripper)
@@ -76,10 +77,15 @@ def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
     assert len(told) == 1 and told[0].filename == __file__
     assert str(told[0].message).startswith(f"{__file__}:")
     assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 1
-    with pytest.warns(mjcf.MjcfWarning) as told:
-        text = arm.to_xml_string(conflict="merge")
-    assert len(told) == 1 and "they are merged" in str(told[0].message)
-    assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 10
+    with pytest.raises(mjcf.MjcfError):
+        arm.to_xml_string(conflict="merge")
+    arm.option.impratio = None
+    arm.option.cone = None
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # nobody else writes them: the model takes them
+        model = compiled(arm)
+    assert model.opt.impratio == 10 and model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+    assert mujoco.MjModel.from_xml_string(arm.to_xml_string(), arm.assets).opt.impratio == 10
     arm.option.impratio, arm.option.cone = 10, "elliptic"
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -11,6 +11,7 @@ import pytest
 
 from composer import mjcf
 from composer.mjcf import html
+from composer.mjcf.picture import picture
 
 _WITH_PICTURE = """
 from composer import mjcf
@@ -59,7 +60,7 @@ def test_attached_models_are_shown_where_they_hang(arm: mjcf.RootElement, grippe
     site = arm.find("site", "flange")
     assert site is not None
     site.attach(gripper).add("joint", name="turn")
-    shown = text(html.page(arm))
+    shown = text(html.page(arm._model, arm._node))
     assert re.search(r'<site name="flange"[^>]*>gripper/ is attached here:<joint name="turn"/><mujoco', shown)
     assert text(site._repr_html_()).endswith('ctrl="0.03"/>')
 
@@ -68,14 +69,14 @@ def test_of_a_large_model_a_part_is_shown_and_the_rest_counted() -> None:
     model = mjcf.RootElement()
     for _ in range(html.SHOWN + 100):
         model.worldbody.add("geom", size=[1])
-    shown = text(html.page(model))
+    shown = text(html.page(model._model, model._node))
     assert shown.count("<geom") == html.SHOWN - 2 and "… and 102 more elements" in shown
 
 
 def test_what_cannot_be_compiled_has_a_tree_all_the_same(arm: mjcf.RootElement) -> None:
     arm.find("joint", "shoulder").remove()  # type: ignore[union-attr]
-    assert html.picture(arm) is None and text(arm._repr_html_()).startswith('<mujoco model="arm">')
-    assert html.picture(mjcf.RootElement()) is None
+    assert picture(arm._model) is None and text(arm._repr_html_()).startswith('<mujoco model="arm">')
+    assert picture(mjcf.RootElement()._model) is None
 
 
 def test_a_whole_model_has_a_picture_where_there_is_opengl(repository: Path) -> None:

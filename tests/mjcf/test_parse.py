@@ -146,7 +146,7 @@ def test_zips_that_cannot_be_read(tmp_path: Path) -> None:
     ):
         with pytest.raises(MjcfError, match=re.escape(message)):
             mjcf.from_zip(_zip(tmp_path / "z.zip", files))
-    with pytest.raises(MjcfError, match="there is no file or folder"):
+    with pytest.raises(MjcfError, match="the file or folder .* does not exist"):
         mjcf.from_zip(tmp_path / "nowhere.zip")
     with pytest.raises(MjcfError, match="is a folder, not a zip"):
         mjcf.from_zip(tmp_path)

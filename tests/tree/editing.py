@@ -10,6 +10,7 @@ from lxml.etree import _Element as Node
 
 from composer.tree.kinds import section_of
 from composer.tree.name_index import NameIndex
+from composer.tree.names import may_be_generated
 from composer.tree.removal import names_in
 
 
@@ -38,6 +39,15 @@ class Tree:
 
     def find_node(self, namespace: str, name: str) -> Node | None:
         return self.names.find(namespace, name)
+
+    def known_names(self, namespace: str) -> list[str]:
+        return list(self.names.declared.get(namespace, ()))
+
+    def kinds_of(self, name: str) -> list[str]:
+        return [namespace for namespace, names in self.names.declared.items() if name in names]
+
+    def may_generate(self, name: str) -> bool:
+        return may_be_generated(name, self.root)
 
     def names_of(self, node: Node) -> list[tuple[str, str]]:
         return names_in(node)

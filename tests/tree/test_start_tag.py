@@ -84,3 +84,14 @@ def test_every_element_of_a_real_file_is_found() -> None:
             assert found is not None
             line = plain[found.line - 1]
             assert line[found.column - 1 : found.end_column - 1] == f"<{element.tag}"
+
+
+def test_of_many_on_one_line_each_is_found_at_once() -> None:
+    written = [f'<geom name="g{number}"/>' for number in range(5000)]
+    text = SourceText("".join(written))
+    found, compared = [], text._likeness
+    text._likeness = lambda *given: found.append(given) or compared(*given)  # type: ignore[method-assign,func-returns-value]
+    column = sum(map(len, written[:-1])) + 1
+    assert text.element("geom", 1, {"name": "g4999"}) == (1, column, column + 5)
+    assert text.element("geom", 1, {"name": "g0"}) == (1, 1, 6) and found == []
+    assert text.element("geom", 1, {"name": "part/g1"}) == (1, 18, 23) and found

@@ -60,4 +60,4 @@ def test_the_open_tag_is_shown() -> None:
 
 
 def test_words_that_are_not_known_are_passed_on_in_lower_case() -> None:
-    assert fault("<!DOCTYPE").message == "`a.xml` is not XML: space required after 'DOCTYPE'"
+    assert fault("<a>]]></a>").message == "`a.xml` is not XML: sequence ']]>' not allowed in content"

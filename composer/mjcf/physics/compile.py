@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from lxml.etree import _Element as Node
 
@@ -12,8 +12,8 @@ from composer.compiled.kinds import NameTable
 from composer.compiled.order import compiled_kind, compiled_order, rows
 from composer.link.request import Policy
 from composer.mjcf.attaching import attachments_below
-from composer.mjcf.errors import MjcfError, failure
-from composer.mjcf.flat import Flat, contents, copied, flatten, name_files, tell
+from composer.mjcf.errors import MjcfError, failed, failure
+from composer.mjcf.flat import Flat, contents, copied, flatten, issue_warnings, name_files
 from composer.mjcf.model import Model, Target
 from composer.mujoco_errors.location import locate_fault
 from composer.mujoco_errors.message import parse
@@ -66,7 +66,7 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
     name_files(flat)
     text = write(flat.unit.root)
     compiled = compile_text(text, contents(flat), flat)
-    tell(flat)
+    issue_warnings(flat)
     return compiled, _snapshot(model, copies, flat, NameTable(compiled))
 
 
@@ -77,7 +77,7 @@ def snapshot(model: Model, roster: NameTable) -> Snapshot:
 
 
 def compile_text(text: bytes, assets: Mapping[str, bytes], flat: Flat | None = None) -> MjModel:
-    """MuJoCo's model of MJCF text; what it refuses is told at the element of `flat`, if the text is of one."""
+    """MuJoCo's model of MJCF text; what it refuses is reported at the element of `flat`, if the text is of one."""
     mujoco = engine()
     try:
         return mujoco.MjModel.from_xml_string(text.decode(), dict(assets))
@@ -103,11 +103,13 @@ def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> Mj
     if flat is not None and fault.line is not None:
         element = element_at(flat.unit.root, text, fault.line)
     said = translate(" ".join(fault.message.split()), element)
-    help = said.help if said.topic is None else _IN_PYTHON.get(said.topic, said.help)
+    diagnostic = said.diagnostic
+    if said.topic is not None:
+        diagnostic = replace(diagnostic, help=_IN_PYTHON.get(said.topic, diagnostic.help))
     if flat is None or element is None:
-        return failure(said.code, said.message, notes=said.notes, help=help)
+        return failed(diagnostic)
     found = locate_fault(said, element, flat.unit)
-    return failure(said.code, said.message, found.span, notes=(*found.notes, *said.notes), help=help)
+    return failed(replace(diagnostic, span=found.span, notes=(*found.notes, *diagnostic.notes)))
 
 
 def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> Snapshot:

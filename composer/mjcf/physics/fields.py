@@ -1,6 +1,6 @@
 """Which arrays of `mjModel` and `mjData` have something for each element of a kind, by every name.
 
-The running MuJoCo tells: it describes its own structs, with the size that each array has rows for.
+The running MuJoCo says: it describes its own structs, with the size that each array has rows for.
 """
 
 from __future__ import annotations
@@ -67,5 +67,5 @@ def _of_struct(name: str) -> Iterator[Field]:
 
 
 def _is_text(pointer: Any) -> bool:
-    """Python sees text as bytes, which are no view."""
+    """Python sees text as bytes, which is not a view."""
     return getattr(getattr(pointer, "inner_type", None), "name", None) == "char"

@@ -6,7 +6,8 @@ import copy
 import math
 import os
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,21 +15,24 @@ from numpy.typing import NDArray
 from composer.compiled.kinds import KINDS, NameTable
 from composer.compiled.order import compiled_kind
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import exists_note
 from composer.diagnostics.unknown import unknown_name
 from composer.link.request import Policy
-from composer.mjcf.arguments import as_files, as_index, as_path
+from composer.mjcf.arguments import Folders, as_files, as_folders, as_index, as_path
 from composer.mjcf.call_site import call_site
-from composer.mjcf.element import Element, model_of
-from composer.mjcf.errors import MjcfError, failed, failure
+from composer.mjcf.errors import MjcfError, failed, failure, raise_errors
+from composer.mjcf.node_view import NodeView, model_of
 from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, binding_of
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
 from composer.mjcf.physics.rendering import Rendering
+from composer.mjcf.root_view import RootView
+from composer.reading.project import own_door
+from composer.reading.refused import CODE
+from composer.tree.admitted import all_admitted
 from composer.tree.editable import is_copy
 from composer.tree.kinds import WORLD_SECTION
-
-if TYPE_CHECKING:
-    from composer.mjcf.root import RootElement
+from composer.tree.parse import parse_file
 
 
 class Physics:
@@ -76,7 +80,7 @@ class Physics:
             self.forward()
 
     @classmethod
-    def from_mjcf_model(cls, root: RootElement, *, conflict: Policy = "error") -> Physics:
+    def from_mjcf_model(cls, root: RootView, *, conflict: Policy = "error") -> Physics:
         """Compile a model with all that is attached to it; the same as `root.compile_model()`.
 
         `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError` with what is wrong with the
@@ -105,13 +109,18 @@ class Physics:
         return cls(compile_text(text, files))
 
     @classmethod
-    def from_path(cls, path: str | os.PathLike[str]) -> Physics:
-        """Compile an MJCF file as MuJoCo reads it, or load a compiled one (`.mjb`). Raises `MjcfError`."""
+    def from_path(cls, path: str | os.PathLike[str], *, trust: Folders = ()) -> Physics:
+        """Compile an MJCF file as MuJoCo reads it, or load a compiled one (`.mjb`). Raises `MjcfError`.
+
+        The model may name files of its project and in the folders of `trust`, and no others.
+        """
         file = as_path("path", path)
         if not file.is_file():
-            raise failure("file-not-found", f"there is no file `{file}`", call_site())
+            raise failure("file-not-found", f"the file `{file}` does not exist", call_site())
         mujoco = engine()
         binary = file.suffix.lower() == ".mjb"
+        if not binary:
+            _check_files(file, as_folders("trust", trust))
         load = mujoco.MjModel.from_binary_path if binary else mujoco.MjModel.from_xml_path
         try:
             return cls(load(str(file)))
@@ -167,7 +176,7 @@ class Physics:
         """Compute everything that follows from the state and the controls, without a step in time."""
         engine().mj_forward(self._model, self._data)
 
-    def reset(self, keyframe: int | str | Element | None = None) -> None:
+    def reset(self, keyframe: int | str | NodeView | None = None) -> None:
         """Back to the reference configuration, or to a keyframe by number, name or element; then `forward()`."""
         if keyframe is None:
             engine().mj_resetData(self._model, self._data)
@@ -202,42 +211,42 @@ class Physics:
         return _restored, (self._data,)
 
     def render(
-        self, height: int = 240, width: int = 320, camera: int | str | Element = -1
+        self, height: int = 240, width: int = 320, camera: int | str | NodeView = -1
     ) -> NDArray[np.uint8]:
         """A picture of the state as it was at the last `forward()` or `step()`: `(height, width, 3)`, RGB.
 
         `camera` is a camera's number, name or element; -1 is the free camera. Raises `MjcfError` where
-        there is no OpenGL; without a display `MUJOCO_GL=egl` must be set before MuJoCo is imported.
+        OpenGL is missing; without a display `MUJOCO_GL=egl` must be set before MuJoCo is imported.
         """
         free = isinstance(camera, int | np.integer) and camera == -1
         number = -1 if free else self._row("camera", camera)
         return self._rendering.picture(self._model, self._data, height, width, number)
 
     # Any: what the fields of a binding are is known when the program runs.
-    def bind(self, elements: Element | Iterable[Element] | None) -> Any:
+    def bind(self, elements: NodeView | Iterable[NodeView] | None) -> Any:
         """A view on what the compiled model has for an element, or for several of one kind: a `Binding`.
 
             physics.bind(hinge).qpos = 0.5
             physics.bind(model.find_all('actuator')).ctrl = [0, 1, 0]
             physics.bind(site).xpos
 
-        An element that exists is found even where it has no name. Raises `MjcfError` for what is no object
+        An element that exists is found even where it has no name. Raises `MjcfError` for what is not an object
         of a compiled model, was removed, came after it was compiled, or is one of many that MuJoCo makes
         (`replicate`), and for None, which `find` gives where there is nothing; what is bound to a sequence
         is of one kind.
         """
-        if isinstance(elements, Element):
+        if isinstance(elements, NodeView):
             elements._alive()
             known = self._bindings.get(elements)
             return self._bind([elements], True, elements) if known is None else known
         several = tuple(elements) if isinstance(elements, Iterable) else None
-        if several is None or not all(isinstance(each, Element) for each in several):
-            got = next((each for each in several or () if not isinstance(each, Element)), elements)
+        if several is None or not all(isinstance(each, NodeView) for each in several):
+            got = next((each for each in several or () if not isinstance(each, NodeView)), elements)
             raise failure(
                 "wrong-type",
                 f"elements are bound, or sequences of them, got `{type(got).__name__}`",
                 call_site(),
-                help="`find` gives None where there is no such element" if got is None else None,
+                help="`find` gives None where no such element exists" if got is None else None,
             )
         for each in several:
             each._alive()
@@ -246,7 +255,7 @@ class Physics:
         known = self._bindings.get(several)
         return self._bind(several, False, several) if known is None else known
 
-    def _bind(self, elements: Iterable[Element], one: bool, key: object) -> Binding:
+    def _bind(self, elements: Iterable[NodeView], one: bool, key: object) -> Binding:
         kinds = {self._kind(each): each for each in elements}
         if len(kinds) > 1:
             (kind, first), (other, second) = list(kinds.items())[:2]
@@ -263,7 +272,7 @@ class Physics:
         self._bindings[key] = binding
         return binding
 
-    def _kind(self, element: Element) -> str:
+    def _kind(self, element: NodeView) -> str:
         kind = compiled_kind(element._node)
         if kind is None:
             raise failure(
@@ -274,7 +283,7 @@ class Physics:
             )
         return kind
 
-    def _found(self, element: Element, kind: str) -> int:
+    def _found(self, element: NodeView, kind: str) -> int:
         """The row of an element in the arrays of its kind."""
         node = element._node
         taken = self._snapshot_with(element)
@@ -283,7 +292,7 @@ class Physics:
             return row
         raise self._not_found(element, kind, taken)
 
-    def _snapshot_with(self, element: Element) -> Snapshot | None:
+    def _snapshot_with(self, element: NodeView) -> Snapshot | None:
         for taken in self._snapshots:
             if element._node in taken.known or element._model in taken.models:
                 return taken
@@ -293,7 +302,7 @@ class Physics:
         self._snapshots.append(taken)
         return taken
 
-    def _not_found(self, element: Element, kind: str, taken: Snapshot | None) -> MjcfError:
+    def _not_found(self, element: NodeView, kind: str, taken: Snapshot | None) -> MjcfError:
         what, help = element._described(), None
         notes: tuple[Note, ...] = ()
         if taken is None:
@@ -316,7 +325,7 @@ class Physics:
             message = f"{what} stands in a `<replicate>`: MuJoCo has made several of it"
             help = f"`physics.model.{kind}(NAME)` has each of them"
         elif element.name is None:
-            message = f"{what} has no name, and which {kind} of the compiled model it is cannot be told"
+            message = f"{what} has no name, and which {kind} of the compiled model it is cannot be determined"
             help = "give it a name"
         else:
             own = str(element.full_identifier)
@@ -329,9 +338,9 @@ class Physics:
             notes = (exists_note(kind, names, own),)
         return failure("unknown-name", message, call_site(), notes=notes, help=help)
 
-    def _row(self, kind: str, given: int | str | Element) -> int:
+    def _row(self, kind: str, given: int | str | NodeView) -> int:
         """The number of a keyframe or a camera that a caller means."""
-        if isinstance(given, Element):
+        if isinstance(given, NodeView):
             if self._kind(given._alive()) != kind:
                 raise failure("wrong-type", f"expects a {kind}, got {given._described()}", call_site())
             return self._found(given, kind)
@@ -365,3 +374,15 @@ def _seconds(what: str, value: object) -> float:
 
 def _restored(data: Any) -> Physics:
     return Physics(data.model, data)
+
+
+def _check_files(path: Path, trust: tuple[Path, ...]) -> None:
+    """Raise `MjcfError` if a model names files that it may not read; what else is wrong MuJoCo says."""
+    found = Sink()
+    unit = parse_file(path, aside := Sink(), door=own_door(path, trust))
+    if unit is not None:
+        all_admitted(unit, found)
+    for each in aside.errors:
+        if each.code in (CODE, "xml-syntax"):  # nobody knows what a text names that is not XML
+            found.add(each)
+    raise_errors(found)

@@ -54,7 +54,7 @@ def _renderer(model: Any, height: int, width: int) -> Any:
             raise failure("out-of-range", message, call_site()) from error
         raise failure(
             "not-supported",
-            f"there is no OpenGL to render with: {error}",
+            f"OpenGL is not available for rendering: {error}",
             call_site(),
             help="without a display set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported",
         ) from error

@@ -10,10 +10,10 @@ from typing import Any
 from composer.compiled.kinds import KINDS
 from composer.compiled.rows import arrays
 from composer.mjcf.call_site import call_site
+from composer.mjcf.element import RootElement
 from composer.mjcf.errors import MjcfWarning, failure
 from composer.mjcf.parse import from_xml_string
 from composer.mjcf.physics.compile import engine, refused
-from composer.mjcf.root import RootElement
 
 
 def from_spec(spec: Any) -> RootElement:
@@ -21,7 +21,7 @@ def from_spec(spec: Any) -> RootElement:
 
     MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
     Numbers are those of the spec, to the last bit. MuJoCo before 3.16 writes six digits of each, and so does a later
-    one where models with different compiler settings are attached to each other: an `MjcfWarning` tells. So it does
+    one where models with different compiler settings are attached to each other: an `MjcfWarning` says so, and also
     where the spec has a NaN, which MuJoCo does not write.
 
     >>> import mujoco

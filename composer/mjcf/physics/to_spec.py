@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from composer.link.request import Policy
-from composer.mjcf.flat import contents, flatten, name_files, tell
+from composer.mjcf.flat import contents, flatten, issue_warnings, name_files
 from composer.mjcf.model import Model
 from composer.mjcf.physics.compile import engine, refused
 from composer.tree.write import to_text, write
@@ -23,5 +23,5 @@ def to_spec(model: Model, conflict: Policy) -> Any:
         spec = mujoco.MjSpec.from_string(to_text(flat.unit.root), include=models, assets=files)
     except (ValueError, mujoco.FatalError) as error:
         raise refused(error, write(flat.unit.root), flat) from None
-    tell(flat)
+    issue_warnings(flat)
     return spec

@@ -6,6 +6,7 @@ import copy
 from pathlib import Path
 
 import pytest
+from sampling import rest_slow
 
 from composer import mjcf
 from composer.compiled.kinds import NameTable
@@ -118,7 +119,7 @@ def test_nothing_is_mistaken_where_mujoco_takes_bodies_out() -> None:
     assert physics.model.nbody == 2 and physics.model.ngeom == 3
     assert physics.bind(model.find("geom", "n")).size[0] == 3
     with pytest.raises(
-        MjcfError, match="has no name, and which geom of the compiled model it is cannot be told"
+        MjcfError, match="has no name, and which geom of the compiled model it is cannot be determined"
     ):
         physics.bind(model.find("geom"))
 
@@ -142,7 +143,10 @@ def test_in_a_composition(arm: RootElement, gripper: RootElement) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["franka_emika_panda/panda.xml", "wonik_allegro/left_hand.xml", "mujoco_model/humanoid/humanoid.xml"],
+    rest_slow(
+        ["franka_emika_panda/panda.xml", "wonik_allegro/left_hand.xml", "mujoco_model/humanoid/humanoid.xml"],
+        quick=["mujoco_model/humanoid/humanoid.xml"],
+    ),
 )
 def test_in_robots(name: str, corpus: Path) -> None:
     assert _judged(mjcf.from_path(corpus / "models" / name)) > 50

@@ -194,7 +194,7 @@ def test_the_world_of_what_is_attached_is_no_body(arm: RootElement, gripper: Roo
 
 
 def test_nothing_is_not_bound(arm: RootElement) -> None:
-    with pytest.raises(MjcfError, match="`find` gives None where there is no such element"):
+    with pytest.raises(MjcfError, match="`find` gives None where no such element exists"):
         arm.compile_model().bind(arm.find("joint", "wirst"))
 
 
@@ -285,7 +285,7 @@ def test_physics_of_text_binds_by_name(root: RootElement, tmp_path: Path) -> Non
 def test_physics_of_text_that_is_wrong(tmp_path: Path) -> None:
     with pytest.raises(MjcfError, match="size 0 must be positive"):
         Physics.from_xml_string('<mujoco><worldbody><geom size="0"/></worldbody></mujoco>')
-    with pytest.raises(MjcfError, match="there is no file"):
+    with pytest.raises(MjcfError, match="the file .* does not exist"):
         Physics.from_path(tmp_path / "nowhere.xml")
     (tmp_path / "bad.xml").write_text("<mujoco><worldbdy/></mujoco>")
     with pytest.raises(MjcfError, match="worldbdy|unrecognized"):

@@ -85,7 +85,7 @@ def test_without_opengl_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(mujoco, "Renderer", no_display)
     physics = mjcf.RootElement().compile_model()
-    with pytest.raises(MjcfError, match="there is no OpenGL to render with: no display") as caught:
+    with pytest.raises(MjcfError, match="OpenGL is not available for rendering: no display") as caught:
         physics.render(10, 2000)
     assert "MUJOCO_GL=egl" in str(caught.value.diagnostics[0].help)
     assert physics.model.vis.global_.offwidth == 640

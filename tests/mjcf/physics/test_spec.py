@@ -106,6 +106,8 @@ def test_no_word_of_nan_where_all_are_numbers() -> None:
         '<mujoco><worldbody><frame pos="1 0 0"><body euler="1 2 3"><freejoint/><geom size="1"/></body></frame>'
         "</worldbody></mujoco>"
     )
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", mjcf.MjcfWarning)
+    with warnings.catch_warnings(record=True) as reported:
+        warnings.simplefilter("always", mjcf.MjcfWarning)
         mjcf.from_spec(spec)
+    # MuJoCo before 3.16 writes six digits, which is a warning of its own.
+    assert not [each for each in reported if "NaN" in str(each.message)]

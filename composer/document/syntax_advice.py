@@ -1,4 +1,4 @@
-"""What stands in `{ }` without a colon: YAML takes it for a key without a value, which no recipe means."""
+"""Help for a text in `{ }` without a colon: YAML reads it as a key without a value, which no recipe intends."""
 
 from __future__ import annotations
 

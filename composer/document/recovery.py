@@ -1,4 +1,4 @@
-"""A YAML reader's complaint, and the fault it is told as."""
+"""Where a YAML parser stopped, the error reported for it, and how reading goes on behind it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from composer.diagnostics import Diagnostic, Note, Span
+from composer.diagnostics.fix import Fix
 from composer.document.decode import position
 from composer.document.quote import in_flow, quoted
 
@@ -14,7 +15,7 @@ _WORD = re.compile(r"[\w${*/.-]+|\S")
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class SyntaxFault:
     """A syntax fault as a diagnostic.
 
     `hide` is the stretch of the text that was meant as a plain value: once it is hidden from the reader,
@@ -26,11 +27,11 @@ class Fault:
 
 
 @dataclass(frozen=True, slots=True)
-class Complaint:
-    """What the reader said, in its words (`context`, `problem`) and its places.
+class ParserStop:
+    """Where the parser stopped, and what it said, in its words (`context`, `problem`).
 
     `at` and `since` are indices into `text`: where it broke off, and the start of what it was reading then.
-    `outer` tells whether the break is inside `[ ]` or `{ }` that began on an earlier line.
+    `outer` says whether the break is inside `[ ]` or `{ }` that began on an earlier line.
     """
 
     text: str
@@ -49,14 +50,15 @@ class Complaint:
 
     def fault(
         self, message: str, span: Span, help: str | None = None, code: str = "yaml-syntax", *notes: Note
-    ) -> Fault:
+    ) -> SyntaxFault:
         """A fault after which nothing can be read."""
-        return Fault(Diagnostic(code, message, span, notes=notes, help=help))
+        return SyntaxFault(Diagnostic(code, message, span, notes=notes, help=help))
 
-    def unquoted(self, code: str, start: int, end: int, message: str) -> Fault:
+    def unquoted(self, code: str, start: int, end: int, message: str) -> SyntaxFault:
         """The fault of a text that only lacks its quotes."""
-        help = f"quote it: {quoted(self.text[start:end])}"
-        return Fault(Diagnostic(code, message, self.span(start, end), help=help), (start, end))
+        text = quoted(self.text[start:end])
+        found = Diagnostic(code, message, self.span(start, end), help=f"quote it: {text}", fix=Fix(text))
+        return SyntaxFault(found, (start, end))
 
     @property
     def flow(self) -> bool:

@@ -1,0 +1,29 @@
+"""Numbers that differ between worlds as they are kept in a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from composer.compiled.kinds import Model
+from composer.compiled.varying import Numbers
+from composer.compiled.whose import whose
+
+
+def stored(model: Model, found: Iterable[tuple[str, Numbers, Numbers]]) -> dict[str, Numbers]:
+    """By key of an `.npz`, of every array NAME: `NAME/index`, where the numbers are in it flattened, `(numbers,)`;
+    `NAME/values`, `(worlds, numbers)`; and for those who read the table `NAME/kind`, `NAME/element` and
+    `NAME/attribute`, `(numbers,)`: whose each of them is.
+    """
+    arrays: dict[str, Numbers] = {}
+    for name, index, values in found:
+        owners = whose(model, name, index)
+        arrays |= {
+            f"{name}/index": index,
+            f"{name}/kind": np.array(owners[0].kind if owners else ""),
+            f"{name}/element": np.array([each.element for each in owners], str),
+            f"{name}/attribute": np.array([each.attribute for each in owners], str),
+            f"{name}/values": values,
+        }
+    return arrays

@@ -1,0 +1,117 @@
+"""Which numbers of models differ that are alike in everything else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from composer.compiled.kinds import Model
+
+Numbers = NDArray[Any]
+MEAN_INERTIA = "stat.meaninertia"
+_LARGE = 1 << 16
+"""Arrays of more numbers are assets, such as the vertices of meshes: of one model with draws looked at in the first
+worlds only.
+"""
+_FIRST = 4
+
+
+class Differences:
+    """What differs from the nominal model, in so many worlds: by array, the numbers that do in any of them."""
+
+    def __init__(self, model: Model, worlds: int) -> None:
+        self.model, self.worlds = model, worlds
+        self.nominal = {name: flat(model, name).copy() for name in arrays(model)}
+        self.index: dict[str, Numbers] = {}
+        self.values: dict[str, Numbers] = {}
+        self.changed: set[str] = set()
+
+    def take(self, world: int, model: Model | None = None, count: int = 1) -> None:
+        """Note what the model is in this world, or in `count` worlds from it; or another model with as many numbers in
+        each array.
+        """
+        for name, nominal in self.nominal.items():
+            if model is None and nominal.size > _LARGE and world >= _FIRST and name not in self.values:
+                continue
+            now = flat(self.model if model is None else model, name)
+            other = now != nominal
+            if other.any() and nominal.dtype.kind == "f":
+                other &= ~(np.isnan(now) & np.isnan(nominal))
+            if not other.any():
+                continue
+            self.changed.add(name)
+            self._grow(name, np.flatnonzero(other))
+            self.values[name][:, world : world + count] = now[self.index[name], None]
+
+    def take_numbers(self, world: int, name: str, index: Numbers, values: Numbers) -> None:
+        """Note what some numbers of an array are from this world on, `(worlds, numbers)`."""
+        self._grow(name, index)
+        order = np.argsort(self.index[name])
+        places = order[np.searchsorted(self.index[name], index, sorter=order)]
+        self.values[name][places, world : world + len(values)] = values.T
+
+    def _grow(self, name: str, other: Numbers) -> None:
+        """Numbers that are others for the first time: in the worlds before they are the nominal ones."""
+        index = self.index.get(name, np.empty(0, np.int64))
+        new = np.setdiff1d(other, index)
+        if new.size or name not in self.values:
+            rows = np.repeat(self.nominal[name][new][:, None], self.worlds, axis=1)
+            self.index[name] = np.concatenate((index, new))
+            self.values[name] = np.concatenate((self.values[name], rows)) if name in self.values else rows
+
+    def extend(self, worlds: int) -> None:
+        """Make room for so many worlds, which are the nominal model as long as nothing else is noted."""
+        more = max(0, worlds - self.worlds)
+        self.worlds += more
+        for name, values in self.values.items():
+            rows = np.repeat(self.nominal[name][self.index[name]][:, None], more, axis=1)
+            self.values[name] = np.concatenate((values, rows), axis=1)
+
+    def restore(self) -> None:
+        """Make the model the nominal one again."""
+        for name in self.changed:
+            put(self.model, name, self.nominal[name])
+        self.changed.clear()
+
+    def found(self) -> Iterator[tuple[str, Numbers, Numbers]]:
+        """Of each array that differs the flat indices, `(numbers,)`, and the numbers, `(worlds, numbers)`."""
+        for name in sorted(self.values):
+            order = np.argsort(self.index[name])
+            yield name, self.index[name][order], np.ascontiguousarray(self.values[name][order].T)
+
+
+def arrays(model: Model) -> Iterator[str]:
+    """All arrays of a model, its options, and the number by which solvers scale; the rest of `stat` is for viewers."""
+    for name in dir(model):
+        if not name.startswith("_") and isinstance(getattr(model, name), np.ndarray):
+            yield name
+    for name in dir(model.opt):
+        if not name.startswith("_") and isinstance(getattr(model.opt, name), np.ndarray | float | int):
+            yield f"opt.{name}"
+    yield MEAN_INERTIA
+
+
+def value_of(model: Model, name: str) -> Any:
+    """An array of a model, or what `opt.` or `stat.` stands before: an array or a number. Raises AttributeError."""
+    owner, _, field = name.rpartition(".")
+    return getattr(getattr(model, owner) if owner else model, field)
+
+
+def flat(model: Model, name: str) -> Numbers:
+    """An array in one dimension: a view of the model's memory, but of a single number a copy."""
+    value = value_of(model, name)
+    numbers: Numbers = value.reshape(-1) if isinstance(value, np.ndarray) else np.array([value])
+    return numbers
+
+
+def put(model: Model, name: str, numbers: Numbers) -> None:
+    """Write a whole array."""
+    value = value_of(model, name)
+    if isinstance(value, np.ndarray):
+        value.reshape(-1)[:] = numbers
+    else:
+        owner, _, field = name.rpartition(".")
+        setattr(getattr(model, owner), field, numbers[0].item())

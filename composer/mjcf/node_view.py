@@ -1,0 +1,121 @@
+"""The view of one node, without the tree around it: its name, its origin, its text, its copies."""
+
+from __future__ import annotations
+
+from typing import Any, Self, cast
+
+from composer.diagnostics.span import Span
+from composer.mjcf.attaching import HOSTS
+from composer.mjcf.attributed import Attributed
+from composer.mjcf.call_site import call_site
+from composer.mjcf.duplicate import copied
+from composer.mjcf.errors import failure
+from composer.mjcf.html import page
+from composer.mjcf.model import Model
+from composer.mjcf.pickled import reduced
+from composer.mjcf.text import text
+from composer.tree.kinds import naming_attribute, spoken
+
+
+class NodeView(Attributed):
+    """What an `Element` has that needs no other Element; see there."""
+
+    __slots__ = ()
+
+    @property
+    def name(self) -> str | None:
+        """The name in its own model, without prefixes; None where it has none.
+
+        A new name must be free in the whole composition, and whatever refers to the element follows. The
+        name of a default class is its class, that of an asset without one the stem of its file, as MuJoCo
+        has it.
+
+        >>> from composer import mjcf
+        >>> model = mjcf.RootElement()
+        >>> arm = model.worldbody.add('body', name='arm')
+        >>> sensor = model.sensor.add('framepos', objtype='body', objname=arm)
+        >>> arm.name = 'left'
+        >>> sensor
+        <framepos objtype="body" objname="left"/>
+        """
+        return self._own_name()
+
+    @name.setter
+    def name(self, name: str | None) -> None:
+        attribute = naming_attribute(self._kind)
+        self._write({attribute.name if attribute else "name": name})
+
+    @property
+    def full_identifier(self) -> str | None:
+        """The name in the output of the whole composition, prefixes included; None where it has none.
+
+        >>> from composer import mjcf
+        >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
+        >>> finger = gripper.worldbody.add('body', name='finger')
+        >>> frame = arm.attach(gripper)
+        >>> finger.name, finger.full_identifier
+        ('finger', 'gripper/finger')
+        """
+        model = self._alive()._model
+        return model.seen_from(model.top, self._node)
+
+    @property
+    def origin(self) -> Span:
+        """The place it came from: in a file, or the line of the program that added it.
+
+        >>> from composer import mjcf
+        >>> lines = ['<mujoco>', '<worldbody><geom name="ball" size="1"/></worldbody>', '</mujoco>']
+        >>> mjcf.from_xml_string(chr(10).join(lines)).find('geom', 'ball').origin.line
+        2
+        """
+        return self._alive()._model.span(self._node)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        """Among other things that are copied: the element of the copy of its model."""
+        if not memo:
+            raise failure(
+                "not-supported",
+                "an element cannot be copied without its model",
+                call_site(),
+                help="copy the model: `copy.deepcopy(element.root)`",
+            )
+        return cast(Self, copied(self, memo))
+
+    def __copy__(self) -> Self:
+        return self.__deepcopy__({})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled with the whole composition: what is pickled together stays together."""
+        return reduced(self)
+
+    def __dir__(self) -> list[str]:
+        kind = self._kind
+        attributes, children = map(spoken, kind.attributes), map(spoken, kind.children)
+        found = {*super().__dir__(), *attributes, *children}
+        return sorted(found if kind.path in HOSTS else found - {"attach"})
+
+    def __repr__(self) -> str:
+        attributes = "".join(f' {name!s}="{value!s}"' for name, value in self._node.items())
+        return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
+
+    def __str__(self) -> str:
+        """The element and all below it in its own model, as MJCF text; comments say where models are attached."""
+        return text(self._model, self._node)
+
+    def _repr_html_(self) -> str:
+        """The element as a tree that opens and closes, for notebooks."""
+        return page(self._model, self._node)
+
+
+def model_of(root: object, what: str) -> Model:
+    """The model of an argument that has to be a root."""
+    if not isinstance(root, NodeView) or root._node is not root._model.unit.root:
+        raise failure("wrong-type", f"{what} is a `RootElement`, got `{type(root).__name__}`", call_site())
+    return root._model
+
+
+def checked(element: object) -> NodeView:
+    """An argument that has to be an element of a model."""
+    if not isinstance(element, NodeView):
+        raise failure("wrong-type", f"expects an element, got `{type(element).__name__}`", call_site())
+    return element._alive()

@@ -1,0 +1,89 @@
+"""Whether a model names only files that it may read: asked before MuJoCo, which opens them by itself, has it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.reading.refused import Refused
+from composer.tree.files import file_attributes, join, written_path
+from composer.tree.parse import parse_file, parse_xml
+from composer.tree.unit import Unit
+
+
+class _Use(NamedTuple):
+    """An attribute of a model, or of one that it attaches, and the file that it names."""
+
+    unit: Unit
+    element: Node
+    attribute: str
+    path: str
+
+
+def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
+    """Whether the door of a model lets through all that it names; what it does not is reported at its place.
+
+    Included files have been read with the model. Those that it attaches are read here, with all that they name.
+    """
+    before = sink.error_count
+    for use in _named(unit, sink, shown or str, set()):
+        try:
+            unit.door.admit(use.path)
+        except Refused as refused:
+            refused.report(
+                sink, use.unit.origins.span(use.element, use.unit.file, use.attribute), shown=shown
+            )
+    return sink.error_count == before
+
+
+def _named(unit: Unit, sink: Sink, shown: Callable[[Path], str], seen: set[str]) -> Iterator[_Use]:
+    directory = str(unit.directory)
+    for element, attribute, name in file_attributes(unit.root):
+        written = written_path(unit.settings, element, name)
+        if written not in unit.contents:
+            yield _Use(unit, element, attribute, join(directory, written))
+    for element in unit.root.iterfind("asset/model"):
+        name = str(element.get("file") or "")
+        path = join(directory, name)
+        if not name or name in unit.contents or path in seen:
+            continue
+        seen.add(path)
+        use = _Use(unit, element, "file", path)
+        yield use
+        if unit.door.exists(path):
+            aside = Sink()
+            inner = parse_file(Path(path), aside, file=shown(Path(path)), door=unit.door)
+            for each in aside.errors:
+                if each.code == "source-outside":
+                    sink.add(each)  # an include; what else is wrong is reported where the model is linked
+            if inner is not None:
+                yield from _named(inner, sink, shown, seen)
+
+
+def includes_admitted(urdf: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
+    """Whether a URDF includes only files that it may read; some versions of MuJoCo read what it includes."""
+    before = sink.error_count
+    waiting = [(urdf.root, urdf.file, urdf.directory)]
+    seen: set[Path] = set()
+    while waiting:
+        root, file, folder = waiting.pop()
+        for element in root.iter("include"):
+            path = Path(join(str(folder), str(element.get("file") or "")))
+            try:
+                urdf.door.admit(path)
+                data = urdf.door.read(path) if path.is_file() and path not in seen else b""
+            except Refused as refused:
+                refused.report(sink, urdf.origins.span(element, file, "file"), shown=shown)
+                continue
+            except OSError:  # which MuJoCo reports, if it looks
+                continue
+            seen.add(path)
+            inner = parse_xml(data, str(path), Sink()) if data else None
+            if inner is not None:
+                urdf.origins.texts[str(path)] = data
+                waiting.append((inner, str(path), path.parent))
+    return sink.error_count == before

@@ -1,0 +1,102 @@
+"""What MuJoCo's reader passes over without a word, below a `<frame>` or a `<replicate>`.
+
+These are attributes that MJCF does not have, those that this version of MuJoCo does not have, and elements in one that
+can have none of that tag. MuJoCo (3.2 to 4.0) refuses them everywhere else, and has no schema for what is inside a
+frame. Parts are joined by frames, so that a typing error in a source, which MuJoCo reports of the source alone, would
+be lost in a composition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from composer.diagnostics.diagnostic import Diagnostic, Severity
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.grammar import GRAMMAR
+from composer.grammar.attribute import Attribute
+from composer.grammar.element import ElementType
+from composer.tree.line import line_of
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from composer.tree.unit import Unit
+
+BLIND = ("frame", "replicate")
+_HOLDERS = ("body", *BLIND)
+"""What MuJoCo looks into tag by tag, also below a frame."""
+
+
+def unread(root: Node, version: str | None = None) -> Iterator[tuple[Node, str | None]]:
+    """Elements with the name of each of their attributes that nobody reads; None where the element itself is not read.
+
+    Without a `version` of MuJoCo that means what some version does not read.
+
+    >>> from lxml import etree
+    >>> root = etree.fromstring("<mujoco><worldbody><frame><geom x='1'><y/></geom></frame></worldbody></mujoco>")
+    >>> [(node.tag, name) for node, name in unread(root)]
+    [('geom', 'x'), ('y', None)]
+    """
+    if next(root.iter(*BLIND), None) is None:
+        return
+    for worldbody in root.iterchildren("worldbody"):
+        yield from _below(worldbody, GRAMMAR.section("worldbody"), False, version)
+
+
+def _exists(what: ElementType | Attribute, version: str | None) -> bool:
+    return what.since is None and what.until is None if version is None else what.exists_in(version)
+
+
+def _below(
+    parent: Node, kind: ElementType, blind: bool, version: str | None
+) -> Iterator[tuple[Node, str | None]]:
+    stack = [(parent, kind, blind)]
+    while stack:
+        parent, kind, blind = stack.pop()
+        for child in parent.iterchildren("*"):
+            child_kind = kind.children.get(str(child.tag))
+            is_read = child_kind is not None and _exists(child_kind, version)
+            if not is_read and blind and parent.tag not in _HOLDERS:
+                yield child, None
+            if child_kind is None:
+                continue
+            unseen = blind or child.tag in BLIND
+            if unseen:
+                known = child_kind.attributes
+                for name in map(str, child.keys()):
+                    if name not in known or not _exists(known[name], version):
+                        yield child, name
+            if len(child):
+                stack.append((child, child_kind, unseen))
+
+
+def ignored(element: Node, name: str | None, unit: Unit) -> Diagnostic:
+    """The warning that an attribute of an element means nothing, or (None) the element itself."""
+    span = unit.origins.span(element, unit.file, name, key=name is not None)
+    if name is None:
+        parent = element.getparent()
+        place = "" if parent is None else f" in `<{parent.tag}>`"
+        message = f"MuJoCo ignores `<{element.tag}>`{place}, which means nothing"
+        return Diagnostic("unknown-element", message, span, Severity.WARNING, help="remove it")
+    kind = GRAMMAR.within("worldbody").get(str(element.tag))
+    known = [] if kind is None else list(kind.attributes)
+    message = f"MuJoCo ignores `{name}` of `<{element.tag}>`, which means nothing"
+    near = None if kind is not None and name in kind.ignored else did_you_mean(name, known)
+    notes = (exists_note("attribute", known, name),) if near else ()
+    return Diagnostic("unknown-attribute", message, span, Severity.WARNING, notes, near or f"remove `{name}`")
+
+
+def note_unread(unit: Unit) -> None:
+    """Remember what MuJoCo passes over in a source by itself, where it is known later that it means nothing."""
+    unit.origins.unread |= {_place(node, name, unit) for node, name in unread(unit.root)}
+
+
+def is_unread_alone(element: Node, name: str | None, unit: Unit) -> bool:
+    """Whether MuJoCo passes over it in the source, too, of which the unit is made."""
+    return _place(element, name, unit) in unit.origins.unread
+
+
+def _place(element: Node, name: str | None, unit: Unit) -> tuple[str, int | None, str | None]:
+    owner = unit.origins.owner(element, unit.file)
+    return owner if isinstance(owner, str) else "", line_of(element), name

@@ -1,0 +1,74 @@
+"""How much room a model reserves by a few words: counted before MuJoCo takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.sink import Sink
+from composer.limits import advice, in_force
+from composer.tree.unit import Unit
+
+_CODE = "limit-exceeded"
+_CHANNELS = 3
+_OF_A_STEP = 10
+"""What a step that is simulated counts for: it takes at least 1 microsecond."""
+_OF_A_KEY = 2000
+"""What a keyframe counts for at least: MuJoCo 4.0 takes 3 s to make 50,000, and four times that for twice as many."""
+
+
+def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
+    """Whether a model of so many elements, once it is expanded, reserves no more than the limits allow.
+
+    What does not goes to `sink`, at the attribute that says how much.
+    """
+    most, total = in_force().reserved, 0
+    for node, attribute, count in _reserving(unit.root, elements):
+        total += count
+        if total > most:
+            span = unit.origins.span(node, unit.file, attribute)
+            message = f"`<{node.tag}>` reserves {count} numbers; a model may reserve {most}"
+            sink.error(_CODE, message, span, help=advice("reserved", total))
+            return False
+    return True
+
+
+def _reserving(root: Node, elements: int) -> Iterator[tuple[Node, str, int]]:
+    for node in root.iter("texture", "hfield", "size", "lengthrange"):
+        if node.tag == "texture" and node.get("file") is None:
+            width = _number(node, "width")
+            is_cube = (node.get("type") or "cube") != "2d"
+            yield node, "width", _CHANNELS * width * (6 * width if is_cube else _number(node, "height"))
+        elif node.tag == "hfield" and node.get("file") is None:
+            yield node, "nrow", _number(node, "nrow") * _number(node, "ncol")
+        elif node.tag == "lengthrange":
+            actuators = int(root.xpath("count(actuator/*)"))  # type: ignore[arg-type]
+            yield node, "inttotal", _OF_A_STEP * actuators * _steps(node)
+        elif node.tag == "size":
+            for name in map(str, node.keys()):
+                yield node, name, _number(node, name) * _weight(name, elements)
+
+
+def _weight(name: str, elements: int) -> int:
+    """What one of a number in `<size>` counts for; those of memory and contacts have limits of their own."""
+    if name == "nkey":
+        return _OF_A_KEY + elements
+    return elements if name.startswith("nuser_") else 1 if name == "nuserdata" else 0
+
+
+def _steps(lengthrange: Node) -> int:
+    """How many steps MuJoCo simulates for each actuator whose length range it looks for."""
+    try:
+        seconds = float(lengthrange.get("inttotal") or 10)
+        return int(seconds / float(lengthrange.get("timestep") or 0.01))
+    except (ValueError, OverflowError, ZeroDivisionError):
+        return 0
+
+
+def _number(node: Node, name: str) -> int:
+    """What is no number is reported elsewhere."""
+    try:
+        return max(0, int(float(node.get(name) or 0)))
+    except (ValueError, OverflowError):
+        return 0

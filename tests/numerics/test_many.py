@@ -1,0 +1,66 @@
+"""Draws of many samples at once are those of each by itself, to the bit."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from composer.numerics import many, stream
+from composer.numerics.distribution import (
+    Distribution,
+    Integers,
+    LogNormal,
+    LogUniform,
+    Normal,
+    TruncNormal,
+    Uniform,
+)
+
+# The ends, and both sides of where the quantile has its tails.
+EDGES = [0, 1, 2**12, 2**63 - 1, 2**63, 2**64 - 1, *(int(p * 2**64) for p in (1e-12, 0.0749, 0.0751, 0.925))]
+BITS = st.lists(st.integers(0, 2**64 - 1), min_size=1, max_size=20).map(lambda found: EDGES + found)
+
+
+@st.composite
+def distributions(draw: st.DrawFn) -> Distribution:
+    low, high = sorted(draw(st.tuples(st.floats(-1e300, 1e300), st.floats(-1e300, 1e300))))
+    mean, std = draw(st.floats(-1e3, 1e3)), draw(st.floats(1e-3, 1e3))
+    first, width = draw(st.floats(-19, 18)), draw(st.floats(0, 9))
+    return draw(
+        st.sampled_from([
+            Uniform(low, high),
+            Uniform(-1.7e308, 1.7e308),
+            LogUniform(1 / (1 + abs(low)), 1 + abs(high)),
+            Normal(mean, std),
+            Normal(mean, 0.0),
+            TruncNormal(mean, std, mean + std * first, mean + std * (first + width)),
+            LogNormal(mean, std),
+            LogNormal(mean, 0.0),
+            Integers(int(mean) - 2**53, int(mean)),
+        ])
+    )  # fmt: skip
+
+
+def exact(numbers: list[float]) -> list[tuple[type, str]]:
+    return [(type(each), each.hex() if isinstance(each, float) else str(each)) for each in numbers]
+
+
+@given(distributions(), BITS)
+def test_the_same_bits_together(distribution: Distribution, bits: list[int]) -> None:
+    one_by_one = [distribution.draw(each) for each in bits]
+    assert exact(distribution.draw_all(np.array(bits, np.uint64)).tolist()) == exact(one_by_one)
+
+
+@given(st.integers(0, 2**64 - 1), st.text(max_size=5), st.text(max_size=5), st.integers(0, 9))
+def test_every_sample_has_its_own_bits(seed: int, field: str, element: str, component: int) -> None:
+    samples = [0, 1, 9, 10, 99_999]
+    wanted = [stream.bits(seed, each, field, element, component) for each in samples]
+    assert many.bits(seed, samples, field, element, component).tolist() == wanted
+
+
+@given(BITS, st.integers(1, 2**54))
+def test_below(bits: list[int], count: int) -> None:
+    assert many.below(np.array(bits, np.uint64), count).tolist() == [
+        stream.below(each, count) for each in bits
+    ]

@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from composer.diagnostics import Sink
+from composer.limits import allow
+from composer.tree.expansion import expanded
+from composer.tree.parse import parse_text
+
+
+def told(inside: str) -> list[tuple[str, str, int | None]]:
+    """Code, message and line of each error of a model."""
+    sink = Sink()
+    text = f"<mujoco>\n<worldbody>\n{inside}\n</worldbody>\n</mujoco>"
+    parse_text(text, sink, file="m.xml", directory=Path(), label="m")
+    return [(each.code, each.message, each.span and each.span.line) for each in sink.errors]
+
+
+@pytest.mark.parametrize(
+    ("inside", "size"),
+    [
+        ('<replicate count="3"><geom/></replicate>', 4),
+        ('<replicate count="3"><body><replicate count="5"><geom/></replicate></body></replicate>', 22),
+        ('<replicate count="3"/>', 1),
+        ('<replicate><geom/></replicate>', 2),
+        ('<replicate count="many"><geom/></replicate>', 2),
+        ('<replicate count="2e3"><geom/></replicate>', 2001),
+        ('<composite count="7 2 1"><geom/></composite>', 29),
+        ("<composite><geom/></composite>", 3),
+        ("<flexcomp/>", 1001),
+        ('<flexcomp count="4 5 6"/>', 121),
+        ('<flexcomp type="disc" count="4 5 1"><edge/></flexcomp>', 22),
+        ('<flexcomp count="4 5 6" file="ignored.obj"/>', 121),
+        ('<flexcomp type="direct" point="0 0 0 1 1 1"/>', 3),
+        ('<flexcomp type="mesh" file="a.obj" count="9 9 9"/>', 1),
+    ],
+)  # fmt: skip
+def test_sizes(inside: str, size: int) -> None:
+    assert expanded(etree.fromstring(inside)) == size
+
+
+def test_what_is_attached_counts_each_time() -> None:
+    root = etree.fromstring('<body><replicate count="10"><attach/></replicate><attach/></body>')
+    assert expanded(root, lambda _: 100) == 1 + (1 + 10 * 101) + 101
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        '<replicate count="2000000000"><geom/></replicate>',
+        '<replicate count="99999999999999999999999999"><geom/></replicate>',
+        '<replicate count="1e300"><geom/></replicate>',
+        '<body><composite count="9 9999 1"><geom/></composite></body>',
+        '<flexcomp count="2000000000 1 1"/>',
+    ],
+)
+def test_a_huge_expansion_is_told_in_no_time_at_its_place(inside: str) -> None:
+    begun = time.monotonic()
+    ((code, message, line),) = told(inside)
+    assert (code, line) == ("limit-exceeded", 3) and "elements; 20000 are allowed" in message
+    assert time.monotonic() - begun < 10
+
+
+def test_replicates_without_end_in_one_another() -> None:
+    inside = '\n<replicate count="9"><body>' * 500 + "<geom/>" + "</body></replicate>" * 500
+    ((code, _, line),) = told(inside)
+    assert (code, line) == ("limit-exceeded", 3 + 500 - 4)  # the innermost that is too much
+
+
+def test_the_limit_is_exact_and_can_be_raised() -> None:
+    exact = '<replicate count="20001"><geom/></replicate>'  # one of these stands there
+    assert told(exact) == []
+    ((_, message, _),) = told(exact.replace("20001", "20002"))
+    assert message == "`<replicate>` makes 20001 elements; 20000 are allowed"
+    with allow(expansion=20001):
+        assert told(exact.replace("20001", "20002")) == []
+
+
+def test_many_that_are_small() -> None:
+    ((code, message, line),) = told('<replicate count="5002"><geom/></replicate>\n' * 4)
+    assert (code, line) == ("limit-exceeded", 3)
+    assert message == "the model makes 20004 elements of what is written; 20000 are allowed"
+
+
+def test_elements_that_are_written() -> None:
+    with allow(elements=10):
+        assert told("<geom/>" * 8) == []
+        ((code, message, line),) = told("<geom/>" * 9)
+        assert (code, message, line) == ("limit-exceeded", "`m.xml` has 11 elements; 10 are allowed", 1)
+        assert told("<!-- <geom/><geom/><geom/> -->" + "<geom/>" * 8) == []
+
+
+def test_text_that_is_long() -> None:
+    with allow(text_size=100):
+        assert told(f'<geom name="{"x" * 100}"/>') == []
+        for long in (f'<geom name="{"x" * 101}"/>', f"<!--{'x' * 100}-->", "\n" * 101):
+            ((code, message, line),) = told(long)
+            assert (code, line) == (
+                "limit-exceeded",
+                2 if long[0] == "\n" else 3,
+            ) and "100 are allowed" in message
