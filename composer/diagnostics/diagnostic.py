@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from composer.diagnostics.cell_name import CellName
+from composer.diagnostics.fix import Fix
 from composer.diagnostics.span import Span
 
 
@@ -44,7 +45,7 @@ class Diagnostic:
     may be pasted into the file. `others` are what else the message is true of, by the same cause. `cells` are the
     models that it is about, in a run that looks at several of a recipe; it is empty where the diagnostic is about the
     recipe as a whole. `subjects` are the names that it is about: where an earlier error took one of them away, this one
-    only follows from it.
+    only follows from it. `fix` is the exact change that `help` describes, where there is one.
     """
 
     code: str
@@ -56,6 +57,7 @@ class Diagnostic:
     others: tuple[Note, ...] = ()
     cells: tuple[CellName, ...] = ()
     subjects: frozenset[str] = field(default=frozenset(), compare=False)
+    fix: Fix | None = field(default=None, compare=False)
 
     def listed(self) -> tuple[Note, ...]:
         """The notes with one that lists the first of the `others`, one a line."""

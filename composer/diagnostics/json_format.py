@@ -24,6 +24,7 @@ def render(diagnostic: Diagnostic) -> str:
             "span": _span(diagnostic.span),
             "notes": [_note(note) for note in diagnostic.notes],
             "help": diagnostic.help,
+            "fix": _fix(diagnostic),
             "others": [_note(each) for each in diagnostic.others],
             "cells": [asdict(cell) for cell in diagnostic.cells],
         }
@@ -32,6 +33,14 @@ def render(diagnostic: Diagnostic) -> str:
 
 def _note(note: Note) -> dict[str, Any]:
     return {"message": note.message, "span": _span(note.span)}
+
+
+def _fix(diagnostic: Diagnostic) -> dict[str, Any] | None:
+    """Text for a stretch of a file. A name has its quotes once its file is known: see `composer.fixing.edit.exact`."""
+    fix = diagnostic.fix
+    if fix is None or fix.replaces is not None:
+        return None
+    return {"replacement": fix.replacement, "span": _span(fix.span or diagnostic.span)}
 
 
 def _span(span: Span | None) -> dict[str, Any] | None:

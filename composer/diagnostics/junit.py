@@ -16,11 +16,11 @@ _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One thing that was tested: `kind` says what of, `told` are the errors; none is a pass."""
+    """One thing that was tested: `kind` says what of, `errors` are its faults; none is a pass."""
 
     name: str
     kind: str
-    told: Sequence[Diagnostic] = ()
+    errors: Sequence[Diagnostic] = ()
     file: str | None = None
     line: int | None = None
 
@@ -43,7 +43,7 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
     """The text of a whole file. No I/O but `read`."""
     root = Xml.Element("testsuites", {"name": "mjcompose"})
     for suite in suites:
-        failures = sum(bool(case.told) for case in suite.cases)
+        failures = sum(bool(case.errors) for case in suite.cases)
         counts = {"tests": str(len(suite.cases)), "failures": str(failures), "errors": "0", "skipped": "0"}
         element = Xml.SubElement(root, "testsuite", {"name": _text(suite.name), **counts})
         if properties := suite.properties():
@@ -56,12 +56,12 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
             row = Xml.SubElement(
                 element, "testcase", {key: _text(value) for key, value in about.items() if value is not None}
             )
-            if case.told:
-                first = case.told[0]
+            if case.errors:
+                first = case.errors[0]
                 failure = Xml.SubElement(
                     row, "failure", {"type": first.code, "message": _text(first.message)}
                 )
-                failure.text = _text("\n\n".join(render(each, read) for each in case.told))
+                failure.text = _text("\n\n".join(render(each, read) for each in case.errors))
     Xml.indent(root)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{Xml.tostring(root, encoding="unicode")}\n'
 

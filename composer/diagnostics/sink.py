@@ -9,7 +9,9 @@ from dataclasses import replace
 from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.codes import CODES
 from composer.diagnostics.diagnostic import Cause, Diagnostic, Note, Severity
+from composer.diagnostics.fix import Fix
 from composer.diagnostics.span import Span
+from composer.limits import advice, in_force
 
 _STEP = re.compile(r"[/:.\s]")
 _SEVERITIES = tuple(Severity)
@@ -17,10 +19,19 @@ _OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
 """How the files of models end, which are most often somebody else's."""
 
 
+class TooManyFaults(Exception):
+    """More errors than are looked for: each takes a search for its place. `sink` has those that were found."""
+
+    def __init__(self, sink: Sink) -> None:
+        super().__init__(f"more than {in_force().faults} errors; the first one is: {sink.errors[0].message}")
+        self.sink = sink
+
+
 class Sink:
     """Collects diagnostics in the order they are found; the same diagnostic twice is kept once.
 
-    A code that `CODES` does not declare is a bug of the caller and raises `KeyError`.
+    A code that `CODES` does not declare is a bug of the caller and raises `KeyError`. One error more than the limit
+    `faults` raises `TooManyFaults`.
     """
 
     def __init__(self) -> None:
@@ -30,8 +41,9 @@ class Sink:
         self._causes: dict[tuple[str, Severity, str], Diagnostic] = {}
         self._cells: dict[Diagnostic, dict[CellName, None]] = {}
         self.error_count = 0
-        """How often there was an error, those told before and those not told included."""
+        """How often there was an error, those reported before and those suppressed included."""
         self._lost: set[str] = set()
+        self._errors = 0
 
     def suppress_about(self, names: Iterable[str]) -> None:
         """From now on report only errors that are not about these names, nor about what is named below one.
@@ -67,6 +79,41 @@ class Sink:
                 self._found[first][Note(cause.subject, diagnostic.span)] = None
                 return
         self._found[diagnostic] = {}
+        if diagnostic.severity is Severity.ERROR:
+            self._bound()
+
+    def _bound(self) -> None:
+        self._errors += 1
+        most = in_force().faults
+        if self._errors == most + 1:
+            message = f"there are more than {most} errors; others were not looked for"
+            last = Diagnostic("limit-exceeded", message, None, help=advice("faults"))
+            self._found[last] = {}
+            raise TooManyFaults(self)
+
+    def drop(self, diagnostic: Diagnostic) -> None:
+        """Forget a warning or a note, with all that was found of the same cause: somebody has acknowledged it."""
+        if diagnostic.severity is Severity.ERROR:
+            raise ValueError("an error cannot be dropped")
+        for found in [each for each in self._found if self._whole(each) == diagnostic]:
+            del self._found[found]
+            self._causes = {key: first for key, first in self._causes.items() if first is not found}
+
+    def promote(self) -> None:
+        """Make errors of all warnings."""
+        found, self._found = self._found, {}
+        for diagnostic, others in found.items():
+            if diagnostic.severity is not Severity.WARNING:
+                self._found[diagnostic] = others
+                continue
+            self.error_count += 1
+            promoted = replace(diagnostic, severity=Severity.ERROR)
+            self._found[promoted] = others
+            self._causes = {
+                key: promoted if first is diagnostic else first for key, first in self._causes.items()
+            }
+            if diagnostic in self._cells:
+                self._cells[promoted] = self._cells.pop(diagnostic)
 
     def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
         """Add what was found in one cell; equal ones of several cells are one that names them all.
@@ -89,9 +136,11 @@ class Sink:
         help: str | None = None,
         cause: Cause | None = None,
         subjects: Iterable[str | None] = (),
+        fix: Fix | None = None,
     ) -> None:
         names = frozenset(name for name in subjects if name)
-        self.add(Diagnostic(code, message, span, Severity.ERROR, tuple(notes), help, subjects=names), cause)
+        found = Diagnostic(code, message, span, Severity.ERROR, tuple(notes), help, subjects=names, fix=fix)
+        self.add(found, cause)
 
     def warning(
         self,
@@ -102,8 +151,9 @@ class Sink:
         notes: Iterable[Note] = (),
         help: str | None = None,
         cause: Cause | None = None,
+        fix: Fix | None = None,
     ) -> None:
-        self.add(Diagnostic(code, message, span, Severity.WARNING, tuple(notes), help), cause)
+        self.add(Diagnostic(code, message, span, Severity.WARNING, tuple(notes), help, fix=fix), cause)
 
     def note(
         self,
@@ -130,7 +180,7 @@ class Sink:
 
     @property
     def errors(self) -> list[Diagnostic]:
-        """The errors that are told, in the order they were added."""
+        """The errors that are reported, in the order they were added."""
         return [each for each in self.diagnostics if each.severity is Severity.ERROR]
 
     def _whole(self, diagnostic: Diagnostic) -> Diagnostic:

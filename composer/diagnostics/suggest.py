@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 from os.path import commonprefix
 
 from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.fix import Fix
 from composer.diagnostics.synonyms import SYNONYMS
 
 _SHOWN = 8
 _PREFIX = re.compile(r"[/:.]")
+_CLEAR = 0.8  # nearly one typing error
 
 
 def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
@@ -27,12 +30,57 @@ def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
     >>> closest("colours", ["material", "rgba"])
     ['rgba']
     """
-    ranked = []
-    for position, candidate in enumerate(dict.fromkeys(candidates)):
+    return [candidate for _, _, candidate in _ranked(name, candidates)[:n]]
+
+
+def clearly_meant(name: str, candidates: Iterable[str]) -> str | None:
+    """The candidate nearest to `name`, if no other is about as near.
+
+    >>> clearly_meant("elbw", ["elbow", "wrist"]), clearly_meant("joint3", ["joint1", "joint2"])
+    ('elbow', None)
+    """
+    ranked = _ranked(name, candidates)[:2]
+    if not ranked or (len(ranked) == 2 and ranked[1][0] - ranked[0][0] < _CLEAR):
+        return None
+    return ranked[0][2]
+
+
+def _ranked(name: str, candidates: Iterable[str]) -> tuple[tuple[float, int, str], ...]:
+    """How far each candidate is that may be meant, its position among them, and the candidate."""
+    return _ranked_once(name, tuple(dict.fromkeys(candidates)))
+
+
+@lru_cache(maxsize=256)
+def _ranked_once(name: str, candidates: tuple[str, ...]) -> tuple[tuple[float, int, str], ...]:
+    """One mistake may stand in a file thousands of times."""
+    found = []
+    for position, candidate in enumerate(candidates):
         score = _score(name, candidate)
         if score is not None:
-            ranked.append((score, position, candidate))
-    return [candidate for _, _, candidate in sorted(ranked)[:n]]
+            found.append((score, position, candidate))
+    return tuple(sorted(found))
+
+
+def renaming(name: str, candidates: Iterable[str]) -> Fix | None:
+    """The fix of a misspelled name; None where it is not clear which of the candidates was meant.
+
+    >>> renaming("senser", ["sensor", "section"])
+    Fix(replacement='sensor', replaces='senser', span=None)
+    >>> renaming("pad", ["left/pad", "right/pad"])
+    """
+    meant = clearly_meant(name, candidates)
+    return None if meant is None else Fix(meant, name)
+
+
+def advised(name: str, candidates: Iterable[str]) -> tuple[str | None, Fix | None]:
+    """The help for a misspelled word: the one to write instead; and the fix, where it is clear which was meant.
+
+    >>> advised("gem", ["geom", "site"])
+    ('write `geom`', Fix(replacement='geom', replaces='gem', span=None))
+    """
+    known = list(candidates)
+    near = closest(name, known)
+    return (f"write `{near[0]}`", renaming(name, known)) if near else (None, None)
 
 
 def did_you_mean(name: str, candidates: Iterable[str], written: str = "{}") -> str | None:

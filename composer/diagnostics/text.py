@@ -6,9 +6,11 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from composer.diagnostics.cell_name import listed
 from composer.diagnostics.diagnostic import Diagnostic, Severity
+from composer.diagnostics.paint import Paint
 from composer.diagnostics.secret import masked
 from composer.diagnostics.span import Span
 
@@ -18,17 +20,8 @@ _LINE_BREAK = re.compile(r"\r\n|\n|\r")
 _TAB = " " * 4
 _WINDOW = 160  # screen columns of source shown at most
 _BEFORE = 60  # of these, columns kept in front of the span
+_NEAR = 2000  # characters on each side of a span that are looked at: a line may be as long as a file
 _BIDIRECTIONAL = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-_COLOR = {
-    "error": "\x1b[1;31m",
-    "warning": "\x1b[1;33m",
-    "note": "\x1b[1;36m",
-    "cell": "\x1b[1;36m",
-    "cells": "\x1b[1;36m",
-    "help": "\x1b[1;32m",
-    "bold": "\x1b[1m",
-    "gutter": "\x1b[34m",
-}
 
 
 def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color: bool = False) -> str:
@@ -90,16 +83,6 @@ def summary(diagnostics: Iterable[Diagnostic]) -> str:
     return ", ".join(listed) or "no errors"
 
 
-class Paint:
-    """Wraps text in a colour, or leaves it as it is. The styles are those of `_COLOR`."""
-
-    def __init__(self, enabled: bool) -> None:
-        self._enabled = enabled
-
-    def __call__(self, style: str, text: str) -> str:
-        return f"{_COLOR[style]}{text}\x1b[0m" if self._enabled else text
-
-
 @dataclass(frozen=True, slots=True)
 class _Excerpt:
     """A source line as it is shown: `offset` and `width` of the underline are in screen columns."""
@@ -118,31 +101,39 @@ def _spans(diagnostic: Diagnostic) -> Iterable[Span]:
             yield note.span
 
 
+@lru_cache(maxsize=4)
+def _lines(source: str) -> tuple[str, ...]:
+    """Split once, however many diagnostics speak of one text."""
+    return tuple(_LINE_BREAK.split(source.removeprefix("\ufeff")))
+
+
 def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
     source = None if read_source is None else read_source(span.file)
     if source is None:
         return None
-    lines = _LINE_BREAK.split(source.removeprefix("\ufeff"))
+    lines = _lines(source)
     if not 1 <= span.line <= len(lines):
         return None
-    line = masked(lines[span.line - 1].rstrip())
+    whole = lines[span.line - 1].rstrip()
+    skipped = max(span.column - 1 - _NEAR, 0)
+    line = masked(whole[skipped : max(span.column, 1) + _NEAR])
     cells = [_cell(character) for character in line]
     widths = [width for _, width in cells]
 
-    start = min(max(span.column - 1, 0), len(line))
+    start = min(max(span.column - 1 - skipped, 0), len(line))
     if span.end_line is not None and span.end_line > span.line:
         end = len(line)
     else:
-        end = start if span.end_column is None else min(span.end_column - 1, len(line))
+        end = start if span.end_column is None else min(span.end_column - 1 - skipped, len(line))
     end = max(end, start + 1)  # an empty span, and one past the end of the line, is one caret
 
     left, right = _window(widths, start)
     text = "".join(shown for shown, _ in cells[left:right])
     offset = sum(widths[left:start])
     width = max(sum(widths[start : min(end, right)]), 1)
-    if left > 0:
+    if left + skipped > 0:
         text, offset = "…" + text, offset + 1
-    if right < len(cells):
+    if right < len(cells) or skipped + len(line) < len(whole):
         text += "…"
     return _Excerpt(span.line, text, offset, width)
 

@@ -20,10 +20,10 @@ class Change:
     """One thing that is different.
 
     ``kind`` is MJCF's word for the element, or one of ``SETTINGS``; ``name`` is what it is called in B, in A where B
-    lacks it; an element without a name is told by its place. ``field`` is the array of `mjModel`, or the setting;
+    lacks it; an element without a name is reported by its place. ``field`` is the array of `mjModel`, or the setting;
     empty where the element itself is ``added``, ``removed`` or ``renamed``. ``form`` is the type of the joint whose
     units count. ``entry`` is whose number of a keyframe it is. ``index`` are the ids in A and B, -1 where there is
-    none. ``follows`` says that MuJoCo computes it from others that are told too. ``note`` tells in words what is too
+    none. ``follows`` says that MuJoCo computes it from others that are reported too. ``note`` says in words what is too
     long to be listed.
     """
 
@@ -140,8 +140,8 @@ class Diff:
 
     @property
     def same(self) -> bool:
-        told = self.contrast
-        return not (self.groups or self.follows or told.moves or told.counts or told.arrays)
+        contrast = self.contrast
+        return not (self.groups or self.follows or contrast.moves or contrast.counts or contrast.arrays)
 
     @property
     def same_bytes(self) -> bool:

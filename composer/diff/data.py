@@ -12,14 +12,14 @@ from composer.diff.words import relative
 
 def as_data(diff: Diff) -> dict[str, Any]:
     """Everything, element by element; spans have file, line and column. Values are in MuJoCo's units."""
-    told = diff.contrast
+    contrast = diff.contrast
     return {
         "same": diff.same,
-        "identical": told.identical,
+        "identical": contrast.identical,
         "a": _end(diff.a),
         "b": _end(diff.b),
         "files": list(diff.files),
-        "counts": [asdict(each) for each in told.counts],
+        "counts": [asdict(each) for each in contrast.counts],
         "groups": [
             {
                 "cause": None if group.cause is None else asdict(group.cause),
@@ -27,28 +27,28 @@ def as_data(diff: Diff) -> dict[str, Any]:
             }
             for group in diff.groups
         ],
-        "addresses": [asdict(each) for each in told.moves],
-        "arrays": list(told.arrays),
+        "addresses": [asdict(each) for each in contrast.moves],
+        "arrays": list(contrast.arrays),
         "follows": diff.follows,
         "views": [asdict(each) for each in diff.views],
     }
 
 
 def _end(end: End) -> dict[str, Any]:
-    told: dict[str, Any] = {"name": end.label, "kind": end.kind, "sha256": end.sha256}
+    data: dict[str, Any] = {"name": end.label, "kind": end.kind, "sha256": end.sha256}
     if end.cell is not None:
-        told["cell"] = end.cell
+        data["cell"] = end.cell
     elif end.cells:
-        told["cells"] = end.cells
-    return told
+        data["cells"] = end.cells
+    return data
 
 
 def _change(change: Change) -> dict[str, Any]:
-    told: dict[str, Any] = {"what": change.what, "kind": change.kind, "name": change.name}
+    data: dict[str, Any] = {"what": change.what, "kind": change.kind, "name": change.name}
     if change.what == "renamed":
-        told["before"] = change.before
+        data["before"] = change.before
     if change.what == "changed":
-        told |= {
+        data |= {
             "quantity": quantity(change.field).words,
             "field": change.field,
             "before": change.before,
@@ -57,7 +57,7 @@ def _change(change: Change) -> dict[str, Any]:
             "relative": relative(change.before, change.after),
         }
         if change.note:
-            told["note"] = change.note
+            data["note"] = change.note
         if change.entry:
-            told["entry"] = change.entry
-    return told
+            data["entry"] = change.entry
+    return data

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +13,7 @@ from composer.context import Context
 from composer.diff.cause import Causes
 from composer.diff.change import Change, Contrast, Diff
 from composer.diff.grouping import grouped
-from composer.diff.models import contrast, told
+from composer.diff.models import contrast, contrast_of
 from composer.diff.operand import Kind, read_operand
 from composer.diff.renders import render_views
 from composer.diff.side import Side, load
@@ -36,20 +36,25 @@ def diff(
     everything: bool = False,
     given: Given | None = None,
     pick: str | None = None,
+    sample: int | None = None,
     renders: Path | None = None,
+    show: Callable[[Side, Side, Diff], object] | None = None,
 ) -> Diff | None:
-    """The differences from A to B; None where one of them is no model, which `context.sink` is told.
+    """The differences from A to B; None where one of them is not a model, which goes to `context.sink`.
 
     `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
-    none means all. With `everything` what follows from other changes is told too, not only counted. `given` are
-    values of parameters and variants for whichever of the two is a recipe, `pick` is a cell of its matrix. Pictures of
-    both go to the folder `renders`; the session must be one that renders.
+    none means all. With `everything` what follows from other changes is reported too, not only counted. `given` are
+    values of parameters and variants for whichever of the two is a recipe, `pick` is a cell of its matrix, `sample`
+    one of its samples. Pictures of both go to the folder `renders`; the session must be one that renders. `show` is
+    called as long as the session keeps both models.
     """
     with ExitStack() as opened:
         operands = [read_operand(text, context, opened) for text in (a, b)]
         known = [operand.kind for operand in operands if operand is not None]
-        if (given or pick is not None) and len(known) == 2 and Kind.RECIPE not in known:
-            what = f"the cell `{pick}`" if pick is not None else f"a value for `{next(iter(given or ()))}`"
+        asked = given or pick is not None or sample is not None
+        if asked and len(known) == 2 and Kind.RECIPE not in known:
+            what = f"the cell `{pick}`" if pick is not None else f"the sample {sample}"
+            what = f"a value for `{next(iter(given))}`" if given else what
             context.sink.error("unknown-name", f"{what} is asked for, and neither `{a}` nor `{b}` is a recipe",
                                help="compare the recipe, or the bundle that it gives with these options")  # fmt: skip
             return None
@@ -57,9 +62,9 @@ def diff(
         for operand, kept in zip(operands, ("diff a", "diff b"), strict=True):
             if operand is None:
                 continue
-            side = load(operand, kept, session, given, pick)
+            side = load(operand, kept, session, given, pick, sample)
             if side is None or operand.context.sink.has_errors:
-                operand.tell(context.sink)
+                operand.report(context.sink)
             elif side is not None:
                 sides.append(side)
         if len(sides) < 2:
@@ -71,6 +76,8 @@ def diff(
         if found is not None and renders is not None:
             views = render_views(renders, (first.kept, second.kept), context, session)
             found = replace(found, views=views)
+        if found is not None and show is not None:
+            show(first, second, found)
         return None if context.sink.has_errors else found
 
 
@@ -91,10 +98,10 @@ def between(
         message = f"`{a.operand.label}` and `{b.operand.label}` cannot be compared: {said}"
         context.sink.error("mujoco-crash", message)
         return None
-    return _told(told(answer.value), a, b, tolerance, only, everything)
+    return _diff(contrast_of(answer.value), a, b, tolerance, only, everything)
 
 
-def _told(
+def _diff(
     found: Contrast, a: Side, b: Side, tolerance: float, only: Collection[str], everything: bool
 ) -> Diff:
     causes = Causes(a, b, found)

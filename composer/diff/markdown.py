@@ -21,7 +21,7 @@ def render(diff: Diff) -> str:
         return text
     kept = text[:_LONGEST].rpartition("\n#### ")[0]
     kept += "\n\n</details>" * (kept.count("<details>") - kept.count("</details>"))
-    return f"{kept}\n\n… and more: `mjcompose diff` tells all of it.\n"
+    return f"{kept}\n\n… and more: `mjcompose diff` prints all of it.\n"
 
 
 def _lines(diff: Diff) -> Iterator[str]:
@@ -31,21 +31,21 @@ def _lines(diff: Diff) -> Iterator[str]:
     if (narrow := at_defaults(diff)) is not None:
         yield ""
         yield f"<sub>{narrow[0].upper()}{narrow[1:]}</sub>"
-    told = diff.contrast
-    if told.counts:
+    contrast = diff.contrast
+    if contrast.counts:
         yield ""
-        yield from (f"- {count(each)}" for each in told.counts)
+        yield from (f"- {count(each)}" for each in contrast.counts)
     for group in diff.groups:
         yield ""
         yield from _group(group)
-    if told.moves:
+    if contrast.moves:
         yield ""
         yield "#### Addresses"
         yield ""
-        yield from _list([*moved(told.moves)])
-    if told.arrays:
+        yield from _list([*moved(contrast.moves)])
+    if contrast.arrays:
         yield ""
-        yield f"Arrays of `mjModel` that differ: {', '.join(map(_code, told.arrays))}"
+        yield f"Arrays of `mjModel` that differ: {', '.join(map(_code, contrast.arrays))}"
     if diff.views:
         yield ""
         yield "#### Pictures"

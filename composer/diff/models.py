@@ -43,7 +43,7 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
         *setting_changes(mujoco, a, b, float(given["tolerance"])),
     ]
     arrays = unequal_arrays(a, b)
-    told = Contrast(
+    contrast = Contrast(
         identical=not arrays,
         changes=tuple(changes),
         moves=tuple(moves(matching)),
@@ -51,10 +51,10 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
         arrays=() if changes else tuple(arrays),
         elements={kind: (mine.count(kind), theirs.count(kind)) for kind in KINDS},
     )
-    return asdict(told)
+    return asdict(contrast)
 
 
-def told(data: Mapping[str, Any]) -> Contrast:
+def contrast_of(data: Mapping[str, Any]) -> Contrast:
     """The contrast after its way through JSON."""
     return Contrast(
         identical=data["identical"],

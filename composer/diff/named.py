@@ -14,5 +14,5 @@ def named(roster: NameTable, kind: str, index: int) -> str:
     if not name.startswith("#") or kind in HOLDERS:
         return name
     targets = [each for each in links(roster.model, kind, index) if each.index >= 0][:_TARGETS]
-    told = ", ".join(f"`{roster.describe(each.kind, each.index)}`" for each in targets)
-    return f"{name} ({told})" if told else name
+    described = ", ".join(f"`{roster.describe(each.kind, each.index)}`" for each in targets)
+    return f"{name} ({described})" if described else name

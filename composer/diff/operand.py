@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import json
 import os
-import tempfile
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -13,6 +13,11 @@ from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diff.revision import RevisionError, check_out, split
+from composer.scratch import scratch
+from composer.sources.fetching import Fetching
+from composer.sources.trust import Trust
+
+_URDF = ".urdf"
 
 
 class Kind(StrEnum):
@@ -47,8 +52,8 @@ class Operand:
             return None
         return origin.named(os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root)))
 
-    def tell(self, sink: Sink) -> None:
-        """Hand on what its own sink has been told."""
+    def report(self, sink: Sink) -> None:
+        """Hand on what its own sink has been reported."""
         for diagnostic in self.context.sink.sorted():
             span = diagnostic.span
             notes = tuple(
@@ -65,7 +70,7 @@ class Operand:
 
 
 def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | None:
-    """What `text` means; None where it means nothing, which is told to the sink of `context`.
+    """What `text` means; None where it means nothing, which is reported to the sink of `context`.
 
     Temporary folders live as long as `opened`.
     """
@@ -81,33 +86,55 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
         where = "" if revision is None else f" in revision `{revision}`"
         shown = text if revision is None else own.shown(path)
         help = None if revision is None else f"`git ls-tree -r --name-only {revision}` lists what there is"
-        context.sink.error("file-not-found", f"there is no file or folder `{shown}`{where}", help=help)
+        context.sink.error("file-not-found", f"the file or folder `{shown}` does not exist{where}", help=help)
         return None
     kind = _kind(path)
     if kind is None:
         context.sink.error(
-            "source-kind", f"`{text}` is neither a recipe nor an MJCF file nor a bundle",
-            help="name a .yaml, .xml, .zip, .mjz or a folder, or one of a git revision as `REV:path`",
+            "source-kind", f"`{text}` is neither a recipe nor an MJCF or URDF file nor a bundle",
+            help="name a .yaml, .xml, .urdf, .zip, .mjz or a folder, or one of a git revision as `REV:path`",
         )  # fmt: skip
         return None
+    if path.suffix.lower() == _URDF:
+        path = _recipe_of(path, opened)
     return Operand(text, kind, path, own, revision, files)
+
+
+def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
+    """An MJCF file as a recipe that is this file and nothing else: it has a bundle then; anything else as it is."""
+    if operand.kind is not Kind.MJCF:
+        return operand
+    return replace(operand, kind=Kind.RECIPE, path=_recipe_of(operand.path, opened))
+
+
+def _recipe_of(path: Path, opened: ExitStack) -> Path:
+    """A recipe that is a model file and nothing else: only what is composed is converted."""
+    made = opened.enter_context(scratch("recipe"))
+    recipe = Path(made, f"{path.stem}.yaml")
+    # JSON is YAML, whatever characters the path has.
+    text = json.dumps({"recipe": 1, "base": os.path.abspath(path)}, ensure_ascii=False)
+    recipe.write_text(text, encoding="utf-8")
+    return recipe
 
 
 def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
     """The path below a folder that has the files of the revision, that, and the folder that stands for the user's."""
-    made = opened.enter_context(tempfile.TemporaryDirectory(prefix="mjcompose-revision-"))
-    tree = check_out(revision, context.folder / path, Path(made).resolve(), context.environment)
+    made = opened.enter_context(scratch("revision"))
+    tree = check_out(revision, context.folder / path, Path(os.path.realpath(made)), context.environment)
+    # Its top is that of the project, without anything there that says so.
+    fetching = Fetching(trust=Trust(files=(tree.root,)))
     inside = os.path.relpath(tree.path, tree.root)
     if Path(path).is_absolute() or ".." in Path(path).parts or not inside.endswith(os.path.normpath(path)):
-        return tree.path, tree.root, replace(context, folder=tree.root)
+        return tree.path, tree.root, replace(context, folder=tree.root, fetching=fetching)
     here = tree.root / inside.removesuffix(os.path.normpath(path))
-    return tree.path, tree.root, replace(context, folder=here)
+    return tree.path, tree.root, replace(context, folder=here, fetching=fetching)
 
 
 def _kind(path: Path) -> Kind | None:
     if path.is_dir():
         return Kind.BUNDLE
     kinds = {
+        _URDF: Kind.RECIPE,
         ".yaml": Kind.RECIPE,
         ".yml": Kind.RECIPE,
         ".xml": Kind.MJCF,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +11,8 @@ from composer.bundle.output_error import OutputError
 from composer.bundle.staging import staged_file
 from composer.context import Context
 from composer.diff.change import View
-from composer.engine.pictures import pictures
+from composer.pictures.pairs import pictures
+from composer.scratch import scratch
 
 if TYPE_CHECKING:
     from composer.engine import Session
@@ -21,9 +21,9 @@ _HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and instal
 
 
 def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:
-    """Write the pictures of two models that `session` keeps; without them the sink is told why."""
-    with tempfile.TemporaryDirectory(prefix="mjcompose-") as made:
-        answer = engine.call(session, pictures, kept, made)
+    """Write the pictures of two models that `session` keeps; the sink says why where there are none."""
+    with scratch("pictures") as made:
+        answer = engine.call(session, pictures, kept, str(made))
         if not answer.ok:
             said = answer.error or answer.crash
             context.sink.error("no-rendering", f"no pictures could be made: {said}")

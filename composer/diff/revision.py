@@ -4,21 +4,31 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from composer.diagnostics.error import DiagnosticError
+from composer.processes.process import Process
+from composer.sources.digest import files_below, sha256_of
+from composer.sources.error import SourceError
+from composer.sources.fetching import quiet
+from composer.sources.git_command import CONFINED, NO_SYSTEM, Git, GitFailure
+from composer.sources.git_tree import write_tree
+from composer.tree import lfs
 
 _SECONDS = 600
+_POINTER = 1024
+"""A pointer of Git LFS is smaller."""
+_OID = re.compile(rb"^oid sha256:([0-9a-f]{64})$", re.MULTILINE)
 # what would send git to another repository or index than that of the folder
 _OWN = ("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX", "GIT_OBJECT_DIRECTORY")
 
 
 class RevisionError(DiagnosticError):
-    """Why there are no such files."""
+    """Why no such files exist."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,18 +61,40 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
     top = Path(git.run("rev-parse", "--show-toplevel", fault=f"`{near}` is in no git repository"))
     commit = git.run(
         "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}",
-        fault=f"there is no revision `{revision}` in the repository of `{path.name}`",
+        fault=f"the revision `{revision}` does not exist in the repository of `{path.name}`",
     )  # fmt: skip
     inside = Path(
         os.path.relpath(os.path.realpath(near), os.path.realpath(top)), path.absolute().relative_to(near)
     )
-    with tempfile.TemporaryDirectory(prefix="mjcompose-index-") as folder:
-        git.environment["GIT_INDEX_FILE"] = str(Path(folder, "index"))
+    repository = Path(git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is in no git repository"))
+    try:  # byte for byte: neither filters nor hooks, which may be anyone's, are run
+        write_tree(Git(git.environment, quiet), repository, commit, into)
+        from_lfs(into, _lfs_folder(git))
+    except (GitFailure, SourceError, OSError) as error:
         fault = f"the files of revision `{revision}` cannot be checked out"
-        git.run("read-tree", commit, fault=fault)
-        git.folder = top
-        git.run("checkout-index", "--all", "--quiet", f"--prefix={into}/", fault=fault)
+        raise RevisionError("git-revision", f"{fault}: {error}") from error
     return Tree(into, into / inside)
+
+
+def _lfs_folder(git: _Git) -> Path:
+    """Where Git LFS keeps what it has fetched, of all work trees of the repository."""
+    common = git.run("rev-parse", "--git-common-dir", fault="it is not in a repository")
+    return git.folder / common / "lfs" / "objects"
+
+
+def from_lfs(folder: Path, objects: Path) -> None:
+    """Replace pointers of Git LFS by the files that they stand for, where LFS has them on this machine."""
+    for _, path in files_below(folder):
+        if path.stat().st_size > _POINTER:
+            continue
+        named = _OID.search(content) if lfs.is_pointer(content := path.read_bytes()) else None
+        if named is None:
+            continue
+        digest = named[1].decode()
+        stored = objects / digest[:2] / digest[2:4] / digest
+        if stored.is_file() and not stored.is_symlink() and sha256_of(stored) == digest:
+            path.unlink()
+            shutil.copyfile(stored, path)
 
 
 @dataclass(slots=True)
@@ -71,20 +103,26 @@ class _Git:
     environment: dict[str, str]
 
     def run(self, *arguments: str, fault: str) -> str:
-        command = ["git", "-C", str(self.folder), *arguments]
-        try:
-            done = subprocess.run(
-                command, env=self.environment, capture_output=True, timeout=_SECONDS, check=False,
-                stdin=subprocess.DEVNULL,
-            )  # fmt: skip
-        except FileNotFoundError as error:
+        settings = (word for name, value in CONFINED.items() for word in ("-c", f"{name}={value}"))
+        if shutil.which("git", path=self.environment.get("PATH", os.defpath)) is None:
             raise RevisionError(
                 "git-revision", "the git command is not installed: revisions cannot be read", "install git"
-            ) from error
-        except subprocess.TimeoutExpired as error:
-            raise RevisionError("git-revision", f"{fault}: git took longer than {_SECONDS} s") from error
-        if done.returncode != 0:
-            said = done.stderr.decode("utf-8", "replace").strip().splitlines()
+            )
+        with Process(
+            ["git", *settings, "-C", str(self.folder), *arguments],
+            env={**self.environment, **NO_SYSTEM},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        ) as process:
+            try:
+                out, err = process.communicate(timeout=_SECONDS)
+            except subprocess.TimeoutExpired as error:
+                raise RevisionError("git-revision", f"{fault}: git took longer than {_SECONDS} s") from error
+            finally:
+                process.end()
+        if process.returncode != 0:
+            said = err.decode("utf-8", "replace").strip().splitlines()
             why = said[0].removeprefix("fatal: ") if said else ""
             raise RevisionError("git-revision", f"{fault}: {why}" if why else fault)
-        return done.stdout.decode("utf-8", "surrogateescape").strip("\n")
+        return str(out.decode("utf-8", "surrogateescape")).strip("\n")

@@ -1,9 +1,11 @@
-"""A or B, compiled: MuJoCo's child process keeps the model, and the tree tells where everything came from."""
+"""A or B, compiled: MuJoCo's child process keeps the model, and the tree shows where everything came from."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer import engine
@@ -11,6 +13,7 @@ from composer.bundle.assemble import assemble
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle
 from composer.bundle.collect import collect
 from composer.bundle.output_error import OutputError
+from composer.bundle.overwriting import files_read
 from composer.bundle.read import ReadError, read
 from composer.cache.cells import cells_of, check_axes_are_free, picked_one
 from composer.compose.compose import Composer
@@ -25,15 +28,21 @@ from composer.explain.traced import Traced
 from composer.link.measure import measure_with
 from composer.mujoco_errors.message import CRASHES, Fault, parse
 from composer.plan.concrete import Given
+from composer.plan.drawn_parameters import check_sample
 from composer.plan.matrix import read_matrix
 from composer.plan.plan import Plan
 from composer.plan.planner import make_plan, plan_what_remains
+from composer.reading.door import NOTHING
+from composer.tree.admitted import all_admitted
+from composer.tree.expansion import CODE as TOO_MUCH
+from composer.tree.files import file_attributes, join, written_path
 from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
 from composer.verify.compile_report import judge
-from composer.verify.compiles import verify
+from composer.verify.compiles import StrangerError, verify
 
 if TYPE_CHECKING:
+    from composer.compose.load import Library
     from composer.engine import Session
 
 
@@ -41,9 +50,10 @@ if TYPE_CHECKING:
 class Side:
     """`kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path.
 
-    Of an MJCF file that is the file alone. `traced` is None where nothing tells where elements came from, `plan` for
+    Of an MJCF file that is the file alone. `traced` is None where nothing shows where elements came from, `plan` for
     what is not a recipe. `cell` is the one of its matrix that it is, `cells` how many that has. `given` are the values
-    of parameters and variants that come from the command or the cell.
+    of parameters and variants that come from the command or the cell. `inputs` are the files that were read. `bundle`
+    is there for a recipe or bundle where somebody asked for it.
     """
 
     operand: Operand
@@ -54,8 +64,10 @@ class Side:
     cell: str | None = None
     cells: int = 0
     given: Given = field(default_factory=dict)
+    inputs: tuple[Path, ...] = ()
     texts: dict[str, str] = field(default_factory=dict)
     read: dict[str, list[str]] = field(default_factory=dict)
+    bundle: Bundle | None = None
 
     @property
     def end(self) -> End:
@@ -77,53 +89,96 @@ class Side:
 
 
 def load(
-    operand: Operand, kept: str, session: Session, given: Given | None = None, pick: str | None = None
+    operand: Operand,
+    kept: str,
+    session: Session,
+    given: Given | None = None,
+    pick: str | None = None,
+    sample: int | None = None,
+    library: Library | None = None,
+    *,
+    whole: bool = False,
 ) -> Side | None:
-    """The model of an operand, compiled; None where there is none, which its sink is told.
+    """The model of an operand, compiled; None where there is none, which goes to its sink.
 
-    Of a recipe it is that of the cell `pick` of its matrix.
+    Of a recipe it is that of the cell `pick` of its matrix, or the `sample` of what it draws. `library` has source
+    files that were read before. With `whole` the side has its bundle.
     """
     if operand.kind is Kind.RECIPE:
-        return _recipe(operand, kept, session, given or {}, pick)
-    if operand.kind is Kind.MJCF:
-        return _mjcf(operand, kept, session)
-    return _bundle(operand, kept, session)
+        side = _recipe(operand, kept, session, given or {}, pick, sample, library)
+    elif operand.kind is Kind.MJCF:
+        side = _mjcf(operand, kept, session)
+    else:
+        side = _bundle(operand, kept, session)
+    if side is not None and not whole:
+        side.bundle = None
+    return side
 
 
-def _recipe(operand: Operand, kept: str, session: Session, given: Given, pick: str | None) -> Side | None:
-    context, watch = operand.context, Trace()
-    cell = None if pick is None else _cell(operand, given, pick)
+def _recipe(
+    operand: Operand,
+    kept: str,
+    session: Session,
+    given: Given,
+    pick: str | None,
+    sample: int | None,
+    library: Library | None,
+) -> Side | None:
+    cell = None if pick is None else _cell(operand, given, pick, sample)
     if pick is not None and cell is None:
         return None
+    side = load_cell(operand, kept, session, given, cell, sample or 0, library)
+    if side is not None:
+        side.cell = pick
+    return side
+
+
+def load_cell(
+    operand: Operand,
+    kept: str,
+    session: Session,
+    given: Given,
+    cell: Cell | None,
+    sample: int = 0,
+    library: Library | None = None,
+) -> Side | None:
+    """The model of a cell of a recipe, or without one the `sample` of what it draws; None as in `load`."""
+    context, watch = operand.context, Trace()
     if cell is None:
         values = given
-        plan = make_plan(operand.path, context, given)
+        plan = make_plan(operand.path, context, given, sample)
+        if plan is not None and not check_sample(plan, sample, context.sink):
+            return None
     else:
         values = {**given, **cell.given}
         plan = plan_what_remains(operand.path, context, values, cell.name, cell.sample)
     if plan is None or context.sink.has_errors:
         return None
-    composer = Composer(context, measure_with(context, session=session), session, watch=watch)
+    measure = measure_with(context, session=session)
+    composer = Composer(context, measure, session, watch=watch, library=library, checks_sources=True)
     if (composed := composer.compose(plan)) is None:
         return None
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
     watch([composed.model], collect)
-    if judge(bundle, composed.model, context, session, keep=kept) is None or context.sink.has_errors:
+    compiled = judge(bundle, composed.model, context, session, keep=kept, at=plan.span)
+    if compiled is None or context.sink.has_errors:
         return None
     traced = Traced(composed.model, watch, plan.separator, context.folder)
     matrix = read_matrix(operand.path, context, given)
     cells = len(matrix.cells) if matrix else 0
-    return Side(operand, kept, _digests(bundle), traced, plan, pick, cells, values)
+    name = None if cell is None else cell.name
+    inputs = tuple(files_read(plan, composed.model, composed.files))
+    return Side(operand, kept, _digests(bundle), traced, plan, name, cells, values, inputs, bundle=bundle)
 
 
-def _cell(operand: Operand, given: Given, pick: str) -> Cell | None:
+def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell | None:
     """The cell that is picked; that there is none is reported."""
     sink = operand.context.sink
     every = cells_of(operand.path, operand.context, dict(given))
     if sink.has_errors:
         return None
-    cell = picked_one(every, pick, None, sink, operand.label)
+    cell = picked_one(every, pick, sample, sink, operand.label)
     if cell is not None:
         check_axes_are_free([cell], given, sink, "compare without `--pick`")
     return None if sink.has_errors else cell
@@ -132,14 +187,28 @@ def _cell(operand: Operand, given: Given, pick: str) -> Cell | None:
 def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
     context, path = operand.context, operand.path
     shown = context.shown(path)
+    unit = parse_file(path, aside := Sink(), file=shown)
+    too_much = any(each.code == TOO_MUCH for each in aside.errors)
+    if unit is None or too_much or not all_admitted(unit, aside, context.shown):
+        for each in aside.errors:
+            context.sink.add(each)
+        return None
     compiled = engine.compile(path.parent, path.name, keep=kept, session=session)
     if not compiled.ok:
         fault = Fault(compiled.error or "") if compiled.crash else parse(compiled.error or "")
         _refused(fault, compiled.crash, shown, context)
         return None
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    unit = parse_file(path, Sink(), file=shown)
-    return Side(operand, kept, {MODEL: digest}, _traced(unit, context))
+    inputs = tuple(_files_of(unit, path))
+    return Side(operand, kept, {MODEL: digest}, _traced(unit, context), inputs=inputs)
+
+
+def _files_of(unit: Unit, path: Path) -> Iterator[Path]:
+    """An MJCF file, what it includes, and the meshes and other files that it names."""
+    yield path
+    yield from (text for text in unit.origins.texts.values() if isinstance(text, Path))
+    for element, _, name in file_attributes(unit.root):
+        yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
 
 
 def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
@@ -147,7 +216,11 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
     shown = context.shown(operand.path)
     try:
         bundle = read(operand.path, shown=shown)
-        verified = verify(bundle, session=session, keep=kept)
+        verified = verify(bundle, session=session, keep=kept, stranger=shown)
+    except StrangerError as error:
+        for each in error.found:
+            context.sink.add(each)
+        return None
     except (ReadError, OutputError) as error:
         context.sink.add(error.diagnostic)
         return None
@@ -156,9 +229,17 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
         return None
     file, text = f"{shown}/{bundle.model}", bundle.files[bundle.model]
     unit = parse_text(
-        text, Sink(), file=file, directory=operand.path, label=operand.path.stem, contents=bundle.files
+        text,
+        Sink(),
+        file=file,
+        directory=operand.path,
+        label=operand.path.stem,
+        contents=bundle.files,
+        door=NOTHING,
     )
-    side = Side(operand, kept, _digests(bundle), _traced(unit, context))
+    files = [operand.path / name for name in bundle.files] if operand.path.is_dir() else [operand.path]
+    side = Side(operand, kept, _digests(bundle), _traced(unit, context), inputs=tuple(files))
+    side.bundle = bundle
     side.texts[file] = text.decode("utf-8", "replace")
     return side
 
@@ -180,5 +261,5 @@ def _refused(fault: Fault, crash: str | None, file: str, context: Context) -> No
 
 
 def _digests(bundle: Bundle) -> dict[str, str]:
-    """Of every file but the manifest, which tells of the build and not of the model."""
+    """Of every file but the manifest, which describes the build and not the model."""
     return {path: bundle.digest(path) for path in bundle.files if path != MANIFEST}

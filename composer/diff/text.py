@@ -9,7 +9,7 @@ from composer.diff.words import count, moved, sentences, view
 
 
 def render(diff: Diff) -> str:
-    """All that is told, line by line."""
+    """All that is reported, line by line."""
     return "\n".join(_lines(diff))
 
 
@@ -22,8 +22,8 @@ def verdict(diff: Diff) -> str:
         return "the same in what was asked for; the compiled models are not equal bit for bit"
     changes = sum(len(group.changes) for group in diff.groups)
     if not changes:
-        told = diff.contrast
-        kinds = {"counts": told.counts, "addresses": told.moves, "arrays of mjModel": told.arrays}
+        contrast = diff.contrast
+        kinds = {"counts": contrast.counts, "addresses": contrast.moves, "arrays of mjModel": contrast.arrays}
         return f"different: only {' and '.join(kind for kind, found in kinds.items() if found)}"
     causes = sum(group.cause is not None for group in diff.groups)
     many = "1 change" if changes == 1 else f"{changes} changes"
@@ -42,13 +42,13 @@ def place(cause: Cause) -> str:
 
 
 def heading(cause: Cause) -> str:
-    """The place, and in words what is not told by its lines."""
-    told = cause.lines_before or cause.lines_after
-    return place(cause) if told else f"{place(cause)}: {cause.words}"
+    """The place, and in words what its lines do not show."""
+    has_lines = cause.lines_before or cause.lines_after
+    return place(cause) if has_lines else f"{place(cause)}: {cause.words}"
 
 
 def following(diff: Diff) -> str | None:
-    """What is not told one by one."""
+    """What is not listed one by one."""
     if not diff.follows:
         return None
     many = "1 number" if diff.follows == 1 else f"{diff.follows} numbers"
@@ -72,21 +72,21 @@ def _lines(diff: Diff) -> Iterator[str]:
     yield verdict(diff)
     if (narrow := at_defaults(diff)) is not None:
         yield narrow
-    told = diff.contrast
-    if told.counts:
+    contrast = diff.contrast
+    if contrast.counts:
         yield ""
         yield "the whole model"
-        yield from (f"  {count(each)}" for each in told.counts)
+        yield from (f"  {count(each)}" for each in contrast.counts)
     for group in diff.groups:
         yield ""
         yield from _group(group)
-    if told.moves:
+    if contrast.moves:
         yield ""
         yield "addresses"
-        yield from (f"  {each}" for each in moved(told.moves))
-    if told.arrays:
+        yield from (f"  {each}" for each in moved(contrast.moves))
+    if contrast.arrays:
         yield ""
-        yield f"arrays of mjModel that differ: {', '.join(told.arrays)}"
+        yield f"arrays of mjModel that differ: {', '.join(contrast.arrays)}"
     if diff.views:
         yield ""
         yield "pictures"

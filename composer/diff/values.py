@@ -23,10 +23,10 @@ FLOOR = 1e-6
 
 _SHOWN = 12
 _COUNTED = ("mesh_vert", "mesh_face")
-"""Of these the number is told by an array of its own."""
+"""Of these the number is reported by an array of its own."""
 
 _SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
-"""Data of these is never told number by number."""
+"""Data of these is never listed number by number."""
 
 
 def close(a: float, b: float, tolerance: float) -> bool:

@@ -44,12 +44,12 @@ def sentences(changes: Iterable[Change], between: Between | None = None) -> Iter
         yield _sentence(alike, between)
 
 
-def count(told: Count) -> str:
+def count(size: Count) -> str:
     """`nq 9 → 16`, `bodies 12 → 13`."""
-    word = told.name if told.name.startswith(("n", "total")) and told.name != "numeric" else plural(told.name)
-    if not told.unit:
-        return f"{word} {shown(told.before)} → {shown(told.after)}"
-    return f"{word} {arrow(told.before, told.after, told.unit)}"
+    word = size.name if size.name.startswith(("n", "total")) and size.name != "numeric" else plural(size.name)
+    if not size.unit:
+        return f"{word} {shown(size.before)} → {shown(size.after)}"
+    return f"{word} {arrow(size.before, size.after, size.unit)}"
 
 
 def moved(moves: Iterable[Move]) -> Iterator[str]:
@@ -176,17 +176,17 @@ def _sentence(alike: Sequence[Change], between: Between | None) -> str:
     known = quantity(change.field)
     said = unit(change.field, change.form)
     if between is not None and not change.note:
-        told = between(change.before, change.after, said)
+        values = between(change.before, change.after, said)
     else:
-        told = change.note or arrow(change.before, change.after, said, share=not is_place(change.field))
+        values = change.note or arrow(change.before, change.after, said, share=not is_place(change.field))
     if change.kind.partition("/")[0] in SETTINGS:
-        return f"{change.kind} {change.field}: {told}"
+        return f"{change.kind} {change.field}: {values}"
     if change.kind == "key":
         entries = [each.entry for each in alike if each.entry]
         of = f" of {', '.join(quoted(each) for each in entries[:_NAMED])}" if entries else ""
-        return f"keyframe {quoted(change.name)}: {known.words}{of}: {told}"
+        return f"keyframe {quoted(change.name)}: {known.words}{of}: {values}"
     words = known.words + (change.field[at:] if (at := change.field.find("[")) >= 0 else "")
-    return f"{words} of {subject(change.kind, names)}: {told}"
+    return f"{words} of {subject(change.kind, names)}: {values}"
 
 
 def _prefixes(change: Change) -> tuple[str, str] | None:

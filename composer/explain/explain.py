@@ -15,6 +15,7 @@ from composer.explain.explanation import (
 from composer.explain.trace import Trace
 from composer.explain.traced import Traced
 from composer.link.measure import measure_with
+from composer.link.source_check import check_source
 from composer.plan.concrete import Given
 from composer.plan.drawn_parameters import check_sample
 from composer.plan.planner import make_plan
@@ -45,7 +46,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
         if given:
             return None
         unit = parse_file(context.folder / path, context.sink, file=context.shown(context.folder / path))
-        if unit is None:
+        if unit is None or not check_source(unit, context.sink):
             return None
         watch([unit], path)
         return Traced(unit, watch, "/", context.folder)
@@ -64,7 +65,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
 
 
 def _no_recipe(path: Path, context: Context) -> None:
-    """A bundle tells of what recipe it is, but has neither that nor the files of the parts."""
+    """A bundle names its recipe, but has neither that nor the files of the parts."""
     from composer.bundle.bundle import MANIFEST
     from composer.bundle.manifest import from_json
     from composer.bundle.read import ReadError, read

@@ -1,4 +1,4 @@
-"""What is told of an element or of one attribute: plain data, for text and for JSON."""
+"""What is reported of an element or of one attribute: plain data, for text and for JSON."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class LevelExplained:
 class AttributeExplained:
     """One attribute of an element: the value in effect, and every level that it may come from, nearest first.
 
-    `about` is what the grammar says of the attribute. `rows` tells the numbers of a keyframe by what they belong to.
+    `about` is what the grammar says of the attribute. `rows` shows the numbers of a keyframe by what they belong to.
     """
 
     label: str

@@ -1,4 +1,4 @@
-"""What is told where a query means nothing in the model."""
+"""What is reported where a query means nothing in the model."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) -> None:
-    """Tell that nothing fits a query, what there is, and what was probably meant."""
+    """Report that nothing fits a query, what there is, and what was probably meant."""
     notes = tuple(notes)
     word = asked.text.split()[0].split("#")[0] if asked.kinds is not None else "element"
     if asked.line is not None:
@@ -26,8 +26,8 @@ def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) 
         sink.error("unknown-name", f"nothing in the model comes from `{file}:{line}`", notes=notes)
     elif asked.number is not None:
         count = len(find(Asked(asked.text, asked.kinds), root, "/"))
-        told = f"there are {count}, the first is `{word}#0`" if count else "there are none"
-        sink.error("unknown-name", f"there is no `{word}#{asked.number}`: {told}", notes=notes)
+        existing = f"there are {count}, the first is `{word}#0`" if count else "there are none"
+        sink.error("unknown-name", f"`{word}#{asked.number}` does not exist: {existing}", notes=notes)
     elif asked.name is None:
         sink.error("unknown-name", f"the model has no {word}", notes=notes)
     else:
@@ -49,11 +49,12 @@ def _no_such_name(
         notes = (*notes, Note(f"{count} without a name: write `{word}#0`, …"))
     if names or not unnamed:
         notes = (*notes, exists_note(word, names, name))
-    what = "nothing in the model is called" if asked.kinds is None else f"there is no {word}"
-    sink.error("unknown-name", f"{what} `{name}`", notes=notes, help=help)
+    missing = f"nothing in the model is called `{name}`"
+    message = missing if asked.kinds is None else f"the {word} `{name}` does not exist"
+    sink.error("unknown-name", message, notes=notes, help=help)
 
 
 def no_attribute(node: Node, name: str, sink: Sink) -> None:
-    """Tell that such elements do not have that attribute."""
+    """Report that such elements do not have that attribute."""
     known = sorted({*kind_of(node).attributes, *derived_names(kind_of(node))})
     sink.add(unknown_attribute(name, f"`<{node.tag}>`", known))

@@ -39,7 +39,7 @@ class Asked:
 
 
 def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
-    """The query that was typed; None where it has no meaning, which is told."""
+    """The query that was typed; None where it has no meaning, which is reported."""
     words = text.split()
     if not words:
         sink.error("unknown-name", "there is nothing to explain: the query is empty",
@@ -211,6 +211,6 @@ def _is_attribute(word: str) -> bool:
 
 
 def unknown_kind(word: str, sink: Sink) -> None:
-    """Tell that MJCF has no element of that name."""
+    """Report that MJCF has no element of that name."""
     help = did_you_mean(word, tags_of())
     sink.error("unknown-element", f"MJCF has no element `{word}`", help=help)

@@ -58,7 +58,7 @@ class Row(NamedTuple):
 
 
 def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
-    """At least one row for each holder of numbers; none where only MuJoCo can tell how they are laid out."""
+    """At least one row for each holder of numbers; none where only MuJoCo knows how they are laid out."""
     reading = _Reading(model, trace)
     known = reading.settled(key, vector)
     layout = _layout(model, trace.life(key))
@@ -105,7 +105,7 @@ class _Reading:
         if source.kind not in ("key", "edited"):
             return known
         if source.kind == "key" and self._noted(source.key, source.vector) is not None:
-            return known  # as the file has it: the record tells how it was later
+            return known  # as the file has it: the record shows how it was later
         there = self._numbers(source.key, source.vector)
         if known.number.at >= len(there):
             return _Known(Number(known.number.text, KeySource("edited", source.vector)))
@@ -199,7 +199,7 @@ def _after(known: list[_Known], now: list[str], changes: list[Change], vector: s
 
 
 def _layout(model: Unit, life: Life) -> Layout | None:
-    """How the numbers of a key are laid out: as the linker did it, or as the tree tells."""
+    """How the numbers of a key are laid out: as the linker did it, or as the tree shows."""
     linking = None if life.made_by is None else life.made_by.linking
     if linking is not None and linking.keys.final_layout is not None:
         return linking.keys.final_layout

@@ -6,8 +6,8 @@ import textwrap
 from collections.abc import Callable, Iterable, Iterator
 from itertools import groupby
 
+from composer.diagnostics.paint import Paint
 from composer.diagnostics.span import Span
-from composer.diagnostics.text import Paint
 from composer.explain.explanation import (
     AttributeExplained,
     Changed,
@@ -196,7 +196,7 @@ def _in_full(span: Span | None, before: str) -> str:
 
 
 def _at(span: Span | None, before: str = "") -> str:
-    """File and line; of a long path the end, as the whole is told once."""
+    """File and line; of a long path the end, as the whole is reported once."""
     if span is None:
         return ""
     file = span.file

@@ -24,7 +24,7 @@ TAG = "<tag>"
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """What was done, as the `Watch` is told it, and the tree and part in which it made a change."""
+    """What was done, as the `Watch` is reported it, and the tree and part in which it made a change."""
 
     done: object
     unit: Unit
@@ -200,7 +200,7 @@ class Trace:
             life.last_parent = parent
 
     def _succeed(self, life: Life, lost: list[Life]) -> None:
-        """What a pass writes anew takes the place of elements: those of its tag and name that are no more."""
+        """What a pass writes anew takes the place of elements: those of its tag and name that no longer exist."""
         assert life.made_by is not None
         record = life.made_by.unit.origins.keys.get(life.node)
         if record is not None:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from itertools import takewhile
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +12,7 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.explain import query
-from composer.explain.cause import Causes, place, rewrites
+from composer.explain.cause import Causes, rewrites
 from composer.explain.derived import givers, is_derived, total
 from composer.explain.explanation import (
     AttributeExplained,
@@ -29,9 +27,12 @@ from composer.explain.explanation import (
     RowExplained,
 )
 from composer.explain.missing import no_attribute, not_found
+from composer.explain.pass_words import place
+from composer.explain.recipe_lines import RecipeLines, same_words
 from composer.explain.row_words import only_place, reason_of, row_explained
 from composer.explain.rows import VECTORS, NumberOrigin, key_origins, rows
 from composer.explain.trace import TAG, Change, Life, Move, Trace
+from composer.plan.steps.set_collisions import SetCollisions
 from composer.recipe.subscript import attribute_and_index
 from composer.tree.attached import attached_notes
 from composer.tree.classes import MAIN, ORIENTATIONS, Classes
@@ -59,9 +60,9 @@ class Traced:
     watch: Trace
     separator: str
     folder: Path
-    lines: dict[str, list[str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.recipe_lines = RecipeLines(self.folder)
         self.classes = Classes(self.model.root)
         self.causes = Causes(self.watch)
         self.labels = query.labels(self.model.root)
@@ -72,10 +73,10 @@ class Traced:
         }
 
     def answer(self, asked: query.Asked, context: Context) -> Explained | None:
-        """The answer to a query; None where there is none, which is told."""
+        """The answer to a query; None where there is none, which is reported."""
         try:
             found = (
-                self._on_line(*asked.line)
+                self.on_line(*asked.line)
                 if asked.line
                 else query.find(asked, self.model.root, self.separator)
             )
@@ -114,8 +115,8 @@ class Traced:
             holder=self._holder(node),
             written=tuple(self.written(life)),
             end_line=life.line if isinstance(life.owner, str) else None,
-            parts=tuple(self._parts(life)),
-            changes=tuple(self._changes(life)),
+            parts=tuple(self.parts(life)),
+            changes=tuple(self.changes(life)),
             in_force=self._in_force(node) if reached else None,
             classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes)) if reached else (),
             given=tuple(
@@ -132,19 +133,19 @@ class Traced:
         kind = kind_of(node)
         attribute = kind.attributes[name]
         steps = levels(node, kind, attribute, self.classes)
-        told = []
+        explained = []
         for step in steps:
             words = {"element": f"<{node.tag}>", "mujoco": "MuJoCo's default"}.get(step.kind, str(step.name))
             whole = step.text is not None and len(step.taken) == len(step.text.split())
             origin = self._level_origin(step.kind, step.name, step.writer, name)
-            told.append(
+            explained.append(
                 LevelExplained(
                     step.kind, words, step.text, bool(step.taken),
                     None if whole or not step.taken or step.text is None
                     else " ".join(step.text.split()[step.taken.start : step.taken.stop]),
                     origin.span,
                     () if step.writer is None or (step.text is None and step.kind != "element")
-                    else tuple(self._changes(self.watch.life(step.writer), name)),
+                    else tuple(self.changes(self.watch.life(step.writer), name)),
                     origin.words,
                 )
             )  # fmt: skip
@@ -152,7 +153,7 @@ class Traced:
             label=self.labels[node],
             attribute=name,
             value=value(steps),
-            levels=tuple(told),
+            levels=tuple(explained),
             in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
             about=attribute.doc or None,
             rows=tuple(row for _, row in self.key_rows(node, name))
@@ -164,14 +165,14 @@ class Traced:
     def _derived(self, node: Node, name: str) -> AttributeExplained:
         """An attribute that other ones give: each of them is a level of its own."""
         found = givers(node, name, self.classes)
-        told = [self.attribute(giver, attribute) for giver, attribute in found]
+        explained = [self.attribute(giver, attribute) for giver, attribute in found]
         levels = [
             replace(level, kind="element", name=_given_by(self._called(giver, each), attribute, level))
-            for (giver, attribute), each in zip(found, told, strict=True)
+            for (giver, attribute), each in zip(found, explained, strict=True)
             for level in each.levels
             if level.wins and (giver is not node or level.kind != "mujoco")
         ]
-        said = total(found, name, [each.value for each in told]) if node.tag == "body" else None
+        said = total(found, name, [each.value for each in explained]) if node.tag == "body" else None
         return AttributeExplained(
             label=self.labels[node],
             attribute=name,
@@ -183,8 +184,8 @@ class Traced:
             notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
         )
 
-    def _called(self, giver: Node, told: AttributeExplained) -> str:
-        return f"<{giver.tag}>" if giver.tag == "inertial" else told.label
+    def _called(self, giver: Node, explained: AttributeExplained) -> str:
+        return f"<{giver.tag}>" if giver.tag == "inertial" else explained.label
 
     def _listed(self, node: Node, attribute: str | None) -> Listed:
         text, life = None, self.watch.life(node)
@@ -200,8 +201,8 @@ class Traced:
             words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(
                 winner.kind, f"class {winner.name}"
             )
-            told = self._level_origin(winner.kind, winner.name, winner.writer, attribute)
-            reason = Reason("computed" if told.words else words, told.span)
+            origin = self._level_origin(winner.kind, winner.name, winner.writer, attribute)
+            reason = Reason("computed" if origin.words else words, origin.span)
         return Listed(self.labels[node], text, reason)
 
     def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, RowExplained]]:
@@ -209,8 +210,10 @@ class Traced:
         for holder, numbers, origin in rows(self.model, key, vector, self.watch):
             reason = self._row_reason(key, origin)
             if origin.kind == "entry":
-                reason = self._in_own_form(reason.span, numbers)
-            written = origin.written or (None if reason.span is None else self._slice(reason.span))
+                reason = self.recipe_lines.in_own_form(reason.span, numbers)
+            written = origin.written or (
+                None if reason.span is None else self.recipe_lines.text_of(reason.span)
+            )
             yield holder, row_explained(self.labels[holder], numbers, origin, reason, written)
 
     def _sets(self, node: Node) -> Iterator[Listed]:
@@ -223,8 +226,8 @@ class Traced:
 
     def written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:
-            told = self.causes.made(life)
-            yield Reason(told.words, told.span or (None if life.sources else self._span(life)))
+            cause = self.causes.made(life)
+            yield Reason(cause.words, cause.span or (None if life.sources else self._span(life)))
             for source in life.sources:
                 yield Reason("read from", self._span(source))
         elif life.line is None and isinstance(life.owner, str):
@@ -237,7 +240,7 @@ class Traced:
             return None
         return life.span(self.model.origins, attribute)
 
-    def _parts(self, life: Life) -> Iterator[Reason]:
+    def parts(self, life: Life) -> Iterator[Reason]:
         for part in life.parts:
             yield Reason(f"`{part.called}` {place(part)}", part.span)
 
@@ -249,7 +252,8 @@ class Traced:
                 return self.labels[above]
         return None
 
-    def _on_line(self, file: str, line: int) -> list[Node]:
+    def on_line(self, file: str, line: int) -> list[Node]:
+        """The elements whose start tag is on a line of a file, or on several of which it is one."""
         found = []
         for node in query.ordered(self.model.root):
             for life in (self.watch.life(node), *self.watch.life(node).sources):
@@ -263,15 +267,15 @@ class Traced:
 
     # -- what changed it ---------------------------------------------------------------------------------------
 
-    def _changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
+    def changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
         for source in life.sources if len(life.sources) == 1 else ():
-            yield from self._changes(source, only)
+            yield from self.changes(source, only)
         yield from self._as_the_recipe_has_it(life, only)
         for change in life.changes:
             if isinstance(change, Move):
-                told = self.causes.move(change, life) if only is None else None
-                if told is not None:
-                    yield Changed(None, None, None, told)
+                cause = self.causes.move(change, life) if only is None else None
+                if cause is not None:
+                    yield Changed(None, None, None, cause)
             elif only in (None, change.attribute) and change.cause.function is not settle_joints:
                 yield self._changed(change, life)
 
@@ -286,24 +290,9 @@ class Traced:
             span = life.owner(name)
             if only not in (None, name) or span == element:
                 continue
-            recipe = self._slice(span)
-            if recipe is not None and not _same_words(recipe, text):
+            recipe = self.recipe_lines.text_of(span)
+            if recipe is not None and not same_words(recipe, text):
                 yield Changed(name, recipe, text, Reason("written in the recipe's own unit or form", span))
-
-    def _slice(self, span: Span) -> str | None:
-        """The text of a span, where that stands on one line."""
-        if span.end_column is None or span.end_line != span.line:
-            return None
-        if span.file not in self.lines:
-            try:
-                self.lines[span.file] = (self.folder / span.file).read_text(encoding="utf-8").splitlines()
-            except (OSError, UnicodeDecodeError):
-                self.lines[span.file] = []
-        lines = self.lines[span.file]
-        if span.line > len(lines):
-            return None
-        text = lines[span.line - 1][span.column - 1 : span.end_column - 1]
-        return text if not text.startswith("- ") else _list_of(lines[span.line - 1 :], span.column - 1)
 
     def _changed(self, change: Change, life: Life) -> Changed:
         name = "tag" if change.attribute == TAG else change.attribute
@@ -316,8 +305,8 @@ class Traced:
         if force.attribute is None or force.writer is None:
             return Reason("as the top class: no other is named")
         if force.attribute == "class":
-            told = self.origin_at(force.writer, "class")
-            return Reason(f"by its own `class`{': ' if told.words else ''}{told.words}", told.span)
+            origin = self.origin_at(force.writer, "class")
+            return Reason(f"by its own `class`{': ' if origin.words else ''}{origin.words}", origin.span)
         made = self.watch.life(force.writer).made_by
         if made is not None and made.is_pass and made.part is not None and force.writer.tag == "frame":
             return Reason(f"as the class of the part `{made.part.called}`", made.part.span)
@@ -343,12 +332,14 @@ class Traced:
     def origin_at(self, node: Node, attribute: str) -> Reason:
         """Where the value of an attribute comes from.
 
-        Without words it stands at that place, but for what `_changes` tell; words say how it came about otherwise.
+        Without words it stands at that place, but for what `changes` says; words say how it came about otherwise.
         """
         life = self.watch.life(node)
         if node.tag == "key" and attribute in (*VECTORS, "time") and node.get(attribute):
             span = self._only_place(node, attribute)
-            return self._in_own_form(span, str(node.get(attribute)) if attribute == "time" else None)
+            return self.recipe_lines.in_own_form(
+                span, str(node.get(attribute)) if attribute == "time" else None
+            )
         made = life.made_by is not None and life.made_by.is_pass
         if made and len(life.sources) == 1:
             return self.origin_of(life.sources[0], attribute)
@@ -357,11 +348,17 @@ class Traced:
     def origin_of(self, life: Life, attribute: str) -> Reason:
         for change in reversed(life.of(attribute)):
             if not rewrites(change.cause):
-                told = self.causes.change(change, life)
-                return Reason("" if told.span else told.words, told.span)
-        if life.made_by is not None and life.made_by.is_pass:
-            told = self.causes.value(life, attribute)
-            return told if told.words else self._in_own_form(told.span, life.attributes.get(attribute))
+                cause = self.causes.change(change, life)
+                return Reason("" if cause.span else cause.words, cause.span)
+        if life.made_by is not None and (
+            life.made_by.is_pass or isinstance(life.made_by.done, SetCollisions)
+        ):
+            cause = self.causes.value(life, attribute)
+            return (
+                cause
+                if cause.words
+                else self.recipe_lines.in_own_form(cause.span, life.attributes.get(attribute))
+            )
         return self._as_read(life, attribute)
 
     def _as_read(self, life: Life, attribute: str) -> Reason:
@@ -373,20 +370,10 @@ class Traced:
             return Reason(f"the name of the recipe `{life.owner}`", None)
         span, text = self._span(life, attribute), life.attributes[attribute]
         if getattr(life.born.done, "format", None) == "urdf":
-            return Reason("" if self._has(span, text) else _URDF, span)
-        if callable(life.owner) and span == life.owner(None) and not self._has(span, text):
+            return Reason("" if self.recipe_lines.has(span, text) else _URDF, span)
+        if callable(life.owner) and span == life.owner(None) and not self.recipe_lines.has(span, text):
             return Reason(_COMES_ALONG, span)
         return Reason("", span)
-
-    def _in_own_form(self, span: Span | None, text: str | None) -> Reason:
-        """What a recipe writes for a value; in words where that is not the value itself."""
-        if span is None or self._has(span, text):
-            return Reason("", span)
-        return Reason(f"`{self._slice(span)}` in the recipe's own unit or form", span)
-
-    def _has(self, span: Span | None, text: str | None) -> bool:
-        recipe = None if span is None else self._slice(span)
-        return recipe is None or text is None or _same_words(recipe, text)
 
     def _only_place(self, key: Node, attribute: str) -> Span | None:
         origins = key_origins(self.model, key, attribute, self.watch)
@@ -416,7 +403,7 @@ class Traced:
                 if other != name and node.get(other):
                     yield f"`{other}` is written on the element: of several orientations one counts"
 
-    # -- what is not there -------------------------------------------------------------------------------------
+    # -- what does not exist -------------------------------------------------------------------------------------
 
     def _left_out(self, asked: query.Asked) -> Iterator[Note]:
         for life in self.watch.gone:
@@ -428,8 +415,8 @@ class Traced:
             if asked.name in called | {
                 "".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))
             }:
-                told = self.causes.gone(life)
-                yield Note(f"there was a {life.tag} `{named}`: {told.words}", self._span(life))
+                cause = self.causes.gone(life)
+                yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self._span(life))
 
     def _replaced(self) -> set[Node]:
         return {source.node for life in self.watch.lives.values() for source in life.sources}
@@ -441,30 +428,9 @@ def _given_by(called: str, attribute: str, level: LevelExplained) -> str:
     return f"{called} {attribute}{level_of}"
 
 
-def _list_of(lines: list[str], indent: int) -> str:
-    """A YAML list with an item on each line, on one line."""
-    dash = " " * indent + "- "
-    items = [line[len(dash) :].strip() for line in takewhile(lambda line: line.startswith(dash), lines)]
-    return f"[{', '.join(items)}]"
-
-
 def _start_tag(node: Node) -> str:
     attributes = "".join(f' {name!s}="{_escaped(str(text))}"' for name, text in node.items())
     return f"<{node.tag!s}{attributes}{'' if len(node) else '/'}>"
-
-
-def _same_words(recipe: str, text: str) -> bool:
-    """Whether a recipe and MJCF write the same value, each in its way."""
-    ours = re.sub(r"""[][,"']""", " ", recipe).split()
-    theirs = text.split()
-    return len(ours) == len(theirs) and all(map(_same, ours, theirs))
-
-
-def _same(ours: str, theirs: str) -> bool:
-    try:
-        return ours == theirs or float(ours) == float(theirs)
-    except ValueError:
-        return False
 
 
 def _escaped(text: str) -> str:

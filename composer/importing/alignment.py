@@ -11,7 +11,7 @@ T = TypeVar("T")
 def paired(
     one: Sequence[T], other: Sequence[T], alike: Callable[[T, T], bool]
 ) -> Iterator[tuple[T, T | None]]:
-    """Every element of `one` with what it is in `other`, or None for one that is not there.
+    """Every element of `one` with what it is in `other`, or None for one that does not exist.
 
     What is alike belongs together as long as the order stays; between that, the first with the first. Behind an
     element of `other` that nothing is left for all are new, since what is added stands at the end.

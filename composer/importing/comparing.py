@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from composer.compiled.joints import ANGULAR
 from composer.compiled.quantities import unit
-from composer.document.quote import quoted
+from composer.document.quote import quoted, word
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.importing.alignment import paired
@@ -22,7 +21,17 @@ from composer.importing.elements import (
     items,
     named,
 )
-from composer.importing.flow import flow, flow_list, nested, numbers, word
+from composer.importing.entries import (
+    CLASSES,
+    REMOVED,
+    Changed,
+    Entry,
+    Names,
+    Pair,
+    selector_of,
+    written_value,
+)
+from composer.importing.flow import flow, flow_list, nested, numbers
 from composer.importing.likeness import Likeness, places
 from composer.importing.match import Instance, parent_body
 from composer.importing.meaning import POSE, at_the_same_place, plain
@@ -35,59 +44,10 @@ from composer.tree.unit import Unit
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-# Classes first. Before what is removed by its number all is changed, and what refers to something goes before it
-# does; names are as the parts have them until the end.
-CLASSES, REMOVED, RENAMED = -1, 10_000, 20_000
 _SEVERAL = 2  # as many elements that change alike are a change of their class
 _ASSETS = frozenset(("material", *NAMED_AFTER_FILE))
 _IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera")
 _SORTED = frozenset({"pair", "exclude"})  # MuJoCo counts these in an order of its own
-
-
-@dataclass(slots=True)
-class Entry:
-    """One thing that the recipe says, in its section; `note` says why it is only a comment.
-
-    Entries of a section stand in groups, and in these by `rank`: what is removed while it is counted goes last.
-    """
-
-    section: str
-    text: str
-    note: str | None = None
-    group: str = ""
-    rank: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Pair:
-    """An element of a part and what is otherwise in the merged model; `select` is how the recipe selects it."""
-
-    select: str
-    item: Item
-    each: Instance
-    changes: dict[str, str | None]
-    moved: dict[str, str]
-
-
-@dataclass(frozen=True, slots=True)
-class Changed:
-    """An attribute that the merged model says otherwise than the parts.
-
-    `kind` and `name` are those of the element or, for `count` elements that have it from there, of the class. `before`
-    and `after` are as they are written, None where nothing is.
-    """
-
-    kind: str
-    name: str
-    attribute: str
-    before: str | None
-    after: str | None
-    unit: str = ""
-    count: int = 1
-
-
-Names = dict[str, dict[str, str]]
-"""By kind what a part's elements are called in the merged model, where that is not their name with the prefix."""
 
 
 class Comparison:
@@ -114,7 +74,7 @@ class Comparison:
         self.entries: list[Entry] = []
         self.pairs: list[Pair] = []
         self.labels: set[str] = set()
-        self.told: list[Changed] = []
+        self.found_changes: list[Changed] = []
         self.places = {unit: places(unit) for unit in (merged, *parts)}
         self.counts = {
             unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()
@@ -224,7 +184,7 @@ class Comparison:
             self.covered.add(there.node)
             moved = self.moved(item, there, each)
             changes = self.changes(item, there, each)
-            if moved or item.node is each.root:  # its place is said by the attachment
+            if moved or item.node is each.root:  # the attachment gives its place
                 changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in POSE}
             self.pairs.append(Pair(select, item, each, changes, moved))
             if item.kind.tag == "body":
@@ -302,7 +262,7 @@ class Comparison:
                 attribute, self.name(attribute, value)
             )
             before = effective(pair.item, self.parts[pair.each.part]).get(name)
-            self.told.append(
+            self.found_changes.append(
                 Changed(
                     "default class", called, f"{tag} {name}", before, value, self.unit(pair, name), len(pairs)
                 )
@@ -345,7 +305,7 @@ class Comparison:
                     value,
                     self.unit(pair, name),
                 )
-                self.told.append(place)
+                self.found_changes.append(place)
         if pair.changes or pair.moved:
             verbs = {"select": pair.select} | ({"unset": flow_list(unset)} if unset else {})
             verbs |= {"set": flow(written)} if written else {}
@@ -481,17 +441,3 @@ class Comparison:
 
 def _without_name(body: Node, tag: str) -> list[Node]:
     return [node for node in body.iterchildren(tag) if not node.get("name")]
-
-
-def selector_of(namespace: str, tag: str, name: str) -> str:
-    kind = namespace if namespace in ("actuator", "sensor", "equality", "tendon") else tag
-    return f"{{{kind}: {word(name)}}}"
-
-
-def written_value(attribute: Attribute, text: str) -> str:
-    parts = text.split()
-    if attribute.separated and (attribute.max_length != 1):
-        return flow_list(parts)
-    if attribute.type == "bool" or attribute.is_number:
-        return text
-    return word(text)

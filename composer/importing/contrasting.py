@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from composer.diff.change import Change, Contrast
-from composer.diff.models import contrast
-from composer.diff.models import told as contrasted
+from composer.diff.models import contrast, contrast_of
 from composer.engine import Session, call, compile
-from composer.importing.comparing import Names
-from composer.importing.likeness import Likeness, is_rounding, numbers, told, unchanged
+from composer.importing.entries import Names
+from composer.importing.likeness import Likeness, is_rounding, likeness_of, numbers, unchanged
 from composer.importing.match import Instance, parent_body
 from composer.importing.propose import Proposal
-from composer.verify.parts import WHOLE
+from composer.verify.compiles import WHOLE
 
 _TOLERANCE = 1e-7
 _MERGED = "merged"
@@ -69,7 +68,7 @@ class Trial:
         if not answer.ok:
             return Likeness()
         self.compared = True
-        return told(answer.value)
+        return likeness_of(answer.value)
 
     def outcome(self, proposal: Proposal) -> Outcome | None:
         """What differs in the model that was built last; None where the two cannot be compared."""
@@ -79,7 +78,7 @@ class Trial:
         answer = call(self.session, contrast, [_MERGED, WHOLE], given)
         if not answer.ok:
             return None
-        seen = contrasted(answer.value)
+        seen = contrast_of(answer.value)
         found = [each for each in seen.changes if not _only_name(each, proposal)]
         found += _lost_without_name(seen, proposal)
         rounded = [each for each in found if each.what == "changed" and is_rounding(each)]

@@ -2,18 +2,7 @@
 
 from __future__ import annotations
 
-import re
-
-from composer.document.quote import quoted
-
-_PLAIN = re.compile(r"[A-Za-z_./][\w./ -]*\w|\w|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-
-
-def word(text: str) -> str:
-    """A text as YAML."""
-    if _PLAIN.fullmatch(text) and text.lower() not in ("true", "false", "null"):
-        return text
-    return quoted(text)
+from composer.document.quote import word
 
 
 def flow(values: dict[str, str]) -> str:

@@ -79,7 +79,7 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
     return {"same": same, "counts": counts}
 
 
-def told(data: Mapping[str, Any]) -> Likeness:
+def likeness_of(data: Mapping[str, Any]) -> Likeness:
     """The likeness after its way through JSON."""
     return Likeness(
         {kind: frozenset((i, j) for i, j in pairs) for kind, pairs in data["same"].items()},

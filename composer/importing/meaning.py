@@ -29,7 +29,7 @@ def plain(values: Mapping[str, str], tag: str, settings: Settings, degrees: bool
 
 
 def placed(values: Mapping[str, str], settings: Settings) -> tuple[Pose, list[float]] | None:
-    """Where the values put an element, and its size; None where they are no numbers."""
+    """Where the values put an element, and its size; None where they are not numbers."""
     try:
         pose, size = (
             read_pose(values, settings.angle == "degree", settings.eulerseq),

@@ -8,18 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
-from composer.document.quote import quoted
+from composer.document.quote import quoted, word
 from composer.grammar import GRAMMAR
-from composer.importing.comparing import (
-    REMOVED,
-    RENAMED,
-    Changed,
-    Comparison,
-    Entry,
-    Names,
-    selector_of,
-    written_value,
-)
+from composer.importing.comparing import Comparison
 from composer.importing.elements import (
     assets_of,
     default_text,
@@ -28,7 +19,8 @@ from composer.importing.elements import (
     named,
     settings_of,
 )
-from composer.importing.flow import flow, nested, numbers, word
+from composer.importing.entries import REMOVED, RENAMED, Changed, Entry, Names, selector_of, written_value
+from composer.importing.flow import flow, nested, numbers
 from composer.importing.likeness import Likeness
 from composer.importing.match import Instance, find, name_in_recipe, parent_body, separator_of
 from composer.link.placing import read_pose
@@ -78,13 +70,35 @@ def propose(
 
 class _Proposer(Comparison):
     def proposal(self) -> Proposal:
-        assets = assets_of(self.merged)
+        self.match_names()
+        self.match_assets()
         for each in self.found:
-            part = named(self.parts[each.part])
-            for (namespace, name), _ in part.items():
+            self.compare_assets(each)
+            self.compare(each)
+            self.attach(each, self.compare_world(each))
+            self.compare_sections(each)
+        self.changed()
+        self.remove_keys()
+        self.settings()
+        self.compiler()
+        self.left_over()
+        head, renamed = self.head(), self.rename()
+        nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
+        return Proposal(
+            head, self.entries, self.found, renamed, self.alike, nameless, tuple(self.found_changes)
+        )
+
+    def match_names(self) -> None:
+        """Which name of the composition each name of a part in the merged model is."""
+        for each in self.found:
+            for namespace, name in named(self.parts[each.part]):
                 there_named = self.theirs(each, namespace, name)
                 if (namespace, there_named) in self.there:
                     self.names[namespace, there_named] = each.out + name
+
+    def match_assets(self) -> None:
+        """Which asset of a part each one of the merged model is; the others are entries of the recipe."""
+        assets = assets_of(self.merged)
         for each in sorted(self.found, key=lambda each: not each.is_base):
             unit = self.parts[each.part]
             for (tag, name), node in assets_of(unit).items():
@@ -103,12 +117,9 @@ class _Proposer(Comparison):
                     shown = {"name": quoted(""), **shown}
                     name = self.label(f"asset/{tag}", shown.get("type", tag).strip('"'))
                 self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, tag))
-        for each in self.found:
-            self.compare_assets(each)
-            self.compare(each)
-            self.attach(each, self.compare_world(each))
-            self.compare_sections(each)
-        self.changed()
+
+    def remove_keys(self) -> None:
+        """Remove the keys of the parts that the merged model does not have."""
         keys = [
             {str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)
         ]
@@ -116,15 +127,19 @@ class _Proposer(Comparison):
             name for each in self.found for name in sorted(keys[each.part + 1] - keys[0])
         ):
             self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, REMOVED)
-        self.settings()
-        self.compiler()
-        self.left_over()
+
+    def head(self) -> list[str]:
+        """The first lines of the recipe."""
         model = self.merged.model
         head = ["recipe: 1", *([f"name: {word(model)}"] if model else [])]
         head += [f"angle: {self.merged.settings.angle}"]
         if self.separator != "/":
             head.append(f"separator: {quoted(self.separator)}")
         head += [f"base: {word(self.references[each.part])}" for each in self.found if each.is_base]
+        return head
+
+    def rename(self) -> dict[str, dict[str, str]]:
+        """Rename what has another name in the merged model; gives the names that verification alone renames."""
         renamed: dict[str, dict[str, str]] = {}
         for (namespace, name), new in self.names.items():
             if name != new:
@@ -136,12 +151,10 @@ class _Proposer(Comparison):
                 tag = self.there[namespace, name].kind.tag
                 select = selector_of(namespace, tag, new)
                 self.edit({"select": select, "rename": word(name)}, RENAMED)
-        renamed = {  # the others have their names again at the end
+        return {  # the others have their names again at the end
             namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
             for namespace, pairs in renamed.items()
         }
-        nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
-        return Proposal(head, self.entries, self.found, renamed, self.alike, nameless, tuple(self.told))
 
     def label(self, section: str, word: str) -> str:
         """A key for what has no name in a section: one that nothing there is called."""

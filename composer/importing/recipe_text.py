@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from composer.importing.comparing import Entry
+from composer.importing.entries import Entry
 from composer.importing.propose import Proposal
 
 _LISTS = frozenset({"add", "edit"})

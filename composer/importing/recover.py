@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,15 +12,17 @@ from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
 from composer.diff.change import Change
+from composer.document.quote import word
 from composer.engine import Session
-from composer.importing.comparing import Entry, Names
 from composer.importing.contrasting import Outcome, Trial
-from composer.importing.flow import word
+from composer.importing.entries import Entry, Names
 from composer.importing.likeness import Likeness
 from composer.importing.match import Instance
 from composer.importing.propose import Proposal, propose
 from composer.importing.recipe_text import recipe_text
+from composer.link.source_check import check_source
 from composer.stages import Request, build
+from composer.tree.admitted import all_admitted
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 
@@ -44,20 +46,37 @@ class Recovered:
 
 
 def recover(
-    merged: Path, parts: list[Path], out: Path, context: Context, tell: Callable[[str], None] = lambda _: None
+    merged: Path,
+    parts: list[Path],
+    out: Path,
+    context: Context,
+    progress: Callable[[str], None] = lambda _: None,
+    references: Mapping[Path, str] | None = None,
 ) -> Recovered | None:
-    """The recipe that is to stand at `out`; None where a model cannot be read, as `context.sink` tells.
+    """The recipe that is to stand at `out`; None where a model cannot be read, which `context.sink` reports.
 
-    What the recipe cannot say is left out, as a comment, one after the other, until it builds. `tell` hears what is
-    done next.
+    What the recipe cannot say is left out, as a comment, one after the other, until it builds. `progress` hears what is
+    done next. `references` are how the recipe refers to parts that are not named by their paths.
     """
     before = context.sink.error_count
     read = [parse_file(path, context.sink, file=context.shown(path)) for path in (merged, *parts)]
-    units: list[Unit] = [unit for unit in read if unit is not None]
+    units: list[Unit] = [
+        unit
+        for unit in read
+        if unit is not None
+        and all_admitted(unit, context.sink, context.shown)  # MuJoCo opens what it names
+        and check_source(unit, context.sink)
+    ]
     if context.sink.error_count > before or len(units) < len(read):
         return None
     with Session() as session:
-        return _Recovery(merged, parts, out, context, session, tell, units).recovered()
+        recovery = _Recovery(merged, parts, out, context, session, progress, units, references or {})
+        return recovery.recovered()
+
+
+def whole_recipe(merged: Path, out: Path) -> str:
+    """The recipe that starts from the merged model as it is, for one whose parts nobody knows."""
+    return f"recipe: 1\nname: {word(out.stem)}\nbase: {word(_reference(merged, out.parent))}\n"
 
 
 class _Recovery:
@@ -68,15 +87,17 @@ class _Recovery:
         out: Path,
         context: Context,
         session: Session,
-        tell: Callable[[str], None],
+        progress: Callable[[str], None],
         units: list[Unit],
+        references: Mapping[Path, str],
     ) -> None:
+        self.references = references
         self.merged, self.parts, self.out, self.units = merged, parts, out, units
-        self.context, self.session, self.tell = context, session, tell
+        self.context, self.session, self.progress = context, session, progress
         self.trial = Trial(merged, parts, session)
 
     def recovered(self) -> Recovered:
-        self.tell(f"compiling {self.context.shown(self.merged)} and its parts")
+        self.progress(f"compiling {self.context.shown(self.merged)} and its parts")
         proposal = self.proposal(self.trial.likeness)
         found = self.settled(proposal)
         if self.trial.compared and (found.outcome is None or not found.outcome.same):
@@ -97,7 +118,7 @@ class _Recovery:
         return found
 
     def proposal(self, likeness: Callable[[Instance, Names], Likeness]) -> Proposal:
-        references = [_reference(path, self.out.parent) for path in self.parts]
+        references = [self.references.get(path) or _reference(path, self.out.parent) for path in self.parts]
         return propose(
             self.units[0],
             self.units[1:],
@@ -110,7 +131,7 @@ class _Recovery:
         """The proposal without what does not build, with the keys that it lacks."""
         out, context = self.out, self.context
         for number in range(_ROUNDS):
-            self.tell(
+            self.progress(
                 "trying the recipe" if not number else f"trying the recipe without what failed ({number})"
             )
             text, places = recipe_text(proposal)
@@ -136,7 +157,7 @@ class _Recovery:
                 proposal.entries.append(Entry("keyframe", f"key_{each.index[0]}: {{}}", note))
                 text, _ = recipe_text(proposal)
         if keys:
-            self.tell("trying the recipe with its keyframes")
+            self.progress("trying the recipe with its keyframes")
             proposal.entries += keys
             text, _ = recipe_text(proposal)
             bundle, faults = self.built(text)
@@ -162,7 +183,7 @@ class _Recovery:
 
 
 def _at(fault: Diagnostic, trial: Path, out: Path, context: Context) -> Span | None:
-    """The place of a fault, told for the file that is to be."""
+    """The place of a fault in the file that is to be."""
     if fault.span is None or fault.span.file != context.shown(trial):
         return fault.span
     return replace(fault.span, file=context.shown(out))

@@ -7,8 +7,8 @@ from itertools import groupby
 
 from composer.diff.change import Value
 from composer.diff.words import sentences, shown, subject
-from composer.importing.comparing import Changed
 from composer.importing.contrasting import Outcome
+from composer.importing.entries import Changed
 
 
 def changed(facts: tuple[Changed, ...]) -> Iterator[str]:

@@ -10,7 +10,7 @@ CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
 
 _CRASH_HELP = {
     "mujoco-timeout": "give it more time with `--timeout`, or look for huge counts in `replicate` and `flexcomp`",
-    "mujoco-missing": "install it: `python -m pip install mujoco`; or do without it: `--no-verify`",
+    "mujoco-missing": "install it: `python -m pip install --upgrade mujoco`; or do without it: `--no-verify`",
     "mujoco-crash": "load each part alone in MuJoCo to find the one at fault",
 }
 
@@ -23,6 +23,8 @@ _OBJECT = re.compile(
 _ELEMENT = re.compile(
     r"\s*^Element '(?P<element>[^'\n]*)', line (?P<line>-?\d+)(?:, column (?P<column>-?\d+))?\s*\Z", re.M
 )
+# before that line where a `<flexcomp>` cannot be made: of no object yet
+_NO_OBJECT = re.compile(r"^Element name '', id -1[ \t]*\n(?=Element ')", re.M)
 # what TinyXML says about a file that is not well-formed
 _XML = re.compile(
     r"^XML parse error (?P<number>\d+):\s*Error=(?P<error>\w+).*?"
@@ -57,23 +59,23 @@ def parse(text: str) -> Fault:
     >>> parse("Error: size 0 must be positive in geom\nElement name 'left/pad', id 3, line 38")
     Fault(message='size 0 must be positive in geom', line=38, column=None, element=None, name='left/pad')
     """
-    text = text.strip()
+    text = _NO_OBJECT.sub("", text.strip())
     broken = _XML.match(text)
     if broken:
         return _not_well_formed(broken)
     trailer = _OBJECT.search(text) or _ELEMENT.search(text)
     if trailer is None:
         return Fault(_PREFIX.sub("", text).strip())
-    told = trailer.groupdict()
+    fields = trailer.groupdict()
     message = _PREFIX.sub("", text[: trailer.start()]).strip()
-    if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 tells last why a file cannot be read
+    if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 says last why a file cannot be read
         message = f"{message}: {rest}"
     return Fault(
         message,
-        line=_positive(told["line"]),
-        column=_positive(told.get("column")),
-        element=told.get("element") or None,
-        name=told.get("name") or None,
+        line=_positive(fields["line"]),
+        column=_positive(fields.get("column")),
+        element=fields.get("element") or None,
+        name=fields.get("name") or None,
     )
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
+from composer.diagnostics.span import Span
 from composer.mujoco_errors.location import locate_fault
 from composer.mujoco_errors.translation import Translation
 from composer.tree.unit import Unit
@@ -15,12 +17,17 @@ if TYPE_CHECKING:
 
 
 def report(
-    said: Translation, element: Node | None, model: Unit, context: Context, cause: Cause | None = None
+    said: Translation,
+    element: Node | None,
+    model: Unit,
+    context: Context,
+    cause: Cause | None = None,
+    at: Span | None = None,
 ) -> None:
-    """Report an error at the element, or at its attribute that is at fault."""
+    """Report an error at the element, or at its attribute that is at fault; where there is none, `at` a place."""
     if element is None:
-        context.sink.error(said.code, said.message, notes=said.notes, help=said.help)
+        context.sink.add(replace(said.diagnostic, span=at))
         return
     found = locate_fault(said, element, model)
-    notes = (*found.notes, *said.notes)
-    context.sink.error(said.code, said.message, found.span, notes=notes, help=said.help, cause=cause)
+    notes = (*found.notes, *said.diagnostic.notes)
+    context.sink.add(replace(said.diagnostic, span=found.span, notes=notes), cause)

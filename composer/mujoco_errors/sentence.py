@@ -12,6 +12,7 @@ _ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'")
 _MISSING = re.compile(r"missing element: '(?P<tag>[^']*)'|attribute missing: '(?P<name>[^']*)'")
 _SIZE = re.compile(r"^size (?P<index>\d) must be positive")
 _PLUGIN = re.compile(r"failed for plugin id (?P<id>\d+)")
+_ARRAY = re.compile(r"^Invalid model: (?P<name>[a-z]+_\w+)")
 _WORD = re.compile(r"\w+")
 _QUOTED = re.compile(r"'([^'\n]+)'")
 # What MuJoCo says of a setting of the whole model, of which it knows no line.
@@ -56,7 +57,8 @@ class Sentence:
 
     `attribute` is the one that it speaks of, `unknown_attribute` one that MJCF does not have there, `missing_attribute`
     and `missing_element` what is required; `names` are what it has in quotes. `size_index` is the size that must be
-    positive, `plugin` the number of the plugin that failed, `section` the section whose setting is at fault.
+    positive, `plugin` the number of the plugin that failed, `section` the section whose setting is at fault,
+    `array` what of the compiled model is wrong.
     """
 
     topic: Topic | None = None
@@ -70,6 +72,7 @@ class Sentence:
     size_index: int | None = None
     plugin: int | None = None
     section: str | None = None
+    array: str | None = None
 
 
 def read_sentence(message: str) -> Sentence:
@@ -79,6 +82,7 @@ def read_sentence(message: str) -> Sentence:
     'pos'
     """
     attribute, unknown = _ATTRIBUTE.search(message), _UNKNOWN_ATTRIBUTE.search(message)
+    array = _ARRAY.search(message)
     missing, size, plugin = _MISSING.search(message), _SIZE.search(message), _PLUGIN.search(message)
     return Sentence(
         next((topic for topic in Topic if re.search(topic.value, message)), None),
@@ -92,4 +96,5 @@ def read_sentence(message: str) -> Sentence:
         int(size["index"]) if size else None,
         int(plugin["id"]) if plugin else None,
         next((section for section, said in _SECTIONS.items() if said.search(message)), None),
+        array["name"] if array else None,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.diagnostics.unknown import unknown_attribute as no_attribute
 from composer.grammar import GRAMMAR
@@ -36,43 +36,38 @@ _ADVICE = {
 
 @dataclass(frozen=True, slots=True)
 class Translation:
-    """A diagnostic without its place.
+    """A diagnostic without its place, and what is known of that.
 
     `attribute` is the one of the element that the fault lies in, if that is known; with `key` in its name. `topic` is
     what MuJoCo's sentence is about.
     """
 
-    code: str
-    message: str
+    diagnostic: Diagnostic
     attribute: str | None = None
-    notes: tuple[Note, ...] = ()
-    help: str | None = None
     key: bool = False
     topic: Topic | None = None
 
 
 def translate(message: str, element: Node | None) -> Translation:
-    """What to tell where MuJoCo refuses a model with `message`, which speaks of `element`."""
+    """What to report where MuJoCo refuses a model with `message`, which speaks of `element`."""
     said = read_sentence(message)
     advice = None if said.topic is None else _ADVICE.get(said.topic)
     if element is None:
-        return Translation(
-            "mujoco-rejects", f"MuJoCo rejects the model: {message}", help=advice, topic=said.topic
-        )
+        rejected = Diagnostic("mujoco-rejects", f"MuJoCo rejects the model: {message}", help=advice)
+        return Translation(rejected, topic=said.topic)
     if said.unknown_attribute is not None:
         return unknown_attribute(element, said.unknown_attribute)
     if said.is_unknown_element:
-        return _unknown_element(element)
+        return unknown_element(element)
     subject = f"the {element.tag} `{element.get('name')}`" if element.get("name") else f"this {element.tag}"
     attribute = _attribute(said, element)
-    return Translation(
+    diagnostic = Diagnostic(
         "mujoco-rejects",
         f"MuJoCo rejects {subject}: {message}",
-        attribute,
-        _keywords(element, attribute),
-        _not_positive(said, element) or advice,
-        topic=said.topic,
+        notes=_keywords(element, attribute),
+        help=_not_positive(said, element) or advice,
     )
+    return Translation(diagnostic, attribute, topic=said.topic)
 
 
 def unknown_attribute(element: Node, name: str) -> Translation:
@@ -82,35 +77,38 @@ def unknown_attribute(element: Node, name: str) -> Translation:
     if kind is not None and name in known:
         message = f"this MuJoCo has no attribute `{name}` of `<{element.tag}>`"
         attribute = kind.attributes[name]
-        return Translation(
-            "unknown-attribute", message, name, _versions(attribute.since, attribute.until), key=True
-        )
+        notes = _versions(attribute.since, attribute.until)
+        return Translation(Diagnostic("unknown-attribute", message, notes=notes), name, key=True)
     found = no_attribute(name, f"`<{element.tag}>`", known, otherwise=f"take `{name}` out")
-    return Translation(found.code, found.message, name, found.notes, found.help, key=True)
+    return Translation(found, name, key=True)
 
 
-def _unknown_element(element: Node) -> Translation:
+def unknown_element(element: Node) -> Translation:
+    """An element that MJCF does not have in that place."""
     parent = element.getparent()
     kind = kind_of(parent) if parent is not None else None
     known = list(kind.children) if kind is not None else []
     if kind is not None and element.tag in known:
         child = kind.children[str(element.tag)]
         notes = _versions(child.since, child.until)
-        return Translation("unknown-element", f"this MuJoCo has no `<{element.tag}>`", None, notes)
+        message = f"this MuJoCo has no `<{element.tag}>`"
+        return Translation(Diagnostic("unknown-element", message, notes=notes))
+    holder = f"`<{parent.tag}>`" if parent is not None else "a model"
     return Translation(
-        "unknown-element",
-        f"`<{element.tag}>` cannot stand in " + (f"`<{parent.tag}>`" if parent is not None else "a model"),
-        None,
-        (exists_note("element", known, str(element.tag)),) if known else (),
-        did_you_mean(str(element.tag), known, "<{}>"),
+        Diagnostic(
+            "unknown-element",
+            f"`<{element.tag}>` cannot stand in {holder}",
+            notes=(exists_note("element", known, str(element.tag)),) if known else (),
+            help=did_you_mean(str(element.tag), known, "<{}>"),
+        )
     )
 
 
 def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
     """Which versions of MuJoCo have what this one has not."""
     if until is not None:
-        return (Note(f"it was there up to MuJoCo {until}"),)
-    return (Note(f"it is there since MuJoCo {since}"),) if since is not None else ()
+        return (Note(f"it existed up to MuJoCo {until}"),)
+    return (Note(f"it exists since MuJoCo {since}"),) if since is not None else ()
 
 
 def kind_of(element: Node) -> ElementType | None:

@@ -1,4 +1,4 @@
-"""The checks of a recipe on the model that was built, and of the recipes in it, told where they are written."""
+"""The checks of a recipe on the model that was built, and of the recipes in it, reported where they are written."""
 
 from __future__ import annotations
 
@@ -11,25 +11,29 @@ from composer.bundle.renamed import Renamed
 from composer.compiled.affected_arrays import arrays_of
 from composer.compiled.difference import EXTRA, MISSING, Difference
 from composer.context import Context
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.document.node import locate
+from composer.document.node import Scalar, find, locate
 from composer.link.dedup import Merged
 from composer.mujoco_errors.message import CRASHES
 from composer.plan.drawn_arrays import arrays_of_draw
 from composer.plan.part_record import PartRecord, of_part
 from composer.plan.plan import Plan
-from composer.recipe.check import KINDS
+from composer.recipe.check import KINDS, SEVERITY
 from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
 from composer.recipe.rows import check_rows
+from composer.verify.compiles import WHOLE
 from composer.verify.kinds.ask import CHECKS, ask
-from composer.verify.kinds.finding import Finding
+from composer.verify.kinds.failure import from_json
 from composer.verify.nested import Nested, checks_in
 from composer.verify.outcome import Hear, Outcome
-from composer.verify.parts import WHOLE, Compared, Judge
+from composer.verify.parts import Compared, Judge
 from composer.verify.report import causes, changed, notes
+
+# What a check finds in a model; other codes are about the check itself.
+_NOT_HELD = ("check-failed", "part-changed")
 
 check_rows("the checks that composer/verify/kinds/ask.py runs", [*CHECKS, Unchanged.word], KINDS)
 
@@ -55,11 +59,11 @@ def run_checks(
             values = _unchanged(check, recipe, members, plan.separator, judge, own, drawn)
         else:
             kept, values = _ask(check, recipe, members, session, own)
-        for diagnostic in own.sink.diagnostics:
+        reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
+        for diagnostic in reported:
             context.sink.add(diagnostic)
         if hear is not None:
-            told = tuple(own.sink.diagnostics)
-            hear(Outcome(recipe.part + check.name, check.word, _place(check, recipe), told, values))
+            hear(Outcome(recipe.part + check.name, check.word, _place(check, recipe), reported, values))
         if not kept:
             break
 
@@ -71,6 +75,13 @@ def places(plan: Plan) -> dict[str, Span]:
 
 def _place(check: Check, recipe: Nested) -> Span:
     return locate(recipe.plan.document, (*check.at, check.word), key=True)
+
+
+def _as_severe(found: Diagnostic, check: Check, recipe: Nested) -> Diagnostic:
+    """As severe as the check says; what is wrong with the check itself stays an error."""
+    severity = find(recipe.plan.document, (*check.at, SEVERITY))
+    warns = isinstance(severity, Scalar) and severity.value == Severity.WARNING
+    return replace(found, severity=Severity.WARNING) if warns and found.code in _NOT_HELD else found
 
 
 def _ask(
@@ -91,15 +102,15 @@ def _ask(
     answer = engine.call(session, ask, [WHOLE], question)
     if not answer.ok:
         code = CRASHES.get(answer.crash or "", "mujoco-crash")
-        told = [Note("no check behind it was run")] if answer.crash else []
+        notes = [Note("no check behind it was run")] if answer.crash else []
         message = f"{about}: {answer.error or answer.crash}"
-        context.sink.error(code, message, _place(check, recipe), notes=told)
+        context.sink.error(code, message, _place(check, recipe), notes=notes)
         return not answer.crash, {}
-    for finding in map(Finding.from_json, answer.value["findings"]):
+    for finding in map(from_json, answer.value["findings"]):
         path = (*check.at, check.word, *finding.at)
         span = locate(recipe.plan.document, path, key=not finding.at)
-        told = [Note(note) for note in finding.notes]
-        context.sink.error(finding.code, f"{about}: {finding.message}", span, notes=told, help=finding.help)
+        message = f"{about}: {finding.message}"
+        context.sink.error(finding.code, message, span, notes=finding.notes, help=finding.help)
     return True, answer.value["values"]
 
 
@@ -119,11 +130,11 @@ def _unchanged(
     for member in found:
         compared = judge.compare(member, excused)
         if not compared.ok:
-            _tell(compared, recipe, check, context)
+            _report(compared, recipe, check, context)
     return {"parts": len(found)}
 
 
-def _tell(compared: Compared, recipe: Nested, check: Unchanged, context: Context) -> None:
+def _report(compared: Compared, recipe: Nested, check: Unchanged, context: Context) -> None:
     path = (*check.at, "unchanged")
     span = locate(recipe.plan.document, (*path, "part") if check.part else path, key=check.part is None)
     about = f"check `{recipe.part}{check.name}`"

@@ -1,25 +1,27 @@
-"""What MuJoCo says about a bundle, told at the places of the recipe and its sources."""
+"""What MuJoCo says about a bundle, reported at the places of the recipe and its sources."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from posixpath import basename
 from typing import TYPE_CHECKING
 
 from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import OutputError
 from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
+from composer.diagnostics.span import Span
 from composer.grammar import GRAMMAR
 from composer.grammar.version import version_key
 from composer.mujoco_errors.message import Fault, crash_help
 from composer.mujoco_errors.report import report
 from composer.mujoco_errors.sentence import read_sentence
-from composer.mujoco_errors.translation import kind_of, translate, unknown_attribute
+from composer.mujoco_errors.translation import translate, unknown_attribute, unknown_element
 from composer.tree.files import NAMED_AFTER_FILE
+from composer.tree.ignored import ignored, is_unread_alone, unread
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.verify.compiles import verify
-from composer.verify.ignored_attributes import unread
 from composer.verify.left_behind import left_behind
 
 if TYPE_CHECKING:
@@ -29,11 +31,17 @@ if TYPE_CHECKING:
 
 
 def judge(
-    bundle: Bundle, model: Unit, context: Context, session: Session, keep: str | None = None
+    bundle: Bundle,
+    model: Unit,
+    context: Context,
+    session: Session,
+    keep: str | None = None,
+    at: Span | None = None,
 ) -> Compiled | None:
     """Compile the bundle; faults and warnings go to the sink. None where MuJoCo gave no verdict.
 
-    With `keep` the session keeps the compiled model under that name.
+    With `keep` the session keeps the compiled model under that name. `at` is the place of what MuJoCo says of no
+    element: that of the recipe, as a rule.
     """
     try:
         verified = verify(bundle, session=session, keep=keep)
@@ -52,17 +60,17 @@ def judge(
         fault = verified.error
         message = _with_sources(fault.message, model, context)
         if verified.crash:
-            context.sink.error(verified.code, message, help=crash_help(verified.code))
+            context.sink.error(verified.code, message, at, help=crash_help(verified.code))
         else:
             element = _element(fault, bundle, model)
-            report(translate(message, element), element, model, context)
+            report(translate(message, element), element, model, context, at=at)
         return None
     version = verified.compiled.mujoco_version
     if version is None or version_key(version) <= version_key(
         GRAMMAR.versions[-1]
     ):  # a newer one may have more attributes
-        for element, name in unread(model.root):
-            _tell_unread(element, name, model, context)
+        for element, name in unread(model.root, version):
+            _report_unread(element, name, model, context)
     for flex in left_behind(model.root, version):
         context.sink.warning(
             "not-supported",
@@ -81,19 +89,13 @@ def _called(element: Node | None) -> str:
     return f"`<{element.tag}>` `{name}`" if name else f"`<{element.tag}>`"
 
 
-def _tell_unread(element: Node, name: str, model: Unit, context: Context) -> None:
-    """A typing error, most likely; a warning where models are known to write it, though it means nothing."""
-    kind = kind_of(element)
-    if kind is None or name not in kind.ignored:
-        cause = Cause(f"{element.tag} {name}", _called(element))
-        report(unknown_attribute(element, name), element, model, context, cause)
+def _report_unread(element: Node, name: str | None, model: Unit, context: Context) -> None:
+    """A warning where MuJoCo passes over it in the source too; else an error, because alone the source is refused."""
+    if is_unread_alone(element, name, model):
+        context.sink.add(ignored(element, name, model))
         return
-    context.sink.warning(
-        "unknown-attribute",
-        f"MuJoCo ignores `{name}` of `<{kind.tag}>`, which has no effect",
-        model.origins.span(element, model.file, name, key=True),
-        help=f"remove `{name}`",
-    )
+    found = unknown_element(element) if name is None else unknown_attribute(element, name)
+    report(found, element, model, context, Cause(f"{element.tag} {name or ''}", _called(element)))
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
@@ -107,6 +109,13 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
         return instances[said.plugin] if said.plugin < len(instances) else None
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
     named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
+    named = named or [
+        each
+        for each in model.root.iter("*")
+        if each.get("file") and basename(str(each.get("file"))) in said.names
+    ]
+    if not named and said.array is not None:
+        named = list(model.root.iter(said.array.partition("_")[0]))
     if not named and said.section is not None:
         named = model.root.findall(said.section)
     return named[0] if len(named) == 1 else None
@@ -131,7 +140,7 @@ def _is_another(found: Node | None, fault: Fault) -> bool:
 
 
 def _attaching(fault: Fault, root: Node) -> Node | None:
-    """The `<attach>` that brings what MuJoCo speaks of, as far as its prefix tells."""
+    """The `<attach>` that brings what MuJoCo speaks of, as far as its prefix shows."""
     prefixes = {each: str(each.get("prefix") or "") for each in root.iter("attach")}
     fitting = [each for each, prefix in prefixes.items() if str(fault.name).startswith(prefix)]
     return max(fitting, key=lambda each: len(prefixes[each]), default=None)
@@ -142,4 +151,4 @@ def _with_sources(message: str, model: Unit, context: Context) -> str:
     for path, where in model.contents.items():
         if path in message:
             message = message.replace(path, context.shown(where) if isinstance(where, Path) else path)
-    return " ".join(" ".join(dict.fromkeys(message.splitlines())).split())
+    return " ".join(" ".join(dict.fromkeys(message.splitlines())).split()).removesuffix(".")

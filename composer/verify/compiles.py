@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
-import tempfile
+import hashlib
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from composer import engine
-from composer.bundle.bundle import Bundle
+from composer.bundle.admitted import outside
+from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.output_error import unwritable
 from composer.bundle.staging import write_files
+from composer.diagnostics.diagnostic import Diagnostic
 from composer.mujoco_errors.message import CRASHES, Fault, parse
+from composer.scratch import scratch
+
+WHOLE = "whole"
+"""The name under which the session keeps the composition."""
+# Greedy: between two sections of one name there may be more than is needed, but never less.
+_OF_FILES = [
+    re.compile(rb"<%b\b[^>]*>(?:.*</%b>)?" % (tag, tag), re.DOTALL)
+    for tag in (b"asset", b"default", b"compiler")
+]
+_MATERIAL = re.compile(rb"<material\b[^>]*>")
+"""What is drawn most often among the assets, and nothing that MuJoCo reads a file for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +48,20 @@ class Verified:
 
     @property
     def code(self) -> str | None:
-        """The code of the diagnostic that tells `error`; None when all is well."""
+        """The code of the diagnostic that reports `error`; None when all is well."""
         if self.error is None:
             return None
         if self.crash is None:
             return "mujoco-rejects"
         return CRASHES.get(self.crash, "mujoco-crash")
+
+
+class StrangerError(Exception):
+    """A bundle names files that are not in it; `found` says which, and where."""
+
+    def __init__(self, found: tuple[Diagnostic, ...]) -> None:
+        super().__init__(found[0].message)
+        self.found = found
 
 
 def verify(
@@ -46,18 +70,28 @@ def verify(
     limits: engine.Limits | None = None,
     session: engine.Session | None = None,
     keep: str | None = None,
+    stranger: str | None = None,
 ) -> Verified:
     """Compile the bundle as a user would, from a folder of its own, and run one mj_forward.
 
+    `stranger` is how messages name one that anyone may have made: it is compiled only if it names no other files.
+
     A model that compiles and whose first forward step fails is not well: that is an error too. With a
     `session`, `keep` names the compiled model for what is run on it later. Raises OutputError when the bundle
-    cannot be put into a temporary folder.
+    cannot be put into a temporary folder, and StrangerError.
     """
     try:
-        with tempfile.TemporaryDirectory(prefix="mjcompose-", ignore_cleanup_errors=True) as name:
-            write_files(bundle, Path(name))
+        with _written(bundle, session) as (folder, stands):
+            if stranger is not None and (found := outside(folder, bundle.model, stranger)):
+                raise StrangerError(found)
             compiled = engine.compile(
-                Path(name), bundle.model, wants=("index",), keep=keep, limits=limits, session=session
+                folder,
+                bundle.model,
+                wants=("index",),
+                keep=keep,
+                stands=stands,
+                limits=limits,
+                session=session,
             )
     except OSError as error:
         raise unwritable("a temporary folder", error) from error
@@ -70,3 +104,33 @@ def verify(
         fault = Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
         return Verified(compiled, fault, None, warnings)
     return Verified(compiled, None, None, warnings)
+
+
+@contextmanager
+def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[Path, bool]]:
+    """A folder with the bundle, and whether it stands there for what is like it in all but the model's tree."""
+    if session is None or not session.remembers:
+        with scratch("bundle") as folder:
+            write_files(bundle, folder)
+            yield folder, False
+        return
+    folder = session.standing(_named(bundle))
+    if folder.exists():
+        (folder / bundle.model).write_bytes(bundle.files[bundle.model])
+    else:
+        stage = folder.with_name("stage")
+        stage.mkdir()
+        write_files(bundle, stage)
+        stage.rename(folder)
+    yield folder, True
+
+
+def _named(bundle: Bundle) -> str:
+    """Says what files there are, their bytes, and what the model says of them: versions of MuJoCo look at less."""
+    whole = hashlib.sha256(bundle.model.encode())
+    for path in bundle.files:
+        if path not in (bundle.model, MANIFEST):
+            whole.update(f"\0{path}\0{bundle.digest(path)}".encode())
+    for section in _OF_FILES:
+        whole.update(_MATERIAL.sub(b"", b"\0".join(section.findall(bundle.files[bundle.model]))))
+    return whole.hexdigest()

@@ -21,7 +21,7 @@ from composer.plan.drawn import Tabled
 from composer.plan.plan import Plan
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import DrawField
-from composer.verify.parts import WHOLE
+from composer.verify.compiles import WHOLE
 from composer.verify.run_time import compare, resolve
 
 SAMPLES = "samples.csv"
@@ -32,14 +32,14 @@ _FORMAT = 1
 
 
 class DrawTable:
-    """The table of a model that `session` keeps. What cannot be drawn at run time is told."""
+    """The table of a model that `session` keeps. What cannot be drawn at run time is reported."""
 
     def __init__(
         self, plan: Plan, tabled: Sequence[Tabled], session: engine.Session, context: Context
     ) -> None:
         self.plan, self.tabled, self.session, self.context = plan, tabled, session, context
         self.columns: dict[str, dict[str, Any]] = {}
-        self.values: dict[str, list[Any]] = {}
+        self.values: dict[str, Sequence[Any]] = {}
         self.left: list[str] = []
 
     def fill(self) -> bool:
@@ -48,7 +48,7 @@ class DrawTable:
         numeric = [each for each in self.tabled if self._is_numeric(each)]
         answer = engine.call(self.session, resolve, [WHOLE], [_question(each) for each in numeric])
         if not answer.ok:
-            self._crashed(answer)
+            self.crashed(answer)
             return False
         for each, found in zip(numeric, answer.value, strict=True):
             if "error" in found:
@@ -68,7 +68,7 @@ class DrawTable:
         question = {"columns": list(self.columns.values()), "row": row}
         answer = engine.call(self.session, compare, [WHOLE, SAMPLE], question)
         if not answer.ok:
-            self._crashed(answer)
+            self.crashed(answer)
             return
         self.left = sorted(answer.value["arrays"])
         for field in answer.value["fields"]:
@@ -109,10 +109,9 @@ class DrawTable:
         described = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         return bundle.with_files({DRAWS: described.encode(), SAMPLES: text.getvalue().encode()})
 
-    def _rows(self, samples: int) -> Iterator[list[Any]]:
+    def _rows(self, samples: int) -> Iterator[Sequence[Any]]:
         yield [0, *[None] * len(self.columns)]
-        for sample in range(1, samples + 1):
-            yield [sample, *(values[sample - 1] for values in self.values.values())]
+        yield from zip(range(1, samples + 1), *self.values.values(), strict=True)
 
     def _is_numeric(self, each: Tabled) -> bool:
         first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
@@ -124,7 +123,6 @@ class DrawTable:
 
     def _add(self, each: Tabled, found: dict[str, Any]) -> None:
         for component, (name, _) in enumerate(each.first.columns()):
-            values = [value[component] if isinstance(value, tuple) else value for value in each.values]
             if name not in self.columns:
                 low, high = _bounds(each, component)
                 self.columns[name] = {
@@ -134,7 +132,7 @@ class DrawTable:
                     "high": high,
                     "targets": [],
                 }
-                self.values[name] = values
+                self.values[name] = each.numbers[component]
             of = {"type": each.family, "name": each.name or "", "id": found["id"]}
             self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
 
@@ -142,7 +140,7 @@ class DrawTable:
         help = "write `emit: models`, which builds every sample" + (f", {instead}" if instead else "")
         self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
 
-    def _crashed(self, answer: engine.Called) -> None:
+    def crashed(self, answer: engine.Called) -> None:
         code = CRASHES.get(answer.crash or "", "mujoco-crash")
         self.context.sink.error(code, f"the table of draws: {answer.error or answer.crash}")
 
@@ -163,8 +161,7 @@ def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
     """The least and the greatest number that may be drawn, in the unit of the table; None where there is none."""
     drawing = each.field.drawing
     if drawing.kind == CHOICE:
-        every = [value[component] if isinstance(value, tuple) else value for value in each.values]
-        numbers = drawing.extremes(component) or tuple(float(value) for value in every)  # type: ignore[arg-type]
+        numbers = drawing.extremes(component) or tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
     else:
         numbers = drawing.extremes(component)
     unit = drawing.unit

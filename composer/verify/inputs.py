@@ -11,11 +11,16 @@ from composer.bundle.manifest import Input, Manifest
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.plan.planner import make_plan
+from composer.reading.door import Door
+from composer.reading.project import folder_of_recipe, own_door
+from composer.reading.regular import read_regular
 from composer.sources.error import SourceError
 from composer.sources.kinds import kind_called
 from composer.sources.path import KIND as PATH
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
+from composer.tree.admitted import all_admitted
+from composer.tree.parse import parse_file
 
 
 class Inputs:
@@ -30,6 +35,8 @@ class Inputs:
         self.given = recipe is not None
         found = recipe or self._beside()
         self.folder = context.folder if found is None else (context.folder / found).parent
+        # The bundle may be anyone's: it names files of this project alone.
+        self.door = Door.of([folder_of_recipe(self.folder / "recipe.yaml")])
         self.planned: list[Source] = []
         if found is not None:
             aside = Context(context.sink if self.given else Sink(), context.environment, context.folder)
@@ -45,11 +52,18 @@ class Inputs:
         for source in self._candidates(number, wanted):
             digest = _sha256(source.path)
             if digest == wanted.sha256:
-                return source
+                return source if self._is_admitted(source) else "its source names files that it may not read"
             changed = changed or (source.path if digest else None)
         if changed is not None:
             return f"`{self.context.shown(changed)}` is not the file that the bundle was built from"
         return f"its source `{wanted.reference}` is not found"
+
+    def _is_admitted(self, source: Source) -> bool:
+        """Whether MuJoCo may have it. URDF is asked when it is converted."""
+        if source.format != "mjcf":
+            return True
+        unit = parse_file(source.path, Sink(), door=source.door)
+        return unit is not None and all_admitted(unit, Sink())
 
     def _beside(self) -> Path | None:
         recipe = self.manifest.recipe
@@ -65,13 +79,19 @@ class Inputs:
         # Nobody but the bundle asks for it: so nothing is fetched, and no code is run.
         if kind is not None and not kind.is_fetched and not kind.runs_code:
             with suppress(SourceError):
-                yield resolve(wanted.reference, relative_to=self.folder, environment=self.context.environment)
-        yield Source(self.folder / wanted.path, kind or PATH, wanted.reference)
+                found = resolve(
+                    wanted.reference, relative_to=self.folder, environment=self.context.environment
+                )
+                if found.origin is not None or self.door.sees(found.path):
+                    yield found
+        path = self.folder / wanted.path
+        if self.door.sees(path):
+            yield Source(path, kind or PATH, wanted.reference, door=own_door(path))
 
 
 def _sha256(path: Path) -> str | None:
-    """None where there is no such file."""
+    """None where no such file exists."""
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+        return hashlib.sha256(read_regular(path)).hexdigest() if path.is_file() else None
     except (OSError, ValueError):
         return None

@@ -14,6 +14,7 @@ from composer.diagnostics.sink import Sink
 from composer.document.node import locate
 from composer.expr.angle import Angle
 from composer.plan.plan import Plan
+from composer.recipe.controls import CTRL, HOLD
 from composer.recipe.fault import Path
 from composer.tree.effective import text_in_effect
 from composer.tree.kinds import kind_of
@@ -48,9 +49,19 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
             continue
         for vector, kind in _KINDS.items():
             row = [float(each) for each in str(element.get(vector) or "").split()]
-            for name in step.key.values.get(vector, {}):
+            for name in _written_names(step.key, vector, index):
                 for bound in _bounds(index, vector, name, row):
                     _check(plan, model, step.key, (vector, name), kind, bound, sink)
+
+
+def _written_names(key: Keyframe, vector: str, index: Index) -> list[str]:
+    """What the recipe writes into a vector by name; all actuators hold a pose where it says so."""
+    names = [*key.values.get(vector, {})]
+    if vector != CTRL:
+        return names
+    if key.controls.hold is not None:
+        names += [each.name for each in index.actuators if each.name]
+    return list(dict.fromkeys([*names, *(path[0] for path in key.controls.held if len(path) == 1)]))
 
 
 def _bounds(index: Index, vector: str, name: str, row: Sequence[float]) -> Iterator[_Bound]:
@@ -118,7 +129,19 @@ def _check(
         f"`{vector}` of `{name}` is {said(bound.value)}, outside of its range from {said(low)} to {said(high)}",
         locate(plan.document, (*key.at, *entry)),
         notes=notes,
+        help=_instead(key, entry, bound),
     )
+
+
+def _instead(key: Keyframe, entry: tuple[str, str], bound: _Bound) -> str | None:
+    """What to write where nobody wrote the number: it is what holds the pose of the key."""
+    vector, name = entry
+    if vector != CTRL or key.controls.hold is None or name in key.values.get(CTRL, {}):
+        return None
+    nearest = min(max(bound.value, bound.range[0]), bound.range[1])
+    unit = "rad" if bound.unit == "rad" else ""
+    way = f"{HOLD}: {key.controls.hold}"
+    return f"change the pose, or write the control itself: `{CTRL}: {{{way}, {name}: {nearest:g}{unit}}}`"
 
 
 def _down(bound: float) -> float:
@@ -129,7 +152,7 @@ def _down(bound: float) -> float:
 def _in_degrees(plan: Plan, key: Keyframe, at: Path, entry: tuple[str, str]) -> bool:
     """Whether the user wrote degrees there."""
     vector, name = entry
-    angles = [each for each in key.values[vector][name] if isinstance(each, Angle)]
+    angles = [each for each in key.values.get(vector, {}).get(name, ()) if isinstance(each, Angle)]
     return angles[0].unit == "deg" if angles else plan.readings.at(at).angle == "degree"
 
 

@@ -6,26 +6,26 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.span import Span
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A check that ran: what the outermost recipe calls it (`left/reach`), its kind and place, what it told,
+    """A check that ran: what the outermost recipe calls it (`left/reach`), its kind and place, what it reported,
     and what it found.
     """
 
     name: str
     kind: str
     span: Span
-    told: tuple[Diagnostic, ...]
+    diagnostics: tuple[Diagnostic, ...]
     values: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def holds(self) -> bool:
-        return not self.told
+        return not any(each.severity is Severity.ERROR for each in self.diagnostics)
 
 
 Hear = Callable[[Outcome], None]
-"""Who is told of each check that ran."""
+"""What is called with the outcome of each check that ran."""

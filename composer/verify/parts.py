@@ -11,14 +11,12 @@ from composer.compiled.difference import Difference
 from composer.compiled.keyframes import Keys
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
 from composer.plan.part_record import PartRecord
-from composer.verify.question import Question, ask, told
+from composer.verify.compiles import WHOLE
+from composer.verify.question import Question, ask, differences_of
 from composer.verify.source_alone import keep_source
 
 _ROUNDING = 1e-12
 """Relative: `springdamper` and `dampratio` go by the inertia of the whole model, which is summed in another order."""
-
-WHOLE = "whole"
-"""The name under which the session keeps the composition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +45,7 @@ class Judge:
     """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once.
 
     `merged` has by kind the names of the composition for which another one stands, `renamed` by part and kind what
-    edits call its elements, `cut` how a body that was taken of its source differs from what it is there.
+    edits call its elements, `cut` how a body that was taken of its source differs from the same body in its source.
     """
 
     session: engine.Session
@@ -86,7 +84,7 @@ class Judge:
         if answer.value is None:
             why = f"the body `{question.body}` that it hangs on is not in the compiled model"
             return Incomparable(why, lacks_body=True)
-        return tuple(told(answer.value))
+        return tuple(differences_of(answer.value))
 
     def _take(self, member: PartRecord, name: str) -> str | None:
         """Keep what was taken of a source, after it was compared with the whole; a sentence where that cannot be."""

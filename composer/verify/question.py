@@ -20,7 +20,7 @@ class Question:
     """Is this part unchanged? The fields are those of `compare`; the place is given as in a recipe.
 
     ``site`` and ``body`` are names in the composition; neither is the world. ``pos`` is in metres, in the
-    frame of the place. ``posed=False`` says that the pose is not known; there is no site then. ``key_prefix``
+    frame of the place. ``posed=False`` says that the pose is not known; it has no site then. ``key_prefix``
     stands before the names of the part's keys, where that is not what ``keys`` says. ``welded`` is whether
     free joints at the part's root were taken away.
     """
@@ -103,7 +103,7 @@ def _of_welding(difference: Difference, free: frozenset[str]) -> bool:
     return difference.name in free or ("#" in free and difference.name.startswith("#"))
 
 
-def told(value: list[dict[str, Any]]) -> list[Difference]:
+def differences_of(value: list[dict[str, Any]]) -> list[Difference]:
     """The differences that ``ask`` gave, after their way through JSON."""
     return [
         Difference(

@@ -1,4 +1,4 @@
-"""What is told of a part that is not what its source is alone."""
+"""What is reported of a part that is not what its source is alone."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.verify.parts import Compared
 
 _SHOWN = 8
-"""How many differences of a part are told one by one."""
+"""How many differences of a part are reported one by one."""
 
 
 def causes(differences: Sequence[Difference]) -> list[Difference]:
@@ -33,10 +33,10 @@ def changed(compared: Compared) -> str:
 def notes(differences: Sequence[Difference]) -> list[Note]:
     """The first differences, expected and actual."""
     found = causes(differences)
-    told = [Note(str(each)) for each in found[:_SHOWN]]
+    listed = [Note(str(each)) for each in found[:_SHOWN]]
     if len(found) > _SHOWN:
-        told.append(Note(f"and {len(found) - _SHOWN} more"))
-    return told
+        listed.append(Note(f"and {len(found) - _SHOWN} more"))
+    return listed
 
 
 def _what(difference: Difference) -> str:

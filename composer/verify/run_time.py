@@ -89,7 +89,7 @@ def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -
     arrays = []
     for name in dir(nominal):
         mine, other = getattr(nominal, name), getattr(sample, name)
-        if not name.startswith("_") and isinstance(mine, np.ndarray) and not _are_close(mine, other):
+        if not name.startswith("_") and isinstance(mine, np.ndarray) and not are_close(mine, other):
             arrays.append(name)
     fields = [column["field"] for column in asked["columns"] for target in column["targets"]
               if target["array"] in arrays and _differs(nominal, sample, target)]  # fmt: skip
@@ -99,7 +99,7 @@ def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -
 def _differs(nominal: Model, sample: Model, target: dict[str, Any]) -> bool:
     index = tuple(target["index"])
     mine, other = getattr(nominal, target["array"]), getattr(sample, target["array"])
-    return mine.shape != other.shape or not _are_close(mine[index], other[index])
+    return mine.shape != other.shape or not are_close(mine[index], other[index])
 
 
 def apply(model: Model, columns: list[dict[str, Any]], row: list[float | None]) -> None:
@@ -121,7 +121,8 @@ def apply(model: Model, columns: list[dict[str, Any]], row: list[float | None]) 
             ratio = float(array[index]) / before if before else 1.0
 
 
-def _are_close(a: Any, b: Any) -> bool:
+def are_close(a: Any, b: Any) -> bool:
+    """Whether numbers are equal but for the last digits of what was computed in two ways."""
     a, b = np.asarray(a), np.asarray(b)
     if a.shape != b.shape:
         return False

@@ -12,11 +12,13 @@ def keep_source(member: PartRecord, session: engine.Session, name: str) -> str |
     path, text = member.source.path, None
     if member.source.format == "urdf":
         try:
-            names = ros_package.packages_in(path.read_text(encoding="utf-8", errors="replace"))
+            names = ros_package.packages_in(member.source.door.read(path).decode("utf-8", "replace"))
+            packages = ros_package.folders(names, path, dict(member.source.packages))
+            converted = engine.convert_urdf(
+                path, packages, door=member.source.door, stands=member.stands, session=session
+            )
         except OSError as error:
             return f"its source cannot be read: {(error.strerror or str(error)).lower()}"
-        packages = ros_package.folders(names, path, dict(member.source.packages))
-        converted = engine.convert_urdf(path, packages, stands=member.stands, session=session)
         if (text := converted.text) is None:
             return refused(converted.error or converted.crash)
     file = path.name if text is None else f"{path.stem}.xml"

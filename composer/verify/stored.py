@@ -19,9 +19,9 @@ from composer.numerics.pose import Pose
 from composer.plan.part_record import PartRecord
 from composer.sources.path import KIND as PATH
 from composer.sources.source import Source
-from composer.verify.compiles import Verified, verify
+from composer.verify.compiles import WHOLE, StrangerError, Verified, verify
 from composer.verify.inputs import Inputs
-from composer.verify.parts import WHOLE, Compared, Judge
+from composer.verify.parts import Compared, Judge
 from composer.verify.report import changed, notes
 
 if TYPE_CHECKING:
@@ -56,6 +56,8 @@ def verify_stored(
     manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
     if manifest is not None:
         check_files(bundle, manifest, shown, context.sink)
+    if manifest is not None and manifest.target is not None and manifest.index is None:
+        return Stored(bundle, manifest, None, ())  # it is written for another program
     compiled = _compiled(bundle, shown, context, session)
     if manifest is None or compiled is None:
         return Stored(bundle, manifest, compiled, ())
@@ -65,8 +67,8 @@ def verify_stored(
     renamed = {part.part: part.renamed for part in manifest.parts}
     parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged, renamed)))
     for compared in parts:
-        _tell(compared, manifest, inputs, context)
-    if manifest.inputs and not parts:
+        _report(compared, manifest, inputs, context)
+    if manifest.inputs and not parts and manifest.target is None:
         context.sink.warning(
             "part-not-compared",
             f"the manifest of `{shown}` does not say where its parts hang: none was compared with its source",
@@ -77,7 +79,11 @@ def verify_stored(
 
 def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) -> Compiled | None:
     try:
-        verified: Verified = verify(bundle, session=session, keep=WHOLE)
+        verified: Verified = verify(bundle, session=session, keep=WHOLE, stranger=shown)
+    except StrangerError as error:
+        for each in error.found:
+            context.sink.add(each)
+        return None
     except OutputError as error:
         context.sink.add(error.diagnostic)
         return None
@@ -113,7 +119,7 @@ def _member(part: Part, source: Source) -> PartRecord:
     )  # fmt: skip
 
 
-def _tell(compared: Compared, manifest: Manifest, inputs: Inputs, context: Context) -> None:
+def _report(compared: Compared, manifest: Manifest, inputs: Inputs, context: Context) -> None:
     member = compared.member
     if compared.obscure is None:
         if compared.differences:

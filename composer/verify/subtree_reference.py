@@ -34,7 +34,7 @@ def keep_taken(member: PartRecord, session: engine.Session, taken: str, whole: s
     assert member.subtree is not None
     sink = Sink()
     path = member.source.path
-    unit = parse_file(path, sink)
+    unit = parse_file(path, sink, door=member.source.door)
     if unit is None:
         return Taken(fault=_said(sink))
     bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))

@@ -33,6 +33,7 @@ def test_everything_is_there() -> None:
             },
         ],
         "help": "h",
+        "fix": None,
         "others": [],
         "cells": [
             {"name": "a-1-s0002", "cell": "a-1", "sample": 2},

@@ -90,14 +90,14 @@ def test_what_lacks_a_lost_name_is_not_told_but_counts() -> None:
     sink = Sink()
     sink.error("unknown-key", "`left` is wrong")
     sink.suppress_about(["left", "cup"])
-    sink.error("unknown-name", "there is no site `left/tip`", subjects=["left/tip"])
-    sink.error("unknown-name", "there is no body `cup`", subjects=["cup"])
-    sink.error("unknown-name", "there is no body `cups`", subjects=["cups"])
+    sink.error("unknown-name", "the site `left/tip` does not exist", subjects=["left/tip"])
+    sink.error("unknown-name", "the body `cup` does not exist", subjects=["cup"])
+    sink.error("unknown-name", "the body `cups` does not exist", subjects=["cups"])
     sink.error("unknown-name", "the word `cup` in a message means nothing")
     sink.warning("option-conflict", "`right/` wants more")
     sink.error("source-fetch", "the repository `https://host/left/cup` cannot be fetched")
     assert [each.message for each in sink.diagnostics] == [
-        "`left` is wrong", "there is no body `cups`", "the word `cup` in a message means nothing",
+        "`left` is wrong", "the body `cups` does not exist", "the word `cup` in a message means nothing",
         "the repository `https://host/left/cup` cannot be fetched",
     ]  # fmt: skip
     assert sink.error_count == 6
@@ -122,3 +122,30 @@ def test_a_fault_of_the_whole_recipe_is_not_one_of_a_cell() -> None:
     sink.warning("bad-name", "x")
     sink.add_of_cell(ONE, sink.diagnostics[0])
     assert [each.cells for each in sink.diagnostics] == [()]
+
+
+def test_a_warning_is_dropped_with_all_of_its_cause() -> None:
+    sink = Sink()
+    for subject in ("a", "b"):
+        sink.warning("bad-name", subject, cause=Cause("same", subject))
+    sink.error("bad-name", "an error")
+    (error, warning) = sink.sorted()
+    sink.drop(warning)
+    assert sink.diagnostics == [error]
+    sink.warning("bad-name", "c", cause=Cause("same", "c"))
+    assert [each.message for each in sink.diagnostics] == ["an error", "c"]
+    with pytest.raises(ValueError, match="error"):
+        sink.drop(error)
+
+
+def test_promoted_warnings_are_errors() -> None:
+    sink = Sink()
+    sink.add_of_cell(CellName("x"), Diagnostic("bad-name", "a", severity=Severity.WARNING))
+    sink.note("bad-name", "n")
+    assert not sink.has_errors
+    sink.promote()
+    assert [(each.severity, each.cells) for each in sink.sorted()] == [
+        (Severity.ERROR, (CellName("x"),)),
+        (Severity.NOTE, ()),
+    ]
+    assert sink.has_errors

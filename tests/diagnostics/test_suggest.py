@@ -106,3 +106,14 @@ def test_nearest_names_survive_the_cut() -> None:
 
 def test_names_that_could_be_misread_are_quoted() -> None:
     assert exists_note("joint", ["a b", "", "c"]).message == "joints that exist: `a b`, ``, c"
+
+
+def test_one_question_is_answered_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file may have one mistake fifty thousand times."""
+    from composer.diagnostics import suggest
+
+    asked = []
+    monkeypatch.setattr(suggest, "_score", lambda name, candidate: asked.append(candidate))
+    for _ in range(3):
+        suggest.closest("asked once", ["a", "b"])
+    assert asked == ["a", "b"]

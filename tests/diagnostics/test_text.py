@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+import time
 from dataclasses import replace
 
 import pytest
@@ -160,3 +161,14 @@ def test_cells_are_named() -> None:
     assert lines(fault, "")[1:] == ["  = cells: a-s0000 … a-s0002", "  = note: n"]
     assert lines(replace(fault, cells=cells[:1]), "")[1] == "  = cell: a-s0000"
     assert "a-s0000" in "".join(lines(fault, "", color=True))
+
+
+def test_a_line_as_long_as_a_file_costs_no_more_than_a_short_one() -> None:
+    line = "<!-- " + "a-b " * 2_000_000 + "-->"
+    begun = time.monotonic()
+    for column in (1, 3_000_001, len(line)):
+        shown = render(Diagnostic("bad-name", "m", Span("f", 1, column, 1, column + 2)), lambda _: line)
+        _, _, excerpt, underline = shown.splitlines()
+        at = underline.index("^")
+        assert excerpt[at] == line[column - 1] and len(excerpt) < 200
+    assert time.monotonic() - begun < 2

@@ -129,7 +129,7 @@ def test_values_are_given_to_recipes(session: Session, tmp_path: Path) -> None:
         ("gone.yaml", None, "file-not-found"),
         ("a.txt", "", "source-kind"),
         ("a.xml", "<mujoco><worldbody><body><joint/></body></worldbody></mujoco>", "mujoco-rejects"),
-        ("b.xml", "<mujoco", "mujoco-rejects"),
+        ("b.xml", "<mujoco", "xml-syntax"),
         ("a.zip", "no zip", "file-unreadable"),
         ("a.yaml", "recipe: 1\nbas: x\n", "unknown-key"),
         ("nowhere:a.yaml", None, "git-revision"),

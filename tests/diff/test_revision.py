@@ -119,9 +119,9 @@ def test_a_file_that_is_gone_from_the_folder(repository: Path, tmp_path: Path) -
 
 def test_faults(repository: Path, tmp_path: Path) -> None:
     path = repository / "cells" / "recipe.yaml"
-    with pytest.raises(RevisionError, match="there is no revision `nowhere`"):
+    with pytest.raises(RevisionError, match="the revision `nowhere` does not exist"):
         check_out("nowhere", path, tmp_path, os.environ)
-    with pytest.raises(RevisionError, match="there is no revision `--help`"):
+    with pytest.raises(RevisionError, match="the revision `--help` does not exist"):
         check_out("--help", path, tmp_path, os.environ)
     with pytest.raises(RevisionError, match="is in no git repository"):
         check_out(
@@ -142,4 +142,4 @@ def test_faults_are_told_where_they_are(repository: Path) -> None:
     assert told.keys() == {"attach-place", "file-not-found"}
     span = told["attach-place"].span
     assert span is not None and (span.file, span.line) == ("HEAD:cells/recipe.yaml", 7)
-    assert "`cells/gone.yaml` in revision `HEAD`" in told["file-not-found"].message
+    assert "`cells/gone.yaml` does not exist in revision `HEAD`" in told["file-not-found"].message

@@ -134,9 +134,9 @@ def test_what_cannot_be_said_is_a_comment(tmp_path: Path) -> None:
     found = recover(tmp_path / "all.xml", [tmp_path / "tool.xml"], tmp_path / "all.yaml", context)
     assert found is not None and found.bundle is not None and found.faults == ()
     notes = {entry.group or entry.section: entry.note for entry in found.proposal.entries if entry.note}
-    assert notes == {"material": "it has elements of its own", "add": "there is no material `m`"}
+    assert notes == {"material": "it has elements of its own", "add": "the material `m` does not exist"}
     assert (
-        '  # not expressed: there is no material `m`\n  # - {to: world, xml: \'<geom name="shown"'
+        '  # not expressed: the material `m` does not exist\n  # - {to: world, xml: \'<geom name="shown"'
         in found.text
     )
     assert ("geom", "shown") in [(each.kind, each.name) for each in found.outcome.changes]

@@ -20,6 +20,10 @@ from composer.mujoco_errors.message import Fault, parse
             "XML Error: Error: repeated name 'a' in body\nElement 'body', line 1\n",
             Fault("repeated name 'a' in body", 1, None, "body"),
         ),
+        (
+            "XML Error: Error: GMSH decoder: no\nElement name '', id -1\nElement 'flexcomp', line 3\n",
+            Fault("GMSH decoder: no", 3, None, "flexcomp"),
+        ),
         ("Error: Error opening file 'nope.stl'", Fault("Error opening file 'nope.stl'")),
         ("ParseXML: empty file 'model.xml'", Fault("empty file 'model.xml'")),
         ("Error: free joint\nElement name '', id 2, line -1", Fault("free joint")),

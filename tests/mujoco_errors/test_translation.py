@@ -10,10 +10,12 @@ def element(inside: str) -> etree._Element:
 
 
 def test_what_it_speaks_of_is_named() -> None:
-    assert translate("it is odd", None).message == "MuJoCo rejects the model: it is odd"
-    assert translate("it is odd", element("<geom/>")).message == "MuJoCo rejects this geom: it is odd"
+    assert translate("it is odd", None).diagnostic.message == "MuJoCo rejects the model: it is odd"
     assert (
-        translate("it is odd", element('<geom name="a/b"/>')).message
+        translate("it is odd", element("<geom/>")).diagnostic.message == "MuJoCo rejects this geom: it is odd"
+    )
+    assert (
+        translate("it is odd", element('<geom name="a/b"/>')).diagnostic.message
         == "MuJoCo rejects the geom `a/b`: it is odd"
     )
 
@@ -29,22 +31,22 @@ def test_the_attribute_that_it_lies_in() -> None:
 
 
 def test_keywords_that_exist() -> None:
-    (note,) = translate("invalid keyword: 'bx'", element('<geom type="bx"/>')).notes
+    (note,) = translate("invalid keyword: 'bx'", element('<geom type="bx"/>')).diagnostic.notes
     assert note.message.startswith("keywords that exist: box, ")
 
 
 def test_advice() -> None:
     said = translate("mass and inertia of moving bodies must be larger than mjMINVAL", element("<body/>"))
-    assert said.help == "give the body a geom that has mass, or an `inertial`"
-    assert translate("something never heard of", None).help is None
+    assert said.diagnostic.help == "give the body a geom that has mass, or an `inertial`"
+    assert translate("something never heard of", None).diagnostic.help is None
 
 
 def test_unknown_words_of_mjcf() -> None:
     said = translate("Schema violation: unrecognized attribute: 'colour'", element('<geom colour="1"/>'))
-    assert (said.code, said.attribute, said.key) == ("unknown-attribute", "colour", True)
+    assert (said.diagnostic.code, said.attribute, said.key) == ("unknown-attribute", "colour", True)
     assert said == unknown_attribute(element("<geom/>"), "colour")
     said = translate("Schema violation: unrecognized element", element("<gem/>"))
-    assert (said.code, said.message, said.help) == (
+    assert (said.diagnostic.code, said.diagnostic.message, said.diagnostic.help) == (
         "unknown-element", "`<gem>` cannot stand in `<worldbody>`", "did you mean `<geom>`?",
     )  # fmt: skip
 

@@ -249,6 +249,7 @@ def test_what_takes_elements_away_cannot_be_compared(run: Run) -> None:
     assert told == ["recipe.yaml:4:13 part-not-compared"]
 
 
+@pytest.mark.own_children
 def test_a_build_starts_mujoco_once(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     started: list[Session] = []
     spawn = Session._spawn

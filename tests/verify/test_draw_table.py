@@ -78,10 +78,12 @@ FIELDS = [
 ]
 
 
-def recipe(folder: Path, fields: list[str], emit: str = "table", model: str = MODEL) -> Path:
+def recipe(
+    folder: Path, fields: list[str], emit: str = "table", model: str = MODEL, samples: int = 5
+) -> Path:
     (folder / "model.xml").write_text(model)
     lines = "".join(f"    {field}\n" for field in fields)
-    text = f"recipe: 1\nname: m\nbase: ./model.xml\nrandomize:\n  seed: 7\n  samples: 5\n  emit: {emit}\n  fields:\n{lines}"
+    text = f"recipe: 1\nname: m\nbase: ./model.xml\nrandomize:\n  seed: 7\n  samples: {samples}\n  emit: {emit}\n  fields:\n{lines}"
     (folder / f"{emit}.yaml").write_text(text)
     return folder / f"{emit}.yaml"
 
@@ -94,7 +96,7 @@ def built(path: Path, sample: int = 0) -> tuple[Built | None, Context]:
 @pytest.fixture(scope="module")
 def page() -> dict[str, Any]:
     """The functions that the page shows."""
-    (text,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    text, *_ = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     names: dict[str, Any] = {}
     exec(compile(text, "randomisation.md", "exec"), names)
     return names
@@ -139,6 +141,16 @@ def test_a_row_makes_the_sample(sample: int, table: Path, page: dict[str, Callab
     assert len(drawn & differing(loaded(table / "out"), wanted)) >= 15
 
 
+def test_many_samples_begin_with_the_draws_of_few(table: Path, tmp_path: Path) -> None:
+    """They are drawn all at once, with numpy: by other code than few, and to the same bits."""
+    fields = [*FIELDS, "sizes: {select: {geom: pad}, attr: size, choice: [[0.1], [0.2]]}"]
+    few, many = (
+        built(recipe(tmp_path, fields, samples=count))[0].bundle.files["samples.csv"].splitlines()  # type: ignore[union-attr]
+        for count in (5, 80)
+    )
+    assert len(many) == 82 and many[:7] == few
+
+
 def test_row_0_changes_nothing(table: Path, page: dict[str, Callable[..., Any]]) -> None:
     columns, rows = page["read"](table / "out")
     model = loaded(table / "out")
@@ -170,6 +182,31 @@ def test_the_file_says_what_its_columns_are(table: Path) -> None:
         "select": "{joint: hinge}", "attribute": "range", "operation": "offset", "per": "element",
         "distribution": "normal", "parameters": {"mean": 0.0, "std": 2.0}, "unit": "deg",
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(("angle", "unit"), [("degree", np.pi / 180), ("radian", 1.0)])
+def test_bounds_are_in_the_unit_of_the_draws(tmp_path: Path, angle: str, unit: float) -> None:
+    """Bare angles are in the unit of the recipe; MuJoCo has radians, but degrees for `fovy`, and a slide has metres."""
+    fields = [
+        "range: {select: {joint: hinge}, attr: range, uniform: [[-90, 10], [-80, 20]]}",
+        "ref: {select: {joint: hinge}, attr: 'range[1]', offset: {choice: [30, 60]}}",
+        "slide: {select: {joint: slide}, attr: range, uniform: [[-3, 1], [-2, 2]]}",
+        "fovy: {select: {camera: top}, attr: fovy, uniform: [40deg, 60deg]}",
+    ]
+    path = recipe(tmp_path, fields, model=MODEL.replace('axis="1 0 0"', 'axis="1 0 0" range="-1 1"'))
+    path.write_text(f"angle: {angle}\n" + path.read_text())
+    found, context = built(path)
+    assert found is not None, [each.message for each in context.sink.diagnostics]
+    columns = json.loads(found.bundle.files["randomize.json"])["columns"]
+    bounds = {column["column"]: (column["low"], column["high"]) for column in columns}
+    assert bounds == {
+        "range[hinge][0]": pytest.approx((-90 * unit, -80 * unit)),
+        "range[hinge][1]": pytest.approx((10 * unit, 20 * unit)),
+        "ref[hinge]": pytest.approx((30 * unit, 60 * unit)),
+        "slide[slide][0]": (-3, -2),
+        "slide[slide][1]": (1, 2),
+        "fovy[top]": (40, 60),
+    }
 
 
 def test_what_nothing_computes_anew_is_told(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from composer.compiled.keyframes import Keys
 from composer.compiled.mount import Mount
 from composer.engine import Request, Session
 from composer.numerics.pose import Pose
-from composer.verify.question import Question, ask, told
+from composer.verify.question import Question, ask, differences_of
 
 PART = """
 <mujoco>
@@ -40,7 +40,7 @@ def test_the_answer_comes_back_as_differences(
             assert answer["ok"], answer
         answer = session.call(ask, ["part", "whole"], question.to_json())
     assert answer["ok"], answer
-    found = told(answer["value"])
+    found = differences_of(answer["value"])
     assert [(one.kind, one.name, one.expected, one.actual) for one in found] == expected
     assert all(isinstance(one, Difference) and one.array == "dof_damping" for one in found)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -110,6 +111,25 @@ def test_a_source_that_changed_since_is_not_compared(folder: Path, check: Check)
     assert [each.split(":")[0] for each in told] == ["error part-not-compared"]
     assert "is not the file that the bundle was built from" in told[0] and told[0].endswith("; also `two/`")
     assert [each.split()[0] for each in check()[1]] == ["warning"]
+
+
+@pytest.mark.parametrize("recipe", ["changed since", "in another folder"])
+def test_only_the_very_recipe_beside_a_bundle_says_where_sources_are(
+    folder: Path, check: Check, recipe: str
+) -> None:
+    """The file in the new place is the right one, but only a recipe that nobody vouches for says so."""
+    (folder / "parts").rename(folder / "moved")
+    (folder / "recipe.yaml").write_text(RECIPE.replace("./parts/", "./moved/"))
+    written = (folder / "recipe.yaml").read_bytes()
+    if recipe == "in another folder":
+        aside = {"path": "sub/recipe.yaml", "sha256": hashlib.sha256(written).hexdigest()}
+        (folder / "sub").mkdir()
+        (folder / "sub" / "recipe.yaml").write_bytes(written)
+        (folder / "moved").rename(folder / "sub" / "moved")
+        _manifest(folder, lambda manifest: manifest["recipe"].update(aside))
+    _, told = check()
+    assert told[0].startswith("warning part-not-compared")
+    assert "its source `./parts/part.xml` is not found" in told[0]
 
 
 def test_a_recipe_that_is_not_there_is_told(check: Check) -> None:

@@ -6,18 +6,33 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from composer.compiled.kinds import Model
+from composer.diagnostics.fault import Fault
 from composer.tree.pattern import BadPattern
-from composer.verify.kinds import equal, exists, mass, no_penetration, reachable, size, stable
-from composer.verify.kinds.finding import Finding
+from composer.verify.kinds import (
+    actuated,
+    clear,
+    equal,
+    exists,
+    limits,
+    mass,
+    no_penetration,
+    reachable,
+    size,
+    stable,
+)
+from composer.verify.kinds.failure import to_json
 from composer.verify.kinds.scope import Scope
 
-CHECKS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Finding]]] = {
+CHECKS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Fault]]] = {
     "size": size.check,
     "mass": mass.check,
     "exists": exists.check,
     "stable": stable.check,
     "no_penetration": no_penetration.check,
+    "clear": clear.check,
     "reachable": reachable.check,
+    "limits": limits.check,
+    "actuated": actuated.check,
     "equal": equal.check,
 }
 
@@ -31,5 +46,5 @@ def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
     try:
         found = CHECKS[question["kind"]](scope, question["asked"])
     except BadPattern as bad:
-        found = [Finding(bad.message, code="selector", help=bad.help)]
-    return {"findings": [finding.to_json() for finding in found], "values": scope.values}
+        found = [Fault("selector", bad.message, help=bad.help)]
+    return {"findings": list(map(to_json, found)), "values": scope.values}

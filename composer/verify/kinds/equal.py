@@ -11,8 +11,10 @@ import numpy as np
 from composer.compiled.addresses import rows_of
 from composer.compiled.attributes import ANGLES, array_of
 from composer.compiled.joints import JOINT_TYPES
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.fault import Fault
 from composer.grammar.degrees import is_in_degrees
-from composer.verify.kinds.finding import Finding, failed, unknown
+from composer.verify.kinds.failure import failed, unknown
 from composer.verify.kinds.scope import Scope
 
 _ROUNDING = {4: 1e-6, 8: 1e-9}
@@ -45,7 +47,7 @@ class Quantity:
         return str(Quantity(value / self.per_unit, self.unit, self.per_unit))
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """The finding that some of the elements have another value, if so."""
     tag, glob = asked["tag"], asked["element"]
     matched = scope.matching(tag, glob)
@@ -54,22 +56,23 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     wrong: list[tuple[str, str, str]] = []
     for index in matched:
         actual = value_of(scope, tag, index, asked["attr"])
-        if isinstance(actual, Finding):
+        if isinstance(actual, Fault):
             return [actual]
         if asked["index"] is not None:
             if asked["index"] >= actual.size:
                 message = f"`{asked['attr']}` of {tag} `{glob}` has {actual.size} numbers"
-                return [Finding(message, ("attr",), (f"the first is `{asked['attr']}[0]`",), "wrong-length")]
+                note = Note(f"the first is `{asked['attr']}[0]`")
+                return [Fault("wrong-length", message, ("attr",), notes=(note,))]
             actual = actual[asked["index"]][None]
         scope.values[scope.written(tag, index)] = _plain(actual)
         expected = expected_of(scope, tag, index, asked)
-        if isinstance(expected, Finding):
+        if isinstance(expected, Fault):
             return [expected]
         if len(expected) != actual.size:
             message = (
                 f"`{asked['attr']}` of {tag} `{glob}` has {actual.size} numbers, `value` has {len(expected)}"
             )
-            return [Finding(message, ("value",), code="wrong-length")]
+            return [Fault("wrong-length", message, ("value",))]
         tol = None if asked["tol"] is None else _quantity(asked["tol"][0], asked["tol"][1], asked["attr"])
         if not equal(actual, [each.value for each in expected], None if tol is None else tol.value):
             tolerance = "" if tol is None else f" ± {tol}"
@@ -92,17 +95,17 @@ def _plain(numbers: Any) -> Any:
     return found[0] if len(found) == 1 else found
 
 
-def value_of(scope: Scope, tag: str, index: int, attr: str) -> Any | Finding:
+def value_of(scope: Scope, tag: str, index: int, attr: str) -> Any | Fault:
     """The numbers of an attribute, flat."""
     model, name = scope.model, array_of(tag, attr)
     array = getattr(model, name, None)
     if array is None:
-        return Finding(f"this MuJoCo has no `{attr}` of a {tag}", ("attr",), code="unknown-attribute")
+        return Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",))
     row = rows_of(model, tag, name, index).start  # a joint has one value, an actuator is asked for its first
     return np.atleast_1d(array[row]).ravel()
 
 
-def expected_of(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> list[Quantity] | Finding:
+def expected_of(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> list[Quantity] | Fault:
     """The numbers in the unit that the compiled model has them in."""
     attr = asked["attr"]
     joint = JOINT_TYPES[int(scope.model.jnt_type[index])].word if tag == "joint" else ""
@@ -114,7 +117,7 @@ def expected_of(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> li
             if unit is None:
                 help = f"write `{number:.9g}deg` or `{number:.9g}rad`, or `angle: degree` at the top of the recipe"
                 message = f"`{attr}` of {joint} {scope.called(tag, index)} is an angle, `value` has no unit"
-                return Finding(message, ("value",), code="bare-angle", help=help)
+                return Fault("bare-angle", message, ("value",), help=help)
         found.append(_quantity(number, unit, "deg" if is_in_degrees(tag, attr) else "rad"))
     return found
 

@@ -7,20 +7,21 @@ from dataclasses import replace
 from typing import Any
 
 from composer.compiled.kinds import holder
+from composer.diagnostics.fault import Fault
 from composer.verify.kinds.equal import equal, expected_of, value_of
-from composer.verify.kinds.finding import Finding, failed, unknown
+from composer.verify.kinds.failure import failed, unknown
 from composer.verify.kinds.scope import Scope
 from composer.verify.kinds.words import words_of
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """One finding for each selector that names nothing, or another number than it expects."""
-    found: list[Finding] = []
+    found: list[Fault] = []
     for index, selector in enumerate(asked["selectors"]):
         tag, glob, expect = selector["tag"], selector["glob"], selector["expect"]
         matched = [each for each in scope.matching(tag, glob) if _stands_there(scope, tag, each, selector)]
         fitting = [_fits(scope, tag, each, selector, asked["angle"], index) for each in matched]
-        if faults := [each for each in fitting if isinstance(each, Finding)]:
+        if faults := [each for each in fitting if isinstance(each, Fault)]:
             found.append(faults[0])
             continue
         matched = [each for each, fits in zip(matched, fitting, strict=True) if fits]
@@ -34,9 +35,9 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
             names = ", ".join(scope.written(tag, each) for each in matched[:8])
             more = [f"they are: {names}" + (", …" if len(matched) > 8 else "")]
         else:
-            message, more = f"{seen.message}{_there(selector)}", list(seen.notes)
-        finding = failed(message, count, str(len(matched)), index, tag, more=more)
-        found.append(Finding(finding.message, finding.at, finding.notes, help=None if matched else seen.help))
+            message, more = f"{seen.message}{_there(selector)}", [note.message for note in seen.notes]
+        help = None if matched else seen.help
+        found.append(failed(message, count, str(len(matched)), index, tag, more=more, help=help))
     return found
 
 
@@ -51,7 +52,7 @@ def _stands_there(scope: Scope, kind: str, index: int, selector: dict[str, Any])
 
 def _fits(
     scope: Scope, kind: str, index: int, selector: dict[str, Any], angle: str | None, place: int
-) -> bool | Finding:
+) -> bool | Fault:
     """Whether an element has the values that `where` asks for; the finding that it cannot be asked."""
     for each in selector["where"]:
         if each["word"] is not None:
@@ -61,9 +62,9 @@ def _fits(
             continue
         actual = value_of(scope, kind, index, each["attr"])
         expected = expected_of(scope, kind, index, {**each, "angle": angle})
-        if isinstance(actual, Finding) or isinstance(expected, Finding):
-            fault = actual if isinstance(actual, Finding) else expected
-            assert isinstance(fault, Finding)
+        if isinstance(actual, Fault) or isinstance(expected, Fault):
+            fault = actual if isinstance(actual, Fault) else expected
+            assert isinstance(fault, Fault)
             return replace(fault, at=(place, "where", each["key"]))
         if each["index"] is not None:
             actual = actual[each["index"] : each["index"] + 1]

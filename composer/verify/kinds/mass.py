@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.verify.kinds.finding import Finding, failed
+from composer.diagnostics.fault import Fault
+from composer.verify.kinds.failure import failed
 from composer.verify.kinds.scope import Scope
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """The finding that the mass is another, if so."""
     model = scope.model
     word = "subtree" if asked["subtree"] else "body" if asked["body"] else None
@@ -17,7 +18,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
         what = "the model" if scope.whole else "this recipe's model"
     else:
         index = scope.find("body", asked[word], word)
-        if isinstance(index, Finding):
+        if isinstance(index, Fault):
             return [index]
         mass = float((model.body_subtreemass if word == "subtree" else model.body_mass)[index])
         what = f"`{asked[word]}`" if word == "body" else f"`{asked[word]}` with all below it"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from composer.diagnostics.fault import Fault
 from composer.diagnostics.suggest import did_you_mean, exists_note
-from composer.verify.kinds.finding import Finding, failed
+from composer.verify.kinds.failure import failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
 _NAMED = ("geom", "body", "flex")
@@ -15,10 +16,10 @@ Side = tuple[str, int]
 """A geom or flex by kind and id."""
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """The finding that things are inside of one another, with the deepest pairs, if so."""
     data = scope.at_key(asked["key"])
-    if isinstance(data, Finding):
+    if isinstance(data, Fault):
         return [data]
     _collide(scope, data)
     known = {name for kind in _NAMED for name in scope.names(kind)}
@@ -27,9 +28,10 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     if unmet:
         at, side = unmet[0]
         glob = asked["exclude"][at][side]
-        notes = (exists_note("name", sorted(known), glob).message,)
+        notes = (exists_note("name", sorted(known), glob),)
         message = f"`{glob}` names no geom and no body"
-        return [Finding(message, ("exclude", at, side), notes, "unknown-name", did_you_mean(glob, known))]
+        place = ("exclude", at, side)
+        return [Fault("unknown-name", message, place, notes=notes, help=did_you_mean(glob, known))]
     deepest: dict[tuple[Side, Side], float] = {}
     most = 0.0
     for contact in data.contact:
@@ -48,8 +50,12 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     if not deepest:
         return []
     ranked = sorted(deepest.items(), key=lambda item: -item[1])
-    told = [f"{scope.called(*pair[0])} and {scope.called(*pair[1])}: {depth:.4g} m" for pair, depth in ranked]
-    more = told[1:_SHOWN] + ([f"and {len(told) - _SHOWN} more pairs"] if len(told) > _SHOWN else [])
+    described = [
+        f"{scope.called(*pair[0])} and {scope.called(*pair[1])}: {depth:.4g} m" for pair, depth in ranked
+    ]
+    more = described[1:_SHOWN] + (
+        [f"and {len(described) - _SHOWN} more pairs"] if len(described) > _SHOWN else []
+    )
     pair, depth = ranked[0]
     message = f"{scope.called(*pair[0])} is {depth:.4g} m inside of {scope.called(*pair[1])}"
     return [failed(message, f"at most {asked['max']:g} m", f"{depth:.4g} m", more=more)]

@@ -6,18 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from composer.verify.kinds.finding import Finding, failed
+from composer.diagnostics.fault import Fault
+from composer.verify.kinds.failure import failed
 from composer.verify.kinds.inverse_kinematics import STARTS, Solver
 from composer.verify.kinds.scope import SOLVED, Scope
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """The finding that no joint positions were found, with the nearest point, if so."""
     site = scope.find("site", asked["site"], "site")
-    if isinstance(site, Finding):
+    if isinstance(site, Fault):
         return [site]
     data = scope.at_key(asked["key"])
-    if isinstance(data, Finding):
+    if isinstance(data, Fault):
         return [data]
     scope.mujoco.mj_kinematics(scope.model, data)
     target = _in_the_world(scope, data, asked["target"], asked["frame"])

@@ -10,8 +10,10 @@ from typing import Any
 
 from composer.compiled.kinds import ON_BODIES, Model, NameTable, holder
 from composer.compiled.links import links
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.fault import Fault
 from composer.tree.pattern import fitter
-from composer.verify.kinds.finding import Finding, unknown
+from composer.verify.kinds.failure import unknown
 
 SOLVED = 4
 """The digits of what is simulated or solved for."""
@@ -84,7 +86,7 @@ class Scope:
         found = [self.roster.names[kind][index] for index in self.own(kind)]
         return [name.removeprefix(self.before(kind)) for name in found if name]
 
-    def find(self, kind: str, name: str, *at: str | int) -> int | Finding:
+    def find(self, kind: str, name: str, *at: str | int) -> int | Fault:
         """The id of the element that the recipe calls so; the finding that there is none. The world is any recipe's."""
         if kind == "body" and name == "world":
             return 0
@@ -107,17 +109,17 @@ class Scope:
         """Those of names as the recipe writes them that a glob or a regular expression means. Raises BadPattern."""
         return frozenset(filter(fitter(glob, lambda: names, self.separator), names))
 
-    def at_key(self, key: str | None) -> Any | Finding:
+    def at_key(self, key: str | None) -> Any | Fault:
         """An mjData at a keyframe, or at the reference configuration; `mj_forward` is still to be called."""
         data = self.mujoco.MjData(self.model)
         if key is None:
             return data
         if self.keys is None:
-            return Finding(
-                f"there is no keyframe `{key}`: those of this recipe were left out",
-                ("key",),
-                ("the recipe around it says `keyframes: none`",),
+            return Fault(
                 "unknown-name",
+                f"the keyframe `{key}` does not exist: those of this recipe were left out",
+                ("key",),
+                notes=(Note("the recipe around it says `keyframes: none`"),),
             )
         index = self.roster.ids["key"].get(self.keys + key)
         if index is None:

@@ -6,16 +6,17 @@ from typing import Any
 
 from composer.compiled.addresses import VECTORS, span
 from composer.compiled.kinds import KINDS
-from composer.verify.kinds.finding import Finding, failed
+from composer.diagnostics.fault import Fault
+from composer.verify.kinds.failure import failed
 from composer.verify.kinds.scope import Scope
 
 _COUNTED = {kind.size: word for word, kind in KINDS.items() if word not in ("body", "key")}
 _SUMMED = {size: (kind, vector) for vector, (kind, size) in VECTORS.items()}
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """One finding for each size that is another. Keyframes that merged belong to no recipe alone."""
-    found: list[Finding] = []
+    found: list[Fault] = []
     for size, expected in asked["counts"].items():
         actual = count(scope, size)
         if actual is not None:
@@ -30,7 +31,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
 
 
 def count(scope: Scope, size: str) -> int | None:
-    """A size of mjModel, as far as it is the recipe's own; None where that cannot be told apart."""
+    """A size of mjModel, as far as it is the recipe's own; None where that cannot be determined."""
     model = scope.model
     if scope.whole:
         value = getattr(model, size, None)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from composer.compiled.addresses import span
 from composer.compiled.joints import JOINT_TYPES
-from composer.verify.kinds.finding import Finding, failed
+from composer.diagnostics.fault import Fault
+from composer.verify.kinds.failure import failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
 _AT_THE_END = 0.1
@@ -16,11 +18,11 @@ _AT_THE_END = 0.1
 _DIVERGED = ("mjWARN_BADQPOS", "mjWARN_BADQVEL", "mjWARN_BADQACC")
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """The finding that the simulation diverges or does not come to rest, if so."""
     mujoco, model = scope.mujoco, scope.model
     data = scope.at_key(asked["key"])
-    if isinstance(data, Finding):
+    if isinstance(data, Fault):
         return [data]
     warnings = [int(getattr(mujoco.mjtWarning, name)) for name in _DIVERGED]
     limit, seconds = asked["max_speed"], asked["seconds"]
@@ -30,7 +32,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
     first = steps - max(1, round(_AT_THE_END * steps))
     for step in range(steps):
         mujoco.mj_step(model, data)
-        # MuJoCo resets what diverged, and is then at rest: its warnings tell.
+        # MuJoCo resets what diverged, and is then at rest: its warnings say so.
         if any(data.warning[each].number for each in warnings):
             message = f"the simulation diverges after {(step + 1) * model.opt.timestep:.4g} s"
             return [
@@ -45,11 +47,40 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Finding]:
                 fastest, at, dof = float(speeds[worst]), float(data.time), int(dofs[worst])
     scope.found("speed", fastest, SOLVED)
     if fastest <= limit:
-        return []
+        return [] if asked["within"] is None else _near(scope, data, asked)
     joint = int(model.dof_jntid[dof])
     unit = _unit(model, dof, joint)
     message = f"{scope.called('joint', joint)} still moves at {fastest:.4g} {unit} after {at:.4g} s"
     return [failed(message, f"at most {limit:g} {unit}", f"{fastest:.4g} {unit}", "max_speed")]
+
+
+def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
+    """The finding that a joint is far from where it is in a keyframe, if so."""
+    named = asked["near"] is not None
+    there = scope.at_key(asked["near"] if named else asked["key"])
+    if isinstance(there, Fault):
+        return [replace(there, at=("near", "key"))]
+    mujoco, model = scope.mujoco, scope.model
+    apart = np.zeros(model.nv)
+    mujoco.mj_differentiatePos(model, apart, 1.0, there.qpos, data.qpos)
+    own = [dof for dof in range(model.nv) if int(model.dof_jntid[dof]) in scope.joints]
+    if not own:
+        return []
+    dof = max(own, key=lambda each: abs(apart[each]))
+    farthest = float(abs(apart[dof]))
+    scope.found("distance", farthest, SOLVED)
+    if farthest <= asked["within"]:
+        return []
+    joint = int(model.dof_jntid[dof])
+    unit = _unit(model, dof, joint).removesuffix("/s")
+    where = (
+        f"`{asked['near'] or asked['key']}`"
+        if asked["near"] or asked["key"]
+        else "the reference configuration"
+    )
+    message = f"{scope.called('joint', joint)} is {farthest:.4g} {unit} from where it is in {where}"
+    wanted = f"at most {asked['within']:g} {unit}"
+    return [failed(message, wanted, f"{farthest:.4g} {unit}", "near", "within")]
 
 
 def _unit(model: Any, dof: int, joint: int) -> str:

@@ -10,23 +10,27 @@ import mujoco
 import pytest
 
 from composer.diagnostics import Sink, render
+from composer.diagnostics.fault import Fault
 from composer.document import load
 from composer.recipe import validate
 from composer.verify.kinds.ask import ask as ask_in_child
-from composer.verify.kinds.finding import Finding
+from composer.verify.kinds.failure import from_json
 
-Ask = Callable[..., list[Finding]]
+Ask = Callable[..., list[Fault]]
 
 WORLD = {"body": None, "pos": [0, 0, 0], "quat": [1, 0, 0, 0]}
+
+
+def notes(fault: Fault) -> tuple[str, ...]:
+    """The texts of the notes."""
+    return tuple(note.message for note in fault.notes)
 
 
 @pytest.fixture
 def ask() -> Ask:
     """What a check finds in a model: `ask(xml, "size: {nu: 1}")`; more arguments are fields of the scope."""
 
-    def ask(
-        xml: str, check: str, frame: dict[str, Any] = WORLD, head: str = "", **scope: Any
-    ) -> list[Finding]:
+    def ask(xml: str, check: str, frame: dict[str, Any] = WORLD, head: str = "", **scope: Any) -> list[Fault]:
         sink = Sink()
         node = load(f"recipe: 1\n{head}\ncheck: {{it: {{{check}}}}}", "recipe.yaml", sink)
         assert node is not None
@@ -38,7 +42,7 @@ def ask() -> Ask:
             scope["whole"] = False
         question = {"kind": read.word, "asked": asked, "scope": scope}
         return [
-            Finding.from_json(each)
+            from_json(each)
             for each in ask_in_child(mujoco, mujoco.MjModel.from_xml_string(xml), question)["findings"]
         ]
 

@@ -5,6 +5,7 @@ import pytest
 
 from composer.compiled.attributes import TAGS, array_of, attributes
 from composer.grammar import GRAMMAR
+from tests.verify.kinds.conftest import notes
 
 MODEL = """
 <mujoco>
@@ -67,7 +68,7 @@ def test_holds(ask, check: str) -> None:
 def test_does_not_hold(ask, check: str, message: str) -> None:
     (finding,) = ask(MODEL, f"equal: {{{check}}}")
     assert (finding.message, finding.at, finding.code) == (message, ("value",), "check-failed")
-    assert [note.partition(":")[0] for note in finding.notes] == ["expected", "actual"]
+    assert [note.partition(":")[0] for note in notes(finding)] == ["expected", "actual"]
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.verify.kinds.conftest import notes
+
 
 @pytest.mark.parametrize(
     ("selectors", "prefix"),
@@ -34,15 +36,15 @@ def test_keyframes_of_a_nested_recipe_are_called_as_its_policy_says(ask, arm: st
 def test_nothing_of_that_name(ask, arm: str) -> None:
     (finding,) = ask(arm, "exists: [{site: left/tcp}, {site: lft/tcp}]")
     assert finding.at == (1, "site")
-    assert finding.message == "there is no site `lft/tcp`"
-    assert finding.notes == ("expected: at least one", "actual: 0", "sites that exist: left/tcp")
+    assert finding.message == "the site `lft/tcp` does not exist"
+    assert notes(finding) == ("expected: at least one", "actual: 0", "sites that exist: left/tcp")
     assert finding.help == "did you mean `left/tcp`?"
 
 
 def test_another_number(ask, arm: str) -> None:
     (finding,) = ask(arm, 'exists: [{body: "*/base", expect: 3}]')
     assert finding.message == "`*/base` names 2 elements `body`, not 3"
-    assert finding.notes == ("expected: 3", "actual: 2", "they are: left/base, right/base")
+    assert notes(finding) == ("expected: 3", "actual: 2", "they are: left/base, right/base")
 
 
 def test_what_is_of_another_part_is_not_found(ask, arm: str) -> None:
@@ -52,7 +54,7 @@ def test_what_is_of_another_part_is_not_found(ask, arm: str) -> None:
 
 def test_nothing_of_that_name_there(ask, arm: str) -> None:
     (finding,) = ask(arm, 'exists: [{site: "**/tcp", in: {body: right/base}}]')
-    assert finding.message == "there is no site `**/tcp` in a body `right/base`"
+    assert finding.message == "the site `**/tcp` does not exist in a body `right/base`"
 
 
 def test_only_what_has_the_values(ask, arm: str) -> None:

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.verify.kinds.conftest import notes
+
 
 @pytest.mark.parametrize(
     ("check", "prefix"),
@@ -41,12 +43,12 @@ def test_holds(ask, arm: str, check: str, prefix: str) -> None:
 def test_does_not_hold(ask, arm: str, check: str, at: str, message: str, expected: str) -> None:
     (finding,) = ask(arm, f"mass: {{{check}}}")
     assert (finding.at, finding.message) == ((at,), message)
-    assert finding.notes[0] == f"expected: {expected}"
+    assert notes(finding)[0] == f"expected: {expected}"
     assert finding.code == "check-failed"
 
 
 def test_a_body_that_is_not_there(ask, arm: str) -> None:
     (finding,) = ask(arm, "mass: {body: bse, value: 1}", prefix="left/")
     assert (finding.code, finding.at) == ("unknown-name", ("body",))
-    assert finding.message == "there is no body `bse`"
+    assert finding.message == "the body `bse` does not exist"
     assert finding.help == "did you mean `base`?"

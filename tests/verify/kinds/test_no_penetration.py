@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.verify.kinds.conftest import notes
+
 BALLS = """
 <mujoco>
   {option}
@@ -27,12 +29,12 @@ def test_what_is_apart_holds(ask) -> None:
 def test_what_is_inside_of_something_does_not(ask) -> None:
     (finding,) = ask(MODEL, "no_penetration: {}")
     assert finding.message == "geom `a/ball` is 0.05 m inside of geom #0 of body `a/two`"
-    assert finding.notes == ("expected: at most 0.001 m", "actual: 0.05 m")
+    assert notes(finding) == ("expected: at most 0.001 m", "actual: 0.05 m")
 
 
 def test_the_deepest_is_told_first(ask) -> None:
     (finding,) = ask(MODEL, "no_penetration: {key: heap}")
-    assert finding.notes[1:] == ("actual: 0.08 m", "geom `a/ball` and geom #0 of body `a/two`: 0.01 m")
+    assert notes(finding)[1:] == ("actual: 0.08 m", "geom `a/ball` and geom #0 of body `a/two`: 0.01 m")
 
 
 @pytest.mark.parametrize(
@@ -51,7 +53,7 @@ def test_pairs_are_excluded_by_geom_or_body_in_either_order(ask, pair: str, hold
 
 def test_in_a_nested_recipe_only_contacts_among_its_own_count(ask) -> None:
     (own,) = ask(MODEL, "no_penetration: {key: heap}", prefix="a/")
-    assert own.notes[1] == "actual: 0.01 m"
+    assert notes(own)[1] == "actual: 0.01 m"
     assert ask(MODEL, "no_penetration: {key: heap}", prefix="b/") == []
     assert ask(MODEL, "no_penetration: {exclude: [[ball, two]]}", prefix="a/") == []
 

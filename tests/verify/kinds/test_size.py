@@ -6,6 +6,7 @@ from composer.compiled.kinds import NameTable
 from composer.recipe.checks.size import COUNTS
 from composer.verify.kinds.scope import Scope
 from composer.verify.kinds.size import count
+from tests.verify.kinds.conftest import notes
 
 
 def test_what_is_there_holds(ask, arm: str) -> None:
@@ -18,7 +19,7 @@ def test_each_size_that_is_another_is_told_at_its_place(ask, arm: str) -> None:
     one, two = ask(arm, "size: {nq: 9, nv: 7, nu: 4}")
     assert (one.at, two.at) == (("nv",), ("nu",))
     assert one.message == "`nv` is 8, not 7"
-    assert one.notes == ("expected: nv 7", "actual: nv 8")
+    assert notes(one) == ("expected: nv 7", "actual: nv 8")
     assert one.code == "check-failed"
 
 

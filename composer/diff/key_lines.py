@@ -1,4 +1,4 @@
-"""What the keyframes of files say of one joint, actuator or body."""
+"""Where the numbers of a key that belong to one joint, actuator or body are written."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
 
-class Said(NamedTuple):
+class KeyLines(NamedTuple):
     """Where the numbers of a key that belong to one joint, actuator or body, which `holder` is, are written."""
 
     holder: Node | None
     spans: tuple[Span, ...]
 
 
-def said(elements: Elements, key: Node | None, vector: str, entry: str) -> Said:
+def key_lines(elements: Elements, key: Node | None, vector: str, entry: str) -> KeyLines:
     """Where they are written, the numbers themselves first; no place for what nobody wrote."""
     traced = elements.traced
     if key is None or vector not in VECTORS:
-        return Said(None, ())
+        return KeyLines(None, ())
     found = [each for each in traced.key_rows(key, vector) if name_of(each[0]) == entry]
     if not found:
         span = traced.written_at(key, vector)
-        return Said(None, () if span is None else (span,))
+        return KeyLines(None, () if span is None else (span,))
     rows = [row for _, row in found]
     reasons = [*(row.reason for row in rows), *(reason for row in rows for reason in row.on_the_way)]
-    return Said(found[0][0], tuple(dict.fromkeys(reason.span for reason in reasons if reason.span)))
+    return KeyLines(found[0][0], tuple(dict.fromkeys(reason.span for reason in reasons if reason.span)))

@@ -1,0 +1,104 @@
+"""Elements that may be the reason for a difference, each with the one that it is in the other model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import zip_longest
+from typing import TYPE_CHECKING, TypeAlias
+
+from composer.compiled.quantities import quantity
+from composer.diff.change import Change
+from composer.diff.elements import Elements
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+INERTIAL = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat", "body_subtreemass"})
+ASSETS = {"mesh": "mesh", "material": "material", "hfield": "hfield", "texture": "texture"}
+_TARGETS = {"joint": "joint", "jointinparent": "joint", "tendon": "tendon"}
+_PATH = {"site": "site", "geom": "geom", "sidesite": "site", "joint": "joint"}
+_POSE = quantity("body_pos").attributes
+
+Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"
+"""An element of A, the one of B that it is there, and the attributes in question; None for any."""
+
+
+class Pairs:
+    """Looks for pairs in both models."""
+
+    def __init__(self, a: Elements, b: Elements) -> None:
+        self.a, self.b = a, b
+
+    def candidates(
+        self, change: Change, before: Node, after: Node, wanted: tuple[str, ...]
+    ) -> Iterator[Pair]:
+        """What may be the reason, the likeliest first."""
+        if change.field in INERTIAL:
+            for tag in ("inertial", "geom"):
+                for mine, theirs in zip_longest(self.a.inside(before, tag), self.b.inside(after, tag)):
+                    yield mine, theirs, None
+                    yield from self.referred(mine, theirs, ASSETS)
+            return
+        yield before, after, wanted
+        if "pos" in wanted or change.field.endswith(("_bodyid", "_parentid")):
+            yield from self.frames(before, after, wanted or _POSE)
+        yield before, after, tuple(ASSETS)
+        yield from self.referred(before, after, ASSETS)
+        if change.kind == "actuator":
+            yield before, after, tuple(_TARGETS)
+            for mine, theirs, _ in self.referred(before, after, _TARGETS):
+                yield mine, theirs, ("range", "ref", "type", "axis")
+        yield before, after, None
+        if change.kind == "tendon":
+            for mine, theirs in zip_longest(before.iterchildren("*"), after.iterchildren("*")):
+                yield mine, theirs, None
+            for mine, theirs in zip(before.iterchildren("*"), after.iterchildren("*"), strict=False):
+                for first, second, _ in self.referred(mine, theirs, _PATH):
+                    yield first, second, None
+                    yield from self.above(first, second)
+
+    def frames(self, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
+        """What an element stands in, up to its body: the place of a part among them."""
+        for mine, theirs in zip_longest(self.a.frames(before)[::-1], self.b.frames(after)[::-1]):
+            yield mine, theirs, wanted
+            places = [
+                None if node is None else side.place(node)
+                for side, node in ((self.a, mine), (self.b, theirs))
+            ]
+            if None not in places:
+                yield places[0], places[1], wanted
+
+    def above(self, before: Node | None, after: Node | None) -> Iterator[Pair]:
+        """All that an element stands in, up to the world."""
+        while before is not None and after is not None:
+            yield from self.frames(before, after, _POSE)
+            before, after = (next(each.iterancestors("body"), None) for each in (before, after))
+            if before is not None and after is not None:
+                yield before, after, _POSE
+
+    def referred(self, before: Node | None, after: Node | None, kinds: Mapping[str, str]) -> Iterator[Pair]:
+        """The mesh, material, joint, … that both refer to; `kinds` by the attribute that does."""
+        if before is None or after is None:
+            return
+        for attribute, kind in kinds.items():
+            mine, _ = self.a.value(before, attribute)
+            theirs, _ = self.b.value(after, attribute)
+            if mine and theirs:
+                yield self.a.node(kind, mine, -1), self.b.node(kind, theirs, -1), None
+
+    def holding(self, before: Node | None, after: Node | None) -> Iterator[Pair]:
+        """The body of a joint, and all that stands in; an actuator by itself."""
+        if before is None or after is None:
+            return
+        yield before, after, ("ref",)
+        mine, theirs = _body(before), _body(after)
+        if mine is not None and theirs is not None:
+            yield mine, theirs, _POSE
+            yield from self.above(mine, theirs)
+
+
+def _body(node: Node | None) -> Node | None:
+    """The body itself, or the one that a joint belongs to."""
+    if node is None or node.tag == "body":
+        return node
+    return next(node.iterancestors("body"), None)

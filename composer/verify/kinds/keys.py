@@ -1,0 +1,47 @@
+"""The keyframes that a check is about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from composer.diagnostics.fault import Fault
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.verify.kinds.scope import Scope
+
+
+def keys_named(scope: Scope, globs: Sequence[str]) -> list[str] | Fault:
+    """The names of the keyframes that globs name, as the recipe writes them; all of them without globs."""
+    known = [] if scope.keys is None else scope.names("key")
+    if not globs:
+        return known
+    found: list[str] = []
+    for at, glob in enumerate(globs):
+        fitting = scope.fitting(glob, known)
+        if not fitting:
+            notes = (exists_note("keyframe", known, glob),)
+            place = ("keys", at) if len(globs) > 1 else ("keys",)
+            help = did_you_mean(glob, known)
+            return Fault("unknown-name", f"`{glob}` names no keyframe", place, notes=notes, help=help)
+        found += [name for name in known if name in fitting and name not in found]
+    return found
+
+
+def at_keys(scope: Scope, names: Sequence[str]) -> Iterator[tuple[str, Any]]:
+    """An mjData at each of the keyframes; `mj_forward` is still to be called."""
+    for name in names:
+        data = scope.at_key(name)
+        if not isinstance(data, Fault):
+            yield name, data
+
+
+def unmet(scope: Scope, kinds: Sequence[str], globs: Sequence[str], *at: str | int) -> Fault | None:
+    """The finding that a glob names nothing of those kinds, if so."""
+    known = [name for kind in kinds for name in scope.names(kind)]
+    for index, glob in enumerate(globs):
+        if not scope.fitting(glob, known):
+            notes = (exists_note("name", sorted(known), glob),)
+            place = (*at, index) if len(globs) > 1 else at
+            message, help = f"`{glob}` names no {' and no '.join(kinds)}", did_you_mean(glob, known)
+            return Fault("unknown-name", message, place, notes=notes, help=help)
+    return None

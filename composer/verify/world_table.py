@@ -1,0 +1,82 @@
+"""`emit: worlds`: the numbers in which worlds differ, computed in MuJoCo's process, and held against samples."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+
+from composer import engine
+from composer.bundle.bundle import MODEL, WORLDS, Bundle
+from composer.document.node import locate
+from composer.scratch import scratch
+from composer.verify import worlds
+from composer.verify.compiles import WHOLE
+from composer.verify.draw_table import CODE, SAMPLE, DrawTable
+
+_FORMAT = 1
+
+Build = Callable[[int], bool]
+"""Builds a sample, which the session keeps as `SAMPLE`; whether that went well."""
+
+
+def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
+    """The bundle with the worlds of a table that is filled, one for each sample from 1; faults go to the sink.
+
+    The first, the last and the middle one are built, and each array of mjModel is compared.
+    """
+    with scratch("worlds") as folder:
+        paths = {"draws": str(folder / "draws.npy"), "out": str(folder / "worlds.npz")}
+        np.save(paths["draws"], np.array(list(table.values.values()), float).T)
+        question: dict[str, object] = {**paths, "columns": list(table.columns.values())}
+        answer = engine.call(table.session, worlds.compute, [WHOLE], question)
+        if not answer.ok:
+            table.crashed(answer)
+            return bundle
+        count = _count(table)
+        for sample in sorted({1, (count + 1) // 2, count}):
+            if not build(sample):
+                return bundle
+            question = {**paths, "world": sample - 1}
+            answer = engine.call(table.session, worlds.compare, [WHOLE, SAMPLE], question)
+            if not answer.ok:
+                table.crashed(answer)
+                return bundle
+            if answer.value:
+                _fault(table, sample, answer.value)
+                return bundle
+        return bundle.with_files({WORLDS: _described(table, Path(paths["out"]).read_bytes())})
+
+
+def _count(table: DrawTable) -> int:
+    wanted = table.plan.randomize
+    assert wanted is not None
+    return wanted.samples
+
+
+def _fault(table: DrawTable, sample: int, arrays: list[str]) -> None:
+    listed = ", ".join(f"`{name}`" for name in arrays)
+    table.context.sink.error(
+        CODE,
+        f"world {sample - 1} is not what a build makes of sample {sample}: {listed}",
+        locate(table.plan.document, ("randomize", "emit")),
+        help="leave the fields out that change these, or write `emit: models`, which builds every sample",
+    )
+
+
+def _described(table: DrawTable, content: bytes) -> bytes:
+    """The file with what it is about in it."""
+    wanted = table.plan.randomize
+    assert wanted is not None
+    about: dict[str, object] = {
+        "worlds": _FORMAT, "model": MODEL, "mujoco": table.session.mujoco_version,
+        "seed": wanted.seed, "samples": wanted.samples,
+    }  # fmt: skip
+    out = BytesIO(content)
+    with zipfile.ZipFile(out, "a") as archive:
+        archive.writestr(zipfile.ZipInfo("about.json"), json.dumps(about))
+    return out.getvalue()

@@ -1,0 +1,148 @@
+"""In MuJoCo's process: all numbers of a model that differ from world to world, also those that follow from draws."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from composer.compiled.kinds import Model
+from composer.compiled.stored import stored
+from composer.compiled.varying import Differences, Numbers, flat, put
+from composer.verify.run_time import apply, are_close
+
+
+def compute(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
+    """For `composer.engine.call`: writes every number that is another one in some world to the file `out`.
+
+    `draws` is a file with a row for each world, `(worlds, columns)`, `columns` say where they go. `stored` says what is
+    written. Gives the names of the arrays. The model is as it was afterwards.
+    """
+    draws = np.load(asked["draws"], allow_pickle=False)
+    columns, data = asked["columns"], mujoco.MjData(model)
+    found = Differences(model, len(draws))
+    following, computed = list(_following(model, columns)), Computed(mujoco, model, data)
+    for world, row in enumerate(draws):
+        apply(model, columns, [None if np.isnan(each) else each for each in row.tolist()])
+        for source, targets in following:
+            for target in targets:
+                flat(model, target[0])[target[1]] = flat(model, source[0])[source[1]]
+        computed.settle()
+        found.take(world)
+        found.restore()
+    with open(asked["out"], "wb") as file:
+        np.savez(file, allow_pickle=False, **stored(model, found.found()))
+    return sorted(found.values)
+
+
+def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
+    """For `composer.engine.call`: the arrays in which `world` of the file `out` differs from a sample that was built.
+
+    The nominal model is as it was afterwards.
+    """
+    found = Differences(nominal, 0)
+    with np.load(asked["out"], allow_pickle=False) as stored:
+        for name in {each.partition("/")[0] for each in stored.files}:
+            numbers = flat(nominal, name).copy()
+            numbers[stored[f"{name}/index"]] = stored[f"{name}/values"][asked["world"]]
+            put(nominal, name, numbers)
+    different = [name for name in found.nominal if not are_close(flat(nominal, name), flat(sample, name))]
+    found.changed = set(found.nominal)
+    found.restore()
+    return sorted(different)
+
+
+class Computed:
+    """What the compiler computes of a model and mj_setConst does not, where no number is written for it."""
+
+    def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
+        self._mujoco, self._model, self._data = mujoco, model, data
+        self._has_inertia = are_close(_mean_inertia(model), model.stat.meaninertia)
+        lengths = self._lengths() if model.ntendon else np.empty(0)
+        # `springlength` is a range; without one it has no width and is the length in the springs' reference pose.
+        self._springs = [
+            n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])
+        ]
+
+    def settle(self) -> None:
+        """Compute it."""
+        model = self._model
+        self._mujoco.mj_setConst(model, self._data)
+        if self._has_inertia:
+            model.stat.meaninertia = _mean_inertia(model)
+        if self._springs:
+            model.tendon_lengthspring[self._springs] = self._lengths()[self._springs, None]
+
+    def _lengths(self) -> Numbers:
+        mujoco, model, data = self._mujoco, self._model, self._data
+        mujoco.mj_resetData(model, data)
+        data.qpos[:] = model.qpos_spring
+        for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_tendon):
+            stage(model, data)
+        lengths: Numbers = data.ten_length.copy()
+        return lengths
+
+
+def _mean_inertia(model: Model) -> float:
+    return sum(model.dof_M0.tolist()) / model.nv if model.nv else math.nan
+
+
+_FREE = 0
+_OF_INERTIA = {"body_pos": "body_ipos", "body_quat": "body_iquat"}
+_OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
+Place = tuple[str, int]
+
+
+def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
+    """What the compiler takes over from the pose of a body and mj_setConst does not.
+
+    The reference pose of a free joint is the body's; and so is, in a key, that of a body of which the key says nothing.
+    """
+    for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
+        drawn = {
+            tuple(target["index"])
+            for column in columns
+            for target in column["targets"]
+            if target["array"] == array
+        }
+        for body, component in sorted(drawn):
+            targets = [
+                *_of_free_joint(model, body, at + component),
+                *_of_mocap(model, body, array, component),
+                *_of_inertial_frame(model, body, array, component),
+            ]
+            if targets:
+                yield (array, body * width + component), targets
+
+
+def _of_free_joint(model: Model, body: int, component: int) -> Iterator[Place]:
+    joint = model.body_jntadr[body]
+    if joint < 0 or model.jnt_type[joint] != _FREE:
+        return
+    first = int(model.jnt_qposadr[joint])
+    pose = slice(first, first + 7)
+    yield "qpos0", first + component
+    yield "qpos_spring", first + component
+    for key in range(model.nkey):
+        if (model.key_qpos[key, pose] == model.qpos0[pose]).all():
+            yield "key_qpos", key * model.nq + first + component
+
+
+def _of_inertial_frame(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
+    """MuJoCo gives a body that has no mass at all its own pose as that of its inertial frame."""
+    name = _OF_INERTIA[array]
+    if model.body_mass[body] == 0 and (getattr(model, name)[body] == getattr(model, array)[body]).all():
+        yield name, body * getattr(model, name).shape[1] + component
+
+
+def _of_mocap(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
+    mocap = int(model.body_mocapid[body])
+    if mocap < 0:
+        return
+    name, pose = _OF_KEYS[array], getattr(model, array)[body]
+    for key in range(model.nkey):
+        first = pose.size * mocap
+        if (getattr(model, name)[key, first : first + pose.size] == pose).all():
+            yield name, key * pose.size * model.nmocap + first + component
