@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from composer.loading.errors import LoadError as LoadError
     from composer.loading.errors import UnknownNameError as UnknownNameError
     from composer.loading.load import load as load
+    from composer.loading.many import load_many as load_many
     from composer.version import __version__ as __version__
 
 _HOMES = {
@@ -21,9 +22,10 @@ _HOMES = {
     "UnknownNameError": "composer.loading.errors",
     "__version__": "composer.version",
     "load": "composer.loading.load",
+    "load_many": "composer.loading.many",
 }
 
-__all__ = ["BundleWarning", "LoadError", "UnknownNameError", "__version__", "load"]
+__all__ = ["BundleWarning", "LoadError", "UnknownNameError", "__version__", "load", "load_many"]
 
 
 def __getattr__(name: str) -> object:

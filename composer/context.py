@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from composer.diagnostics.sink import Sink
+from composer.reading.door import ALL, Door
 
 if TYPE_CHECKING:
     from composer.diagnostics.diagnostic import Diagnostic
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
     from composer.document.node import Node
     from composer.sources.fetching import Fetching
     from composer.sources.source import Source
+    from composer.sources.trust import Trust
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,13 +27,14 @@ class ReadRecipe:
     """A recipe file that was read, merged over what it extends, and what was found in it.
 
     `extended` are the recipes that it extends, each with the place that names it; `said` has what each of all these
-    files, as messages name it, says of `angle` and `eulerseq`.
+    files, as messages name it, says of `angle` and `eulerseq`; `trust` is what all of them say together.
     """
 
     node: Node | None
     found: tuple[Diagnostic, ...]
     extended: tuple[tuple[Source, Span], ...]
     said: Mapping[str, Node]
+    trust: Trust
 
 
 @dataclass(slots=True)
@@ -37,7 +42,9 @@ class Context:
     """The environment variables, the folder that paths are shown from, where faults go, and how to fetch.
 
     `recipes` is the memory of one run: the recipe files that it has read, none of which is read twice. `concrete` has
-    what it made last of these and of values, with what was found (`plan/concrete.py`).
+    what it made last of these and of values, with what was found (`plan/concrete.py`). With `strict` a
+    warning that is not allowed is an error. `timings` has how many seconds each stage took, in the order in which they
+    ended.
     """
 
     sink: Sink = field(default_factory=Sink)
@@ -46,6 +53,19 @@ class Context:
     fetching: Fetching | None = None
     recipes: dict[Path, ReadRecipe] = field(default_factory=dict)
     concrete: dict[tuple[object, ...], tuple[Any, tuple[Diagnostic, ...]]] = field(default_factory=dict)
+    strict: bool = False
+    timings: list[tuple[str, float]] = field(default_factory=list)
+
+    @contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        """Note how long the block takes."""
+        start = perf_counter()
+        yield
+        self.timings.append((stage, perf_counter() - start))
+
+    def door_of_text(self, folder: Path) -> Door:
+        """What a recipe in a folder may name by a path."""
+        return ALL if self.fetching is None else self.fetching.door_of_text(folder)
 
     def shown(self, path: Path) -> str:
         """A path as messages name it: from the user's folder where it is below that."""

@@ -10,12 +10,14 @@
     link       units → one flat tree                             link/link.py, called by compose
     bundle     tree and files → `Bundle`                         bundle/assemble.py
     verify     bundle → MuJoCo's verdict, the recipe's checks    verify/compile_report.py, verify/checks.py
+    aim        bundle → what another program reads               targets/aim.py, where a target is asked for
 
 `planned` is the first six, which a recipe that is nested in another goes through too; `built` is the rest.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -30,6 +32,7 @@ from composer.compose.load import Library
 from composer.context import Context
 from composer.document.node import locate
 from composer.link.measure import measure_with
+from composer.plan.allowed import acknowledge
 from composer.plan.concrete import Given
 from composer.plan.locked import check_lock
 from composer.plan.plan import Plan
@@ -40,6 +43,9 @@ if TYPE_CHECKING:
     from composer.link.dedup import Merged
     from composer.link.linking import FileUse
     from composer.verify.outcome import Hear, Outcome
+
+
+Ahead = Callable[[Bundle], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +64,9 @@ class Request:
     """One model that is asked for.
 
     `given` are values of parameters and variants; `name` is that of a cell of the matrix or of a `sample`, whose draws
-    the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are kept once.
+    the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are kept once,
+    `pictured` whether the manifest names a picture beside the bundle. `target` is the program that it is written for,
+    None for MuJoCo.
     """
 
     recipe: Path
@@ -67,6 +75,8 @@ class Request:
     sample: int = 0
     verified: bool = True
     deduplicated: bool = False
+    pictured: bool = False
+    target: str | None = None
 
 
 def build(
@@ -93,7 +103,8 @@ def build(
 
 def planned(request: Request, context: Context) -> Plan | None:
     """Read, merge, expand, validate, resolve, plan: what can be built of the recipe; None where nothing can."""
-    return plan_what_remains(request.recipe, context, request.given, request.name, request.sample)
+    with context.timed("plan"):
+        return plan_what_remains(request.recipe, context, request.given, request.name, request.sample)
 
 
 def built(
@@ -103,8 +114,30 @@ def built(
     session: Session,
     library: Library | None = None,
     hear: Hear | None = None,
+    ahead: Ahead | None = None,
 ) -> Built | None:
-    """Compose, link, bundle, verify: the model of a plan; None where `context.sink` has errors."""
+    """Compose, link, bundle, verify: the model of a plan; None where `context.sink` has errors.
+
+    `ahead` gets the bundle before MuJoCo does: what is done with its files meanwhile takes no time. Warnings that the
+    recipes allow are left out of the sink; with `context.strict` the others are errors.
+    """
+    made = _built(plan, request, context, session, library, hear, ahead)
+    alone = request.name is None and request.sample == 0 and not plan.cells
+    acknowledge(plan, context.sink, context.shown, whole=request.verified and alone)
+    if context.strict:
+        context.sink.promote()
+    return None if context.sink.has_errors else made
+
+
+def _built(
+    plan: Plan,
+    request: Request,
+    context: Context,
+    session: Session,
+    library: Library | None,
+    hear: Hear | None,
+    ahead: Ahead | None,
+) -> Built | None:
     checks: list[Checked] = []
 
     def note(outcome: Outcome) -> None:
@@ -113,17 +146,26 @@ def built(
             hear(outcome)
 
     check_lock(plan, context)
-    composer = Composer(context, measure_with(context, session=session), session, library=library)
-    if (composed := composer.compose(plan)) is None:
+    composer = Composer(
+        context, measure_with(context, session=session), session,
+        library=library, checks_sources=request.verified,
+    )  # fmt: skip
+    with context.timed("compose"):
+        composed = composer.compose(plan)
+    if composed is None:
         return None
     merged: Merged = {}
     if request.deduplicated:
         merged, files = _deduplicated(plan, composed)
         composed = replace(composed, files=files)
-    if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+    with context.timed("bundle"):
+        bundle = assemble(plan, composed.model, composed.files, context)
+    if bundle is None:
         return None
     compiled = None
     if request.verified:
+        if ahead is not None:
+            ahead(bundle)
         compiled = _verified(plan, composed, bundle, context, session, merged, note)
     if composed.tabled and not context.sink.has_errors:
         bundle = _with_table(plan, composed, bundle, compiled, context, session, request.deduplicated)
@@ -131,9 +173,24 @@ def built(
         return None
     making = Making(
         plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), request.name,
-        composed.drawn,
+        composed.drawn, request.pictured,
     )  # fmt: skip
-    return Built(plan, composed, described(bundle, making, context), compiled, merged)
+    bundle = described(bundle, making, context)
+    if request.target is not None:
+        aimed = _aimed(bundle, request.target, plan, composed, context, session)
+        if aimed is None:
+            return None
+        bundle = aimed
+    return Built(plan, composed, bundle, compiled, merged)
+
+
+def _aimed(
+    bundle: Bundle, target: str, plan: Plan, composed: Composed, context: Context, session: Session
+) -> Bundle | None:
+    from composer.targets.aim import aimed  # few builds need it
+
+    with context.timed("target"):
+        return aimed(bundle, target, composed.model, plan.span, context, session)
 
 
 def _deduplicated(plan: Plan, composed: Composed) -> tuple[Merged, tuple[FileUse, ...]]:
@@ -152,17 +209,22 @@ def _verified(
     hear: Hear,
 ) -> Compiled | None:
     """MuJoCo's verdict, and the recipe's checks."""
-    from composer.verify.checks import run_checks  # a build without verification has no use for that room
-    from composer.verify.compile_report import judge
+    from composer.verify.compile_report import judge  # a build without verification has no use for that room
+    from composer.verify.compiles import WHOLE
     from composer.verify.key_ranges import check_key_ranges
-    from composer.verify.parts import WHOLE
+    from composer.verify.nested import checks_in
 
-    compiled = judge(bundle, composed.model, context, session, keep=WHOLE)
+    with context.timed("compile"):
+        compiled = judge(bundle, composed.model, context, session, keep=WHOLE, at=plan.span)
     if compiled is not None:
         if compiled.index is not None:
             check_key_ranges(plan, composed.model, compiled.index, context.sink)
-        renamed = renamed_in(composed.model, composed.members)
-        run_checks(plan, composed.members, session, context, merged, renamed, hear)
+        with context.timed("check"):
+            if next(checks_in(plan), None) is not None:
+                from composer.verify.checks import run_checks  # numpy comes along, and every kind of check
+
+                renamed = renamed_in(composed.model, composed.members)
+                run_checks(plan, composed.members, session, context, merged, renamed, hear)
     return compiled
 
 
@@ -189,11 +251,23 @@ def _with_table(
     table = DrawTable(plan, composed.tabled, session, context)
     if not table.fill():
         return bundle
-    sample = Composer(context, measure_with(context, session=session), session).compose(plan.of_sample(1))
-    if sample is None:
-        return bundle
-    files = _deduplicated(plan, sample)[1] if deduplicated else sample.files
-    made = assemble(plan, sample.model, files, context)
-    if made is not None and judge(made, sample.model, context, session, keep=SAMPLE) is not None:
+
+    def build_sample(number: int) -> bool:
+        composer = Composer(context, measure_with(context, session=session), session)
+        sample = composer.compose(plan.of_sample(number))
+        if sample is None:
+            return False
+        files = _deduplicated(plan, sample)[1] if deduplicated else sample.files
+        made = assemble(plan, sample.model, files, context)
+        return (
+            made is not None
+            and judge(made, sample.model, context, session, keep=SAMPLE, at=plan.span) is not None
+        )
+
+    if plan.randomize is not None and plan.randomize.emit == "worlds":
+        from composer.verify.world_table import with_worlds
+
+        return table.added(with_worlds(table, bundle, build_sample))
+    if build_sample(1):
         table.compare()
     return table.added(bundle)

@@ -41,7 +41,10 @@ def write_packed(
     packed: Callable[[str], Packed],
 ) -> None:
     """The same for a bundle of which there are only its paths and how each file is packed."""
-    if model not in (MODEL, f"{out.stem}.xml"):
+    if model.endswith(".xml") and model not in (
+        MODEL,
+        f"{out.stem}.xml",
+    ):  # what is not MJCF it does not open
         raise OutputError(
             "output-kind",
             f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`",

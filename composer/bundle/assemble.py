@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from composer.bundle.beside import picture_of
 from composer.bundle.bundle import MODEL, Bundle, BundleError
 from composer.bundle.collect import collect
 from composer.bundle.element_places import written_in
 from composer.bundle.licences import Licences, licence_files
 from composer.bundle.manifest import (
+    Adopted,
     Check,
     Draw,
     Input,
@@ -36,7 +38,9 @@ from composer.link.linking import FileUse
 from composer.plan.drawn import Drawn
 from composer.plan.part_record import PartRecord
 from composer.plan.plan import Plan
-from composer.sources.digest import sha256_of
+from composer.reading.folders import real_path
+from composer.reading.refused import Refused
+from composer.sources.digest import remembered_sha256
 from composer.sources.origin import Origin as Fetched
 from composer.sources.source import Source
 from composer.sources.spdx import UNKNOWN, licence_of
@@ -61,6 +65,9 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
         if context.sink.error_count > before:
             return None
         return Bundle({**files, MODEL: write(model.root)})
+    except Refused as refused:
+        refused.report(context.sink, None, shown=context.shown)
+        return None
     except (OSError, BundleError) as error:
         context.sink.error("file-unreadable", f"a file of the model cannot be bundled: {error}")
         return None
@@ -78,9 +85,10 @@ class Checked:
 
 @dataclass(frozen=True, slots=True)
 class Making:
-    """What a manifest tells of how a model came to be.
+    """What a manifest says about how a model came to be.
 
-    `compiled` is what MuJoCo made of it, None where nobody asked; `cell` the name of the cell of a matrix.
+    `compiled` is what MuJoCo made of it, None where nobody asked; `cell` the name of the cell of a matrix; `pictured`
+    says that a picture will stand beside it.
     """
 
     plan: Plan
@@ -92,6 +100,7 @@ class Making:
     checks: tuple[Checked, ...] = ()
     cell: str | None = None
     drawn: tuple[Drawn, ...] = ()
+    pictured: bool = False
 
 
 def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
@@ -110,7 +119,7 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
         description=plan.description,
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
-        recipe=Recipe(path=as_text(plan.path.name), sha256=sha256_of(plan.path)),
+        recipe=Recipe(path=as_text(plan.path.name), sha256=remembered_sha256(plan.path)),
         separator=plan.separator,
         cell=making.cell,
         variants=dict(plan.variants),
@@ -120,10 +129,21 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
         draws=tuple(_draw(each) for each in making.drawn),
         inputs=inputs,
         parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
+        adopted=tuple(
+            Adopted(
+                setting=each.setting,
+                value=each.value,
+                parts=each.parts,
+                origin=names.place(each.span),
+            )
+            for each in model.adopted
+            if each.is_written
+        ),
         read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
         licences=_by_licence(inputs, making.members),
         files=files_of(bundle),
         merged=making.merged,
+        picture=picture_of(plan.name) if making.pictured else None,
         checks=tuple(
             Check(name=each.name, kind=each.kind, values=dict(each.values), origin=names.place(each.span))
             for each in making.checks
@@ -146,13 +166,13 @@ def portable(plan: Plan, model: Unit, context: Context) -> Portable:
 def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str, str]]:
     """Every file that was read, with its hash; each is hashed once."""
     known = {
-        os.path.realpath(where): bundle.digest(path)
+        real_path(where): bundle.digest(path)
         for path, where in making.model.contents.items()
         if isinstance(where, Path) and path in bundle.files
     }
     files = {
         *portable.texts_on_disk(),
-        *(portable.path(file) for file in _files_of(making.plan)),
+        *map(portable.path, {*_files_of(making.plan)}),
         *(path for _, source in sources(making.plan) for path in (source.path, *source.licences)),
         *(Path(use.source) for use in making.uses if use.content is None),
     }
@@ -160,7 +180,7 @@ def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str,
     for path in files:
         name = portable.name(path)
         if name not in found:
-            found[name] = known.get(os.path.realpath(path)) or sha256_of(path)
+            found[name] = known.get(real_path(path)) or remembered_sha256(path)
     return sorted(found.items())
 
 
@@ -206,7 +226,7 @@ def _input(source: Source, licences: tuple[str, ...], portable: Portable) -> Inp
         path=as_text(_path_of(source, portable)),
         reference=source.reference,
         kind=source.kind.name,
-        sha256=sha256_of(source.path),
+        sha256=remembered_sha256(source.path),
         origin=None
         if origin is None
         else Origin(id=origin.id, commit=origin.commit, tree=origin.tree, sha256=origin.sha256),
@@ -221,9 +241,7 @@ def _path_of(source: Source, portable: Portable) -> str:
     """Relative to what it was fetched or installed with."""
     if source.origin is None:
         return portable.name(source.path)
-    return Path(
-        os.path.relpath(os.path.realpath(source.path), os.path.realpath(source.origin.root))
-    ).as_posix()
+    return Path(os.path.relpath(real_path(source.path), real_path(source.origin.root))).as_posix()
 
 
 def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:

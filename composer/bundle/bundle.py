@@ -12,6 +12,7 @@ from types import MappingProxyType
 MODEL = "model.xml"
 MANIFEST = "manifest.json"
 DRAWS = "randomize.json"
+WORLDS = "worlds.npz"
 _DRIVE = re.compile(r"[A-Za-z]:")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 
@@ -44,7 +45,9 @@ class Bundle:
 
     def with_files(self, files: Mapping[str, bytes]) -> Bundle:
         """The same bundle with these files added or replaced."""
-        return Bundle({**self.files, **files}, self.model)
+        made = Bundle({**self.files, **files}, self.model)
+        made._digests.update((path, known) for path, known in self._digests.items() if path not in files)
+        return made
 
     def digest(self, path: str) -> str:
         """The sha256 of one file, in hexadecimal."""

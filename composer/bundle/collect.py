@@ -3,29 +3,39 @@
 from __future__ import annotations
 
 import glob
-import hashlib
 import os
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from composer.diagnostics.diagnostic import Cause
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import closest
+from composer.limits import advice, in_force, written
 from composer.link.linking import FileUse
+from composer.reading.refused import Refused
+from composer.reading.regular import read_regular
 from composer.tree import lfs
 from composer.tree.files import NAMED_AFTER_FILE, in_archive, stem
 from composer.tree.unit import Unit
+
+Stored = dict[tuple[str, int], list[str]]
+"""The paths of the files that may stand for others, by suffix and size."""
 
 
 def collect(
     model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str
 ) -> dict[str, bytes]:
-    """Bytes by path in the bundle. A file that is missing is told where the model names it, as `shown` calls it."""
+    """Bytes by path in the bundle. A file that is missing is reported where the model names it, as `shown` calls it."""
     files: dict[str, bytes] = {}
-    stored: dict[tuple[str, bytes], str] = {}
+    stored: Stored = {}
     stands_at: dict[str, str | None] = {}
+    room = _Room()
     for use in uses:
         if use.path not in stands_at:
+            if not room.has(use):
+                room.report(model, use, sink)
+                break
             stands_at[use.path] = _store(model, use, files, stored, sink, shown)
         path = stands_at[use.path]
         if path is None or path == use.path:
@@ -36,8 +46,31 @@ def collect(
     return files
 
 
+class _Room:
+    """What a bundle may still take, counted by what the disk says of a file before it is read."""
+
+    def __init__(self) -> None:
+        limits = in_force()
+        self.files, self.size = limits.output_files, limits.output_size
+
+    def has(self, use: FileUse) -> bool:
+        with suppress(OSError):  # what cannot be read is reported where it is read
+            self.size -= os.stat(use.source).st_size if use.content is None else len(use.content)
+        self.files -= 1
+        return self.files > 0 and self.size >= 0
+
+    def report(self, model: Unit, use: FileUse, sink: Sink) -> None:
+        name = "output-files" if self.files <= 0 else "output-size"
+        most = written(name, getattr(in_force(), name.replace("-", "_")))
+        what = "files" if name == "output-files" else "in its files"
+        span = model.origins.span(use.element, model.file, use.attribute)
+        sink.error(
+            "limit-exceeded", f"the bundle would have more than {most} {what}", span, help=advice(name)
+        )
+
+
 def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> None:
-    """Tell the files that are missing, of a model that will not be bundled for another fault."""
+    """Report the files that are missing, of a model that will not be bundled for another fault."""
     for use in {use.path: use for use in uses if use.content is None}.values():
         try:
             os.stat(use.source)
@@ -46,19 +79,22 @@ def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callabl
 
 
 def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = str) -> bytes | None:
-    """The bytes of a file; None where they cannot be had, which is told."""
+    """The bytes of a file; None where they cannot be had, which is reported."""
     content = use.content
     if content is None:
         try:
-            content = Path(use.source).read_bytes()
+            content = read_regular(use.source)
+        except Refused as refused:
+            refused.report(sink, model.origins.span(use.element, model.file, use.attribute), shown=shown)
+            return None
         except OSError as error:
             _missing(model, use, error, sink, shown)
             return None
     if lfs.is_pointer(content):
         called = f"`{shown(Path(use.source))}`"
-        told = f"{called} is not the file itself but where Git LFS has it"
+        report = f"{called} is not the file itself but where Git LFS has it"
         span = model.origins.span(use.element, model.file, use.attribute)
-        sink.error("asset-missing", told, span, help=lfs.HELP, cause=Cause(f"lfs: {span.file}", called))
+        sink.error("asset-missing", report, span, help=lfs.HELP, cause=Cause(f"lfs: {span.file}", called))
         return None
     return content
 
@@ -67,7 +103,7 @@ def _store(
     model: Unit,
     use: FileUse,
     files: dict[str, bytes],
-    stored: dict[tuple[str, bytes], str],
+    stored: Stored,
     sink: Sink,
     shown: Callable[[Path], str],
 ) -> str | None:
@@ -79,17 +115,24 @@ def _store(
         files[use.path] = content
         return use.path
     suffix = use.path.rsplit(".", 1)[-1]
-    path = stored.setdefault((suffix, hashlib.sha256(content).digest()), use.path)
-    if path == use.path:
-        files[path] = content
-    return path
+    alike = stored.setdefault((suffix, len(content)), [])
+    for path in alike:
+        if files[path] == content:
+            return path
+    alike.append(use.path)
+    files[use.path] = content
+    return use.path
+
+
+_LOOKED_FOR = 100
+"""Missing files of which others of that name are looked for, which reads a folder for each."""
 
 
 def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Callable[[Path], str]) -> None:
     source = Path(use.source)
     message, help = f"the file `{shown(source)}` does not exist", None
     try:
-        beside = sorted(os.listdir(source.parent))
+        beside = sorted(os.listdir(source.parent)) if sink.error_count < _LOOKED_FOR else []
     except OSError:
         beside = []
         if isinstance(error, FileNotFoundError):
@@ -98,7 +141,7 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
     folder: Path | None = None
     if near := closest(source.name, beside):
         help = f"did you mean `{near[0]}`?"
-    elif elsewhere := _elsewhere(source):
+    elif sink.error_count < _LOOKED_FOR and (elsewhere := _elsewhere(source)):
         help = f"there is one at `{shown(elsewhere)}`"
         folder = elsewhere.parent
     else:
@@ -123,9 +166,8 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
 def _elsewhere(source: Path) -> Path | None:
     """A file of that name in a folder beside or below that of the missing one."""
     for folder in (source.parent, source.parent.parent):
-        found = next(
-            (path for path in sorted(folder.glob(f"*/{glob.escape(source.name)}")) if path.is_file()), None
-        )
-        if found is not None:
-            return found
+        with suppress(OSError):  # a name that is too long, a folder that may not be read
+            for path in sorted(folder.glob(f"*/{glob.escape(source.name)}")):
+                if path.is_file():
+                    return path
     return None

@@ -5,12 +5,11 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import shutil
 from pathlib import Path
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.output_error import OutputError, unwritable
-from composer.bundle.staging import parents, real, sibling, write_files
+from composer.bundle.staging import aside, parents, real, stage_beside, write_files
 
 # what others leave in a folder without being asked
 _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
@@ -27,16 +26,12 @@ def write_folder(bundle: Bundle, out: Path) -> None:
     target = real(out)
     if not target.name:
         raise OutputError("output-unwritable", f"`{out}` cannot be replaced", "choose a folder below it")
-    stage = sibling(target, "tmp")
     try:
         _check_replaceable(target, out)
-        with parents(target):
-            try:
-                stage.mkdir()
-                write_files(bundle, stage)
-                _swap(stage, target)
-            finally:
-                shutil.rmtree(stage, ignore_errors=True)
+        with parents(target), stage_beside(target) as stage:
+            stage.mkdir()
+            write_files(bundle, stage)
+            _swap(stage, target)
     except OSError as error:
         raise unwritable(out, error) from error
 
@@ -46,14 +41,13 @@ def _swap(stage: Path, target: Path) -> None:
     if not os.path.exists(target):
         stage.replace(target)
         return
-    aside = sibling(target, "old")
-    target.replace(aside)
+    older = aside(stage)
+    target.replace(older)
     try:
         stage.replace(target)
     except BaseException:
-        aside.replace(target)
+        older.replace(target)
         raise
-    shutil.rmtree(aside, ignore_errors=True)
 
 
 def _check_replaceable(target: Path, out: Path) -> None:
@@ -96,7 +90,7 @@ def _files_in(folder: Path) -> set[str]:
 
 
 def _own_files(folder: Path) -> set[str] | None:
-    """The files an earlier output's manifest lists, with itself; None if there is no such manifest."""
+    """The files an earlier output's manifest lists, with itself; None if no such manifest exists."""
     file = folder / MANIFEST
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
         if file.is_symlink() or file.stat().st_size > _LARGEST_MANIFEST:

@@ -28,7 +28,7 @@ _SUFFIXES |= dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), Form.USD)
 def form_of(out: str | PathLike[str]) -> Form:
     """The form that an output's name asks for. Raises OutputError.
 
-    A name that ends in a slash or has no suffix is a folder, and so is a folder that is there.
+    A name that ends in a slash or has no suffix is a folder, and so is a folder that exists.
 
     >>> form_of("build/arm"), form_of("arm.mjz")
     (<Form.FOLDER: 'folder'>, <Form.ARCHIVE: 'archive'>)

@@ -17,7 +17,7 @@ _KINDS = tuple(Index.model_fields)
 
 
 def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
-    """The manifest of a bundle; where it is missing or broken that is told, and None is given."""
+    """The manifest of a bundle; where it is missing or broken that is reported, and None is given."""
     if text is None:
         sink.error("bundle-manifest", f"`{shown}` has no `{MANIFEST}`: there is nothing to hold it against")
         return None
@@ -45,7 +45,7 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
 
 
 def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> None:
-    """Tell which files are missing, other ones, or not listed."""
+    """Report which files are missing, other ones, or not listed."""
     listed = {file.path: file for file in manifest.files}
     for path, file in listed.items():
         if path not in bundle.files:
@@ -65,7 +65,7 @@ def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> N
 
 
 def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
-    """Tell where the compiled model has another order, other addresses or other limits than its manifest says."""
+    """Report where the compiled model has another order, other addresses or other limits than its manifest says."""
     for kind in _KINDS:
         said, found = (_plain(kind, getattr(index, kind)) for index in (expected, actual))
         if said == found:

@@ -58,7 +58,7 @@ def licence_table(rows: Iterable[Row]) -> str:
     )
 
 
-def tell_unlicensed(rows: Iterable[Row], context: Context) -> None:
+def report_unlicensed(rows: Iterable[Row], context: Context) -> None:
     """Warn of the parts without a licence, all at once."""
     bare = [row for row in rows if row.has_none]
     if not bare:

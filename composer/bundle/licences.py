@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from composer.reading.regular import read_regular
+
 LICENCES = "LICENSES"
 _UNSAFE = re.compile(r"[^\w.+@=-]+")
 
@@ -20,7 +22,7 @@ class Licences:
 
 
 def licence_files(
-    licences: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = Path.read_bytes
+    licences: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular
 ) -> Licences:
     """Every licence file once, as `LICENSES/LABEL/FILE NAME`: equal bytes of one name have the first of their labels.
 

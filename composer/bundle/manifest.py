@@ -8,9 +8,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.version import __version__
@@ -63,6 +63,12 @@ class Input(_Part):
     version: str | None = Field(default=None, description="The version of that package, or the commit.")
 
 
+def _finite(value: dict[str, Any]) -> dict[str, Any]:
+    """Values that JSON can hold: Python's readers of JSON also take `NaN`. Raises ValueError."""
+    json.dumps(value, allow_nan=False)
+    return value
+
+
 class Part(_Part):
     """What an input became: where its own world stands, and what of it the recipe changed on purpose."""
 
@@ -95,6 +101,15 @@ class Part(_Part):
     )
     obscure: str | None = Field(default=None, description="Why it cannot be compared with its source, if so.")
     subtree: str | None = Field(default=None, description="The one body that was taken of its source, if so.")
+
+
+class Adopted(_Part):
+    """A setting that neither the base nor the recipe writes, and all parts that write it agree on."""
+
+    setting: str = Field(description="Its path, such as `option.cone`.")
+    value: str
+    parts: tuple[str, ...] = Field(description="The prefixes of the parts that write it.")
+    origin: str | None = Field(default=None, description="Where the first of them writes it, as FILE:LINE.")
 
 
 class Read(_Part):
@@ -182,7 +197,7 @@ class Sensor(_Part):
     size: int = Field(ge=0)
     unit: str | None = Field(default=None, description="null where the type does not settle it.")
     cutoff: float | None = Field(
-        default=None, description="In its unit, the greatest value it tells; null when nothing is cut off."
+        default=None, description="In its unit, the greatest value it reports; null when nothing is cut off."
     )
     origin: str | None = _ORIGIN
 
@@ -242,6 +257,23 @@ class Draw(_Part):
     )
 
 
+class LeftOut(_Part):
+    """What a target cannot express, and is not in its bundle, or is there in another way."""
+
+    feature: str
+    tag: str
+    why: str
+    count: int = Field(ge=1)
+    names: tuple[str, ...] = Field(default=(), description="Of those that have one.")
+
+
+class Aimed(_Part):
+    """The program that a bundle was written for."""
+
+    name: str
+    left_out: tuple[LeftOut, ...] = ()
+
+
 class Manifest(_Part):
     """What a bundle was made of, what is in it, and where things are in the compiled model."""
 
@@ -256,12 +288,17 @@ class Manifest(_Part):
     separator: str = Field(default="/", description="What stands between a prefix and a name.")
     cell: str | None = Field(default=None, description="The cell of the recipe's matrix; null for none.")
     variants: dict[str, str] = Field(default={}, description="The chosen value of every variant.")
-    params: dict[str, Any] = Field(default={}, description="The value of every parameter.")
+    params: Annotated[dict[str, Any], AfterValidator(_finite)] = Field(
+        default={}, description="The value of every parameter."
+    )
     seed: int | None = Field(default=None, description="Of the draws; null without `randomize`.")
     sample: int | None = Field(default=None, ge=0, description="The sample's number; 0 is the nominal model.")
     draws: tuple[Draw, ...] = ()
     inputs: tuple[Input, ...] = ()
     parts: tuple[Part, ...] = ()
+    adopted: tuple[Adopted, ...] = Field(
+        default=(), description="The settings that the model takes from its parts, which agree on them."
+    )
     read: tuple[Read, ...] = Field(default=(), description="Every file that the model was made from.")
     licences: dict[str, tuple[str, ...]] = Field(
         default={}, description="The parts by licence; those of which it is not known are under `unknown`."
@@ -270,6 +307,13 @@ class Manifest(_Part):
     merged: Mapping[str, Mapping[str, str]] = Field(
         default={},
         description="What `--dedup` merged, by kind: for each name that is gone, the name that stands for it.",
+    )
+    picture: str | None = Field(
+        default=None,
+        description="Of `--picture`: a picture of the model, beside the bundle; left out without one.",
+    )
+    target: Aimed | None = Field(
+        default=None, description="Of `--target`: what the bundle was written for; left out without one."
     )
     checks: tuple[Check, ...] = Field(default=(), description="What was checked, and held.")
     index: Index | None = Field(default=None, description="null when the model was not verified.")
@@ -287,7 +331,11 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 
 def to_json(manifest: Manifest) -> bytes:
     """The manifest's text: fields in the order of the schema, two spaces a level, UTF-8, a final newline."""
-    return _text(manifest.model_dump(mode="json"))
+    data = manifest.model_dump(mode="json")
+    for name in ("picture", "target"):
+        if data[name] is None:
+            del data[name]
+    return _text(data)
 
 
 def _text(data: Any) -> bytes:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tempfile
 from importlib import metadata
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from composer import engine
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import staged_file, write_files
+from composer.scratch import scratch
 
 
 def write_mjb(
@@ -29,7 +29,7 @@ def write_mjb(
     with staged_file(out) as stage:
         stage.touch()  # whoever may not write there learns it now, from the operating system
         try:
-            with tempfile.TemporaryDirectory(prefix="mjcompose-", ignore_cleanup_errors=True) as folder:
+            with scratch("bundle") as folder:
                 write_files(bundle, Path(folder))
                 compiled = engine.compile(
                     Path(folder), bundle.model, mjb=stage, limits=limits, session=session
@@ -67,7 +67,7 @@ def with_version(out: str, version: str | None = None) -> str:
 
 def _manifest(text: bytes, name: str, content: bytes) -> bytes:
     """The bundle's manifest about its compiled form alone."""
-    told = json.loads(text)
-    told["model"] = name
-    told["files"] = [{"path": name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}]
-    return (json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    manifest = json.loads(text)
+    manifest["model"] = name
+    manifest["files"] = [{"path": name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}]
+    return (json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()

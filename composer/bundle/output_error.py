@@ -12,11 +12,12 @@ class OutputError(DiagnosticError):
     """An output cannot be written. Whoever raises it has put everything back as it was."""
 
 
+_FULL = {errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)}
 _HELP = {
     errno.EACCES: "choose a place that you may write to",
     errno.EPERM: "choose a place that you may write to",
     errno.EROFS: "choose a place that you may write to",
-    errno.ENOSPC: "make room on the disk, or choose another place",
+    **dict.fromkeys(_FULL, "make room on the disk, or choose another place"),
     errno.ENAMETOOLONG: "choose a shorter name",
 }
 
@@ -25,7 +26,7 @@ def unwritable(out: str | PathLike[str], error: OSError) -> OutputError:
     """The operating system's refusal in the user's terms."""
     reason = error.strerror or str(error) or type(error).__name__
     return OutputError(
-        "output-unwritable",
+        "output-full" if error.errno in _FULL else "output-unwritable",
         f"cannot write `{out}`: {reason.lower()}",
         _HELP.get(error.errno or 0, "choose another place"),
     )

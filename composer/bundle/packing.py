@@ -10,6 +10,7 @@ import struct
 import zlib
 from collections.abc import Callable
 from pathlib import PurePosixPath
+from threading import Thread
 from typing import NamedTuple
 
 from composer.bundle.bundle import Bundle
@@ -19,8 +20,6 @@ _MESH_LEVEL = 1
 _TEXT = {".xml", ".json", ".txt", ".md", ".yaml", ".yml", ".csv", ".mtl", ""}
 _PACKED = {".png", ".jpg", ".jpeg", ".webp", ".ktx", ".zip", ".mjz", ".gz"}
 _HEAD = struct.Struct("<IQ")
-HEAD_SIZE = _HEAD.size
-"""Bytes of what is `wrapped` before its data."""
 
 
 class Packed(NamedTuple):
@@ -29,6 +28,37 @@ class Packed(NamedTuple):
     crc: int
     size: int
     data: bytes
+
+
+class PackedAhead:
+    """The files of a bundle, packed by a thread while this one waits for MuJoCo.
+
+    `find` gives what is known of a file by its hash and its level, None for what is not.
+    """
+
+    def __init__(self, bundle: Bundle, find: Callable[[str, int], Packed | None]) -> None:
+        self._known: dict[str, tuple[Packed, bool]] = {}
+        self._is_wanted = True
+        self._thread = Thread(target=self._pack, args=(bundle, find), daemon=True)
+        self._thread.start()
+
+    def _pack(self, bundle: Bundle, find: Callable[[str, int], Packed | None]) -> None:
+        for path in bundle.files:
+            level = level_of(path)
+            if level and self._is_wanted:
+                known = find(bundle.digest(path), level)
+                self._known[bundle.digest(path)] = known or pack(bundle.files[path], level), known is None
+
+    def take(self, digest: str) -> tuple[Packed, bool] | None:
+        """A file as a zip holds it, and whether it was packed anew; None for one that the bundle did not have then."""
+        self._thread.join()
+        return self._known.get(digest)
+
+    def end(self) -> None:
+        """Nothing more is wanted."""
+        self._is_wanted = False
+        self._thread.join()
+        self._known.clear()
 
 
 Packing = Callable[[Bundle, str], Packed]

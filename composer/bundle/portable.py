@@ -9,6 +9,7 @@ from pathlib import Path
 
 from composer.context import Context, as_text
 from composer.diagnostics.span import Span
+from composer.reading.folders import real_path
 from composer.sources.origin import Origin
 from composer.sources.source import Source
 from composer.tree.unit import Unit
@@ -25,11 +26,11 @@ class Portable:
         model: Unit,
         context: Context,
     ) -> None:
-        self.folder = Path(os.path.realpath(recipe.parent))
+        self.folder = Path(real_path(recipe.parent))
         self.sources = tuple(sources)
         origins = (*fetched, *(each.origin for each in self.sources))
         found = {each.id: each for each in origins if each is not None}
-        self.origins = [(Path(os.path.realpath(each.root)), each) for each in found.values()]
+        self.origins = [(Path(real_path(each.root)), each) for each in found.values()]
         self.context = context
         self.texts = model.origins.texts
         self.named: dict[str, str] = {}
@@ -40,7 +41,7 @@ class Portable:
         What is neither below the recipe nor belongs to something fetched is named from the reference of the model
         that it goes with, as the recipe writes that.
         """
-        real = Path(os.path.realpath(path))
+        real = Path(real_path(path))
         if (origin := self.origin_of(real)) is not None:
             root, known = origin
             inside = real.relative_to(root).as_posix()
@@ -80,7 +81,7 @@ class Portable:
         near: tuple[int, str] | None = None
         for source in self.sources:
             if source.origin is None:
-                start = os.path.realpath(source.path.parent)
+                start = real_path(source.path.parent)
                 way = Path(os.path.relpath(real, start)).as_posix()
                 written = source.reference.replace("\\", "/")
                 candidate = posixpath.normpath(posixpath.join(posixpath.dirname(written), way))

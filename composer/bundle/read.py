@@ -8,15 +8,19 @@ import posixpath
 import re
 import stat
 import zipfile
-import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths
+from composer.bundle.zip_faults import ZIP_FAULTS
 from composer.diagnostics.error import DiagnosticError
+from composer.diagnostics.sink import Sink
+from composer.limits import in_force
+from composer.reading.regular import read_regular
 
 _ROOT = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!.*?-->\s*)*<mujoco[\s>/]", re.DOTALL)
+_EXPANDS = re.compile(rb"<(replicate|flexcomp|composite)\b")
 _NAMED = re.compile(rb"""<(?:include|model)\s[^>]*?file\s*=\s*["']([^"']*)["']""")
 
 
@@ -24,8 +28,8 @@ _NAMED = re.compile(rb"""<(?:include|model)\s[^>]*?file\s*=\s*["']([^"']*)["']""
 class ReadLimits:
     """How many files, and how many bytes in all once unpacked, a bundle may have."""
 
-    files: int = 20_000
-    bytes: int = 4 << 30
+    files: int = field(default_factory=lambda: in_force().output_files)
+    bytes: int = field(default_factory=lambda: in_force().output_size)
 
 
 class ReadError(DiagnosticError):
@@ -57,12 +61,31 @@ def read(path: Path, limits: ReadLimits | None = None, shown: str | None = None)
         elif path.exists():
             files = _read_archive(path, limits, shown)
         else:
-            raise ReadError("file-not-found", f"there is no file or folder `{shown}`")
-        return Bundle(files, _model(files, path, shown))
+            raise ReadError("file-not-found", f"the file or folder `{shown}` does not exist")
+        bundle = Bundle(files, _model(files, path, shown))
+        _check_size(bundle, path, shown)
+        return bundle
     except BundleError as error:
         raise ReadError("file-unreadable", f"`{shown}` is not a bundle: {error}") from error
     except OSError as error:
         raise ReadError("file-unreadable", f"cannot read `{shown}`: {error.strerror or error}") from error
+
+
+def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
+    """Raises ReadError for a model that is larger than the limits allow, once it is expanded."""
+    texts = (content for name, content in bundle.files.items() if name.endswith(".xml"))
+    if not any(map(_EXPANDS.search, (bundle.files[bundle.model], *texts))):
+        return
+    from composer.tree.parse import parse_text  # few models of bundles expand
+
+    found = Sink()
+    text = bundle.files[bundle.model]
+    parse_text(text, found, file=bundle.model, directory=path, label=path.stem, contents=bundle.files)
+    for fault in found.errors:
+        if fault.code == "limit-exceeded":
+            raise ReadError(
+                fault.code, f"`{shown}`: {fault.message}", fault.help, notes=(f"at {fault.span}",)
+            )
 
 
 def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, bytes]:
@@ -81,8 +104,8 @@ def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, byte
             if len(sizes) > limits.files:
                 break
     _check_sizes(sizes, shown, limits)
-    files = {path: (folder / path).read_bytes() for path in sizes}
-    if b'"../assets/' not in files.get(MANIFEST, b""):
+    files = {path: read_regular(folder / path) for path in sizes}
+    if b"../assets/" not in files.get(MANIFEST, b""):
         return files
     from composer.bundle.shared import gathered  # which needs a tree
 
@@ -92,10 +115,12 @@ def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, byte
 def _read_archive(file: Path, limits: ReadLimits, shown: str) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(file) as archive:
-            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+            entries = [entry for entry in archive.infolist() if not entry.filename.endswith("/")]
             _check_entries(entries, shown, limits)
             return {entry.filename: archive.read(entry) for entry in entries}
-    except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError) as error:
+    except (ReadError, BundleError):
+        raise
+    except ZIP_FAULTS as error:
         raise ReadError("file-unreadable", f"`{shown}` is not a readable zip: {error}") from error
 
 

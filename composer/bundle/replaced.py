@@ -39,16 +39,16 @@ class MadeOf:
         }
 
 
-def made_of(out: Path) -> MadeOf | None:
+def made_of(out: Path | str) -> MadeOf | None:
     """What the manifest of an output says; None where there is none, or nothing to be read."""
     try:
-        told = json.loads(_manifest(out))
-        values = {**told["params"], **told["variants"]}
-        if told["cell"] is not None:
-            values["cell"] = told["cell"]
-        if told["sample"] is not None:
-            values["sample"] = told["sample"]
-        return MadeOf(str(told["recipe"]["path"]), values)
+        manifest = json.loads(_manifest(out))
+        values = {**manifest["params"], **manifest["variants"]}
+        if manifest["cell"] is not None:
+            values["cell"] = manifest["cell"]
+        if manifest["sample"] is not None:
+            values["sample"] = manifest["sample"]
+        return MadeOf(str(manifest["recipe"]["path"]), values)
     except (
         OSError,
         ValueError,
@@ -61,7 +61,11 @@ def made_of(out: Path) -> MadeOf | None:
         return None  # it is whatever it is: `staged_file` says whether it may be replaced
 
 
-def _manifest(out: Path) -> bytes:
+def _manifest(out: Path | str) -> bytes:
+    if isinstance(out, str):
+        from composer.bundle.remote import manifest_at
+
+        return manifest_at(out)
     if out.is_dir():
         return (out / MANIFEST).read_bytes()
     if out.suffix == ".mjb":

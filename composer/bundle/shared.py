@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -16,17 +17,21 @@ from lxml import etree
 
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.folder import write_folder
+from composer.bundle.manifest import from_json
 from composer.bundle.output_error import OutputError
 from composer.bundle.staging import staged_file
+from composer.reading.regular import read_regular
 from composer.tree.files import CUBE, NAMED_AFTER_FILE, file_attributes, stem
 from composer.tree.write import write
 
 ASSETS = "assets"
-_BESIDE = f"../{ASSETS}/"
+_SHARED = re.compile(rf"((?:\.\./){{1,2}}){ASSETS}/([^/]+)")
 
 
-def write_shared(bundle: Bundle, out: Path) -> tuple[Path, ...]:
+def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
     """Write the folder `out`, and its assets to the folder `assets` beside it; gives their paths.
+
+    With `above` 2 that is beside the folder that `out` is in.
 
     Raises OutputError; then `out` is as it was before, and beside it there are at most more whole assets.
     """
@@ -34,8 +39,8 @@ def write_shared(bundle: Bundle, out: Path) -> tuple[Path, ...]:
         raise OutputError(
             "output-kind", f"the folder `{out}` is that of the assets", "give the model another name"
         )
-    own, assets = share(bundle)
-    folder = out.parent / ASSETS
+    own, assets = share(bundle, above)
+    folder = out.parents[above - 1] / ASSETS
     for name, content in assets.items():
         path = folder / name
         if not _is_there(path, content):
@@ -52,8 +57,9 @@ def _is_there(path: Path, content: bytes) -> bool:
         return False
 
 
-def share(bundle: Bundle) -> tuple[Bundle, dict[str, bytes]]:
-    """The bundle without its assets, and these by their names in the folder beside it. No I/O."""
+def share(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
+    """The bundle without its assets, and these by their names in the folder so many levels up. No I/O."""
+    beside = f"{'../' * above}{ASSETS}/"
     root = etree.fromstring(bundle.files[bundle.model])
     moved: dict[str, str] = {}
     for element, attribute, path in list(file_attributes(root)):
@@ -62,11 +68,11 @@ def share(bundle: Bundle) -> tuple[Bundle, dict[str, bytes]]:
         moved[path] = _name(path, bundle.digest(path))
         if element.tag in NAMED_AFTER_FILE and not element.get("name") and attribute not in CUBE:
             element.set("name", stem(path))
-        element.set(attribute, _BESIDE + moved[path])
+        element.set(attribute, beside + moved[path])
     files = {path: content for path, content in bundle.files.items() if path not in moved}
     files[bundle.model] = write(root)
-    names = {path: _BESIDE + name for path, name in moved.items()}
-    files[MANIFEST] = _told(bundle.files[MANIFEST], names, bundle.model, files[bundle.model])
+    names = {path: beside + name for path, name in moved.items()}
+    files[MANIFEST] = _with_shared(bundle.files[MANIFEST], names, bundle.model, files[bundle.model])
     return Bundle(files, bundle.model), {name: bundle.files[path] for path, name in moved.items()}
 
 
@@ -76,27 +82,32 @@ def gathered(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
     Files as they are where the manifest lists none beside it. Raises OSError.
     """
     try:
-        listed = [str(each["path"]) for each in json.loads(files[MANIFEST])["files"]]
-        model = str(json.loads(files[MANIFEST])["model"])
-        beside = [path for path in listed if path.startswith(_BESIDE) and "/" not in path[len(_BESIDE) :]]
-        if not beside or model not in files:
-            return dict(files)
+        manifest = from_json(files.get(MANIFEST, b""))
+    except ValueError:  # reported by who reads these
+        return dict(files)
+    model = manifest.model
+    listed = (each.path for each in manifest.files)
+    beside = {path: parts for path in listed if (parts := _SHARED.fullmatch(path))}
+    if not beside or model not in files:
+        return dict(files)
+    try:
         root = etree.fromstring(files[model])
-    except (KeyError, TypeError, ValueError, RecursionError, etree.XMLSyntaxError):  # told by who reads these
+    except etree.XMLSyntaxError:  # likewise
         return dict(files)
     found = dict(files)
-    names = {path: f"{ASSETS}/{path[len(_BESIDE) :]}" for path in beside}
+    names = {path: f"{ASSETS}/{parts[2]}" for path, parts in beside.items()}
     for path, inside in names.items():
-        if (folder.parent / ASSETS / path[len(_BESIDE) :]).is_file():
-            found[inside] = (folder.parent / ASSETS / path[len(_BESIDE) :]).read_bytes()
+        file = folder / path
+        if file.is_file() and not file.is_symlink():
+            found[inside] = read_regular(file)
     for element, attribute, path in list(file_attributes(root)):
         if path in names:
             element.set(attribute, names[path])
     text = write(root)
     if _listed_digest(files[MANIFEST], model) == hashlib.sha256(files[model]).hexdigest():
-        found[MANIFEST] = _told(files[MANIFEST], names, model, text)
-    else:  # which is to be told
-        found[MANIFEST] = _told(files[MANIFEST], names, model, None)
+        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text)
+    else:  # which is to be reported
+        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, None)
     found[model] = text
     return found
 
@@ -110,7 +121,7 @@ def _listed_digest(manifest: bytes, path: str) -> str | None:
     return next((str(each["sha256"]) for each in json.loads(manifest)["files"] if each["path"] == path), None)
 
 
-def _told(manifest: bytes, names: Mapping[str, str], model: str, text: bytes | None) -> bytes:
+def _with_shared(manifest: bytes, names: Mapping[str, str], model: str, text: bytes | None) -> bytes:
     """The manifest with files under other paths, and with another text of the model."""
     data: dict[str, Any] = json.loads(manifest)
     for each in data["files"]:

@@ -1,18 +1,25 @@
-"""Writing beside the target first, so that an output is either complete or not there."""
+"""Writing beside the target first, so that an output is either complete or absent."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.bundle.output_error import OutputError, unwritable
+from composer.scratch import locked_folder, sweep_once
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from composer.bundle.bundle import Bundle
+
+
+_OLD = "old-output"
+_STAGE = re.compile(r"\.(.+)\.tmp-[0-9a-f]{12}", re.DOTALL)
+"""How the folder of a stage is called, and with that its target."""
 
 
 def sibling(target: Path, purpose: str) -> Path:
@@ -34,16 +41,41 @@ def staged_file(out: Path) -> Iterator[Path]:
             f"cannot write the file `{out}`: a folder of that name is there",
             "choose another name, or remove the folder",
         )
-    stage = sibling(target, "tmp")
     try:
-        with parents(target):
-            try:
-                yield stage
-                stage.replace(target)
-            finally:
-                stage.unlink(missing_ok=True)
+        with parents(target), stage_beside(target) as stage:
+            yield stage
+            stage.replace(target)
     except OSError as error:
         raise unwritable(out, error) from error
+
+
+@contextlib.contextmanager
+def stage_beside(target: Path) -> Iterator[Path]:
+    """A path beside `target`, in whose folder, which exists, it may move in one step. Raises OSError.
+
+    It stands in a folder that is locked, and gone after the block. What a killed process left beside is swept.
+    """
+    sweep_once(target.parent, _is_stage, _put_back)
+    with locked_folder(sibling(target, "tmp")) as folder:
+        yield folder / "new-output"
+
+
+def aside(stage: Path) -> Path:
+    """Where an older output waits while the new one takes its place: a killed process' is put back."""
+    return stage.with_name(_OLD)
+
+
+def _is_stage(name: str) -> bool:
+    return _STAGE.fullmatch(name) is not None
+
+
+def _put_back(folder: Path) -> None:
+    """The older output, where its process was killed before the new one had taken its place."""
+    found = _STAGE.fullmatch(folder.name)
+    assert found is not None
+    target = folder.with_name(found.group(1))
+    if os.path.lexists(folder / _OLD) and not os.path.lexists(target):
+        (folder / _OLD).replace(target)
 
 
 @contextlib.contextmanager

@@ -13,12 +13,12 @@ from composer.bundle.output_error import OutputError
 Moment = tuple[int, int, int, int, int, int]
 """Year, month, day, hour, minute, second."""
 
-_FIRST_SECOND = 315532800  # 1980-01-01, the first day a zip can tell
+_FIRST_SECOND = 315532800  # 1980-01-01, the first day a zip can hold
 _LAST_SECOND = 4354819198  # 2107-12-31 23:59:58, the last
 
 
 def moment_of(environment: Mapping[str, str]) -> Moment:
-    """1980-01-01, or SOURCE_DATE_EPOCH (seconds, UTC) as far as a zip can tell it. Raises OutputError.
+    """1980-01-01, or SOURCE_DATE_EPOCH (seconds, UTC) as far as a zip can hold it. Raises OutputError.
 
     >>> moment_of({"SOURCE_DATE_EPOCH": "1700000000"})
     (2023, 11, 14, 22, 13, 20)
@@ -39,13 +39,13 @@ def moment_of(environment: Mapping[str, str]) -> Moment:
 def with_moment(archive: bytes, moment: Moment) -> bytes:
     """A zip that somebody else wrote, its files of that time; nothing else of it is moved or changed. No I/O."""
     year, month, day, hour, minute, second = moment
-    told = struct.pack("<HH", hour << 11 | minute << 5 | second // 2, (year - 1980) << 9 | month << 5 | day)
+    stamp = struct.pack("<HH", hour << 11 | minute << 5 | second // 2, (year - 1980) << 9 | month << 5 | day)
     changed = bytearray(archive)
     with zipfile.ZipFile(BytesIO(archive)) as opened:
         at = opened.start_dir
         for info in opened.infolist():
-            changed[info.header_offset + 10 : info.header_offset + 14] = told
-            changed[at + 12 : at + 16] = told
+            changed[info.header_offset + 10 : info.header_offset + 14] = stamp
+            changed[at + 12 : at + 16] = stamp
             name, extra, comment = struct.unpack_from("<HHH", archive, at + 28)
             at += 46 + name + extra + comment
     return bytes(changed)

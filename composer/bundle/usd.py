@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -11,33 +10,34 @@ from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import staged_file, write_files
 from composer.bundle.timestamp import moment_of, with_moment
+from composer.scratch import scratch
 
 
 def write_usd(
     bundle: Bundle,
     out: Path,
     environment: Mapping[str, str],
-    tell: Callable[[str], None],
+    warn: Callable[[str], None],
     *,
     limits: engine.Limits | None = None,
     session: engine.Session | None = None,
 ) -> None:
     """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
 
-    `tell` hears what the converter warns about, such as elements that USD has no place for. The same model gives the
+    `warn` hears what the converter warns about, such as elements that USD has no place for. The same model gives the
     same bytes; the files of a package are from SOURCE_DATE_EPOCH, as those of an archive are. Raises OutputError; then
     an older `out` is untouched.
     """
     if session is None:
         with engine.Session(limits) as own:
-            write_usd(bundle, out, environment, tell, session=own)
+            write_usd(bundle, out, environment, warn, session=own)
             return
     from composer.engine.usd import export_usd
 
     moment = moment_of(environment)
     with staged_file(out) as stage:
         try:
-            with tempfile.TemporaryDirectory(prefix="mjcompose-", ignore_cleanup_errors=True) as folder:
+            with scratch("bundle") as folder:
                 write_files(bundle, Path(folder))
                 target = Path(folder) / f"usd-output{out.suffix.lower()}"
                 exported = export_usd(Path(folder) / bundle.model, target, session)
@@ -64,4 +64,4 @@ def write_usd(
                 f"write a package, which holds them: `{out.with_suffix('.usdz')}`",
             )
     for warning in exported.warnings:
-        tell(warning)
+        warn(warning)

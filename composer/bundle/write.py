@@ -25,13 +25,13 @@ def write(
     limits: engine.Limits | None = None,
     session: engine.Session | None = None,
     packing: Packing = packed_now,
-    tell: Callable[[str], None] = lambda _: None,
+    warn: Callable[[str], None] = lambda _: None,
 ) -> Form:
     """Write the bundle to `out` in the form its name asks for; the form is returned.
 
     Either the output is complete or everything is as it was, and OutputError says why. `environment` may hold
     SOURCE_DATE_EPOCH; `limits` or `session` are for MJB and USD, which MuJoCo is needed for, `packing` for archives;
-    `tell` hears what USD does not hold.
+    `warn` hears what USD does not hold.
     """
     form = form_of(out)
     path = Path(out)
@@ -45,5 +45,5 @@ def write(
         case Form.MJB:
             write_mjb(bundle, path, limits=limits, session=session)
         case Form.USD:
-            write_usd(bundle, path, environment, tell, limits=limits, session=session)
+            write_usd(bundle, path, environment, warn, limits=limits, session=session)
     return form

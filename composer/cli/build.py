@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -11,11 +13,15 @@ import click
 from composer.cli.caching import caching, caching_options
 from composer.cli.choices import Choices, choice_options
 from composer.cli.fetching import fetching, fetching_options
-from composer.cli.matrix import cells_options
+from composer.cli.limits import timeout_option
+from composer.cli.matrix import cells_options, check_several, jobs_options
 from composer.cli.output import output_option
-from composer.cli.reporting import USAGE, report, reporting_options
-from composer.cli.timeout import timeout_option
+from composer.cli.picturing import Picturing, check_has_picture
+from composer.cli.reporting import USAGE, is_strict, report, reporting_options, strict_option, verbose_option
+from composer.cli.shard import Shard
+from composer.cli.targeting import check_target, target_option
 from composer.cli.wanted import Wanted, for_shared_assets, kind_of_output
+from composer.cli.watching import watch_option
 from composer.cli.writing import build_one, finish
 
 
@@ -23,26 +29,39 @@ from composer.cli.writing import build_one, finish
 @click.argument("recipe", type=click.Path(path_type=Path))
 @output_option(
     "DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output), FILE.mjb or FILE.usdz (also .usd, .usda,"
-    " .usdc). {name} is the name of the model, and {mujoco} in that of an MJB the version of MuJoCo, the only one that"
+    " .usdc). {name} is the name of the model, {hash} two digits of a hash of it, for"
+    " very many models, and {mujoco} in that of an MJB the version of MuJoCo, the only one that"
     " reads it. Default: build/{name}.zip."
 )
 @choice_options
 @cells_options
+@jobs_options
 @click.option(
     "--samples",
     metavar="FILE",
     help="The table of what was drawn, *.csv or *.parquet; with --all: samples.csv beside the models.",
+)
+@click.option("--worlds", "table", type=click.Path(path_type=Path), metavar="FILE",
+              help="Build every cell and sample, as one model and a table of the numbers in which they differ, *.npz or"
+              " *.parquet.")  # fmt: skip
+@click.option(
+    "--parquet", is_flag=True, help="With --all: models.parquet and samples.parquet beside the CSV files."
 )
 @click.option("--shared-assets", is_flag=True, help="Keep the assets of all cells in one folder: with"
               " -o 'DIR/{name}/' that is DIR/assets/.")  # fmt: skip
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
 @click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
               " several parts once; the manifest says which name stands for which.")  # fmt: skip
+@click.option("--picture", is_flag=True, help="Put a picture beside it, NAME.png; the manifest names it.")
+@target_option
 @click.option("--licenses", is_flag=True, help="Print the licence of every part.")
 @timeout_option
 @caching_options
 @fetching_options
+@strict_option
+@verbose_option
 @reporting_options
+@watch_option
 def command(
     recipe: Path,
     out: str | None,
@@ -50,12 +69,18 @@ def command(
     every: bool,
     picks: tuple[str, ...],
     only_samples: tuple[int, ...],
+    jobs: int | None,
+    cluster: str | None,
+    shard: Shard | None,
     samples: str | None,
+    table: Path | None,
+    parquet: bool,
     shared_assets: bool,
     no_verify: bool,
     dedup: bool,
+    picture: bool,
+    target: str | None,
     licenses: bool,
-    timeout: float,
     no_cache: bool,
     why: bool,
     form: str,
@@ -66,14 +91,27 @@ def command(
     from composer.cache.cache_key import BuildOptions
     from composer.context import Context
 
+    one = not every and not picks and not only_samples and table is None
+    check_several(one, jobs=jobs, shard=shard, cluster=cluster)
+    if table is not None and (left := next((name for name, given in {
+        "--shard": shard, "--cluster": cluster, "--samples": samples, "--parquet": parquet,
+        "--shared-assets": shared_assets, "--picture": picture,
+    }.items() if given), None)):  # fmt: skip
+        raise click.UsageError(f"{left} is not for --worlds, which gives one bundle and one table.")
     how = fetching()
-    context = Context(fetching=how)
-    one = not every and not picks and not only_samples
+    context = Context(fetching=how, strict=is_strict())
     try:
         if shared_assets:
             out, kind = for_shared_assets(out, one=one)
         else:
             kind = kind_of_output(out)
+        if picture:
+            check_has_picture(out or "", kind)
+        if parquet:
+            from composer.cache.run_table import check_parquet
+
+            check_parquet()
+        check_target(target, kind, is_verified=not no_verify)
     except OutputError as error:
         context.sink.add(error.diagnostic)
         report(context, form)
@@ -83,9 +121,11 @@ def command(
     )
     order = BuildOptions(
         wanted.verified, dedup, wanted.text_beside(context.folder), choices.named(context),
-        how.locked, how.offline,
+        how.locked, how.offline, picture, target,
     )  # fmt: skip
-    with caching(context, no_cache) as cache:
+    with caching(context, no_cache) as cache, ExitStack() as opened:
+        if picture:
+            wanted = replace(wanted, picturing=Picturing(opened))
         maker = Maker(recipe, order, cache, context, kind, partial(wanted.place, context.folder))
         reasons: tuple[str, ...] = ()
         if one:
@@ -96,11 +136,34 @@ def command(
         if context.sink.has_errors:
             report(context, form)
             sys.exit(USAGE)
-        from composer.engine import Limits, Session
+        from composer.engine import Session
 
-        with Session(Limits(seconds=timeout)) as session:
+        with Session(remembers=not one) as session:
+            if table is not None:
+                from composer.cli.build_worlds import build_worlds
+
+                sys.exit(
+                    build_worlds(maker, wanted, given, picks, only_samples, table, context, session, jobs)
+                )
             if not one:
                 from composer.cli.build_cells import build_cells
 
-                sys.exit(build_cells(maker, wanted, given, picks, only_samples, context, session, samples))
+                sys.exit(
+                    build_cells(
+                        maker,
+                        wanted,
+                        given,
+                        picks,
+                        only_samples,
+                        context,
+                        session,
+                        samples,
+                        jobs,
+                        shard,
+                        cluster,
+                        parquet,
+                    )
+                )
+            if wanted.verified:
+                session.begin()
             sys.exit(build_one(maker, wanted, given, context, session, reasons))

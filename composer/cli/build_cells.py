@@ -2,21 +2,36 @@
 
 from __future__ import annotations
 
+import os
 import shlex
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
 
+from composer.bundle.listing import COLUMNS
 from composer.bundle.output_error import OutputError
-from composer.cache.cells import made_cells
-from composer.cache.sample_table import FILE, SampleTable
+from composer.bundle.place import is_address, place
+from composer.cache.cell_run import CellRun
+from composer.cache.index_row import index_row
+from composer.cache.making import CellMaker, MadeCell
+from composer.cache.run_table import RunTable
 from composer.cli.built_words import said
+from composer.cli.clustering import check_room, crew_of, found_no_room, stopped
 from composer.cli.counting import counting
 from composer.cli.matrix import chosen_cells
-from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report, say
+from composer.cli.noted import note_files
+from composer.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, report, say, say_details
+from composer.cli.shard import Shard
 from composer.cli.tally import Tally
 from composer.cli.wanted import Wanted, kind_of_output
-from composer.cli.writing import build_one, finish, put
+from composer.cli.writing import add_picture, build_one, finish, put
+from composer.diagnostics.secret import hide
+from composer.diagnostics.sink import Sink
+
+SAMPLES, MODELS = "samples", "models"
 
 if TYPE_CHECKING:
     from composer.cache.builder import Maker
@@ -34,8 +49,12 @@ def build_cells(
     context: Context,
     session: Session,
     table: str | None = None,
+    jobs: int | None = None,
+    shard: Shard | None = None,
+    cluster: str | None = None,
+    parquet: bool = False,
 ) -> int:
-    """Build them one after another; what is at fault in several is told once. Gives the exit code.
+    """Build them; what is at fault in several is reported once. Gives the exit code.
 
     What was drawn goes to `table`; without one, beside the models where all are built.
     """
@@ -50,56 +69,111 @@ def build_cells(
             return finish(made, maker, wanted, context, session)
         return build_one(maker, wanted, given, context, session, why)
     try:
-        kind_of_output(wanted.out, len(chosen))
+        kind_of_output(wanted.out, len(chosen))  # of all parts, which write to one place
     except OutputError as error:
         context.sink.add(error.diagnostic)
         report(context, wanted.form)
         return USAGE
-    tally = Tally(recipe, len(chosen))
-    running = made_cells(maker, chosen, context, given, session)
-    samples = SampleTable()
+    folder = place(context.folder, _folder(wanted.out))
     try:
-        for each in counting(running, len(chosen), lambda each: each.cell.name):
-            cell, own = each.cell, each.context
-            made = None if each.made is None else put(each.made, maker, wanted, own, session)
-            tally.take(
-                cell.label, own.sink.diagnostics, context.sink, failed=made is None or own.sink.has_errors
+        if isinstance(folder, str):
+            from composer.bundle.remote import check_writable
+
+            check_writable(folder)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        report(context, wanted.form)
+        return FINDINGS
+    if shard is not None:
+        chosen = shard.of(chosen)
+    tally = Tally(recipe, len(chosen))
+    samples, index = RunTable({"model": str, "sample": int}), RunTable(COLUMNS)
+    beside = None if picks or only_samples else _folder(wanted.out)
+
+    def take(each: MadeCell) -> None:
+        note_files(each.files)
+        pictured = replace(context, sink=Sink())
+        if each.made is not None and not each.failed:
+            add_picture(each.made, wanted, pictured)
+        failed = each.failed or pictured.sink.has_errors
+        tally.take(each.cell.label, (*each.found, *pictured.sink.diagnostics), context.sink, failed=failed)
+        if each.made is not None and not failed:
+            say(said(each.made, wanted), form=wanted.form)
+            if each.made.draws is not None:
+                samples.add((each.cell.name, each.cell.sample), each.made.draws)
+            if beside is not None:
+                path = os.path.relpath(wanted.target(each.made.name, each.made.mujoco), beside)
+                index.add(*index_row(each.cell, each.made, path, len(each.outcomes)))
+
+    putting = partial(put, wanted=replace(wanted, picturing=None))  # pictures are made by this process
+    away = None
+    if wanted.kind != "text":  # which names this machine's files
+        away = partial(put, wanted=wanted.elsewhere(context.folder))
+    with (
+        crew_of(cluster, jobs, folder, away) as crew,
+        CellRun(CellMaker(maker, given, session, putting), jobs, crew) as running,
+    ):
+        try:
+            with stopped(context) as ended:
+                for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
+                    take(each)
+                    check_room(each)
+            if ended:
+                for each in running.finished():
+                    if not found_no_room(each):
+                        take(each)
+                click.echo(_how_to_go_on(tally.whole, len(chosen), maker), err=True)
+        except (KeyboardInterrupt, SystemExit) as ended:
+            for each in running.finished():
+                take(each)
+            click.echo(_how_to_go_on(tally.whole, len(chosen), maker), err=True)
+            return (
+                ended.code if isinstance(ended, SystemExit) and isinstance(ended.code, int) else INTERRUPTED
             )
-            if made is not None and not own.sink.has_errors:
-                say(said(made, wanted), form=wanted.form)
-                if made.draws is not None:
-                    samples.add(cell.name, cell.sample, made.draws)
-    except (KeyboardInterrupt, SystemExit) as ended:
-        click.echo(_how_to_go_on(tally.whole, len(chosen), maker), err=True)
-        return ended.code if isinstance(ended, SystemExit) and isinstance(ended.code, int) else INTERRUPTED
-    finally:  # of an interrupted run too
-        _put_table(
-            samples, table or (None if picks or only_samples else _beside(wanted.out)), wanted.form, context
-        )
+        finally:  # of an interrupted run too
+            forms = (".csv", ".parquet") if parquet else (".csv",)
+            drawn, all_of_them = (
+                [_in(beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS)
+            )
+            _put_table(samples, [table] if table else drawn, "what was drawn for", wanted.form, context)
+            _put_table(index, all_of_them, "the index of", wanted.form, context)
     report(context, wanted.form)
+    say_details(context)
     tally.say(wanted.form)
     return FINDINGS if context.sink.has_errors else 0
 
 
-def _beside(out: str) -> str:
-    """The table in the folder in which every model has its own name."""
-    folder = out.partition("{name}")[0].rpartition("/")[0]
-    return f"{folder}/{FILE}" if folder or out.startswith("/") else FILE
+def _folder(out: str) -> str:
+    """The folder in which every model has its own name, or is in the folder of a hash."""
+    folder = out.partition("{")[0].rpartition("/")[0]
+    return folder or ("/" if out.startswith("/") else ".")
 
 
-def _put_table(samples: SampleTable, path: str | None, form: str, context: Context) -> None:
-    if path is not None and samples.count:
+def _in(folder: str | None, name: str, shard: Shard | None) -> str | None:
+    """A table of all models in that folder, or of one part of them."""
+    if folder is None:
+        return None
+    path = f"{folder}/{name if shard is None else shard.file(name)}"
+    return path if is_address(path) else os.path.normpath(path)
+
+
+def _put_table(table: RunTable, paths: Iterable[str | None], what: str, form: str, context: Context) -> None:
+    for path in paths:
+        if path is None or not table.count:
+            continue
         try:
-            samples.write(context.folder / path)
+            table.write(place(context.folder, path))
         except OutputError as error:
-            context.sink.add(error.diagnostic)
+            known = {each.code for each in context.sink.errors}
+            if error.code != "output-full" or error.code not in known:  # which ended the run
+                context.sink.add(error.diagnostic)
         else:
             if form == "text":
-                say(f"wrote {path}: what was drawn for {samples.count} models")
-    samples.close()
+                say(f"wrote {hide(path)}: {what} {table.count} models")
+    table.close()
 
 
 def _how_to_go_on(whole: int, total: int, maker: Maker) -> str:
-    command = shlex.join(["mjcompose", *arguments()])
+    command = hide(shlex.join(["mjcompose", *arguments()]))
     rest = "builds the rest" if maker.cache is not None else "builds them all"
     return f"interrupted: {whole} of {total} are written and whole; `{command}` {rest}"

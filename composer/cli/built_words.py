@@ -6,43 +6,54 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from composer.bundle.beside import picture_of
 from composer.cli.wanted import Wanted
+from composer.diagnostics.secret import hide
 from composer.expr.value import shown
+from composer.tree.adopted import in_words
 
 if TYPE_CHECKING:
     from composer.cache.result import Made
 
 
 def said(made: Made, wanted: Wanted) -> str:
-    """What is told of a model that is where it is wanted, several lines."""
+    """What is reported of a model that is where it is wanted, several lines."""
     import json
 
-    out, sizes = wanted.target(made.name, made.mujoco), made.sizes or {}
+    out, sizes = hide(wanted.target(made.name, made.mujoco)), made.sizes or {}
     if wanted.form == "json":
-        told: dict[str, object] = {
+        answer: dict[str, object] = {
             "output": out,
             "name": made.name,
             "sha256": made.sha256,
             "sizes": dict(sizes),
         }
         if made.merged:
-            told["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
+            answer["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
+        if adopted := [each for each in made.adopted if each.is_written]:
+            answer["adopted"] = [
+                {"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted
+            ]
         if made.replaced:
-            told["replaced"] = dict(made.replaced)
+            answer["replaced"] = dict(made.replaced)
         if wanted.licenses:
-            told["licences"] = [asdict(row) for row in made.licences]
+            answer["licences"] = [asdict(row) for row in made.licences]
+        if wanted.picturing is not None:
+            answer["picture"] = picture_of(made.name)
         if wanted.why:
-            told["built"] = made.built is not None
-            told["why"] = list(made.why)
-        return json.dumps(told)
+            answer["built"] = made.is_new
+            answer["why"] = list(made.why)
+        return json.dumps(answer)
     lines = [f"{out} is up to date" if made.is_written else f"wrote {out}"]
     if sizes:
         counted = ", ".join(_count(*each) for each in (
-            (sizes["nbody"], "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
+            (sizes["nbody"] - 1, "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
         ))  # fmt: skip
         lines.append(f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
     else:
         lines.append("  not verified: MuJoCo has not compiled it")
+    if wanted.picturing is not None:
+        lines.append(f"  picture {picture_of(made.name)}")
     lines += [*remarks(made, wanted), f"  contents sha256 {made.sha256}"]
     if wanted.licenses and not made.licences:
         lines.append("  no licences: it takes nothing from other models")
@@ -54,13 +65,14 @@ def said(made: Made, wanted: Wanted) -> str:
 
 
 def remarks(made: Made, wanted: Wanted) -> Iterator[str]:
-    """What it replaced, what was merged, and why it was built or not, a line each."""
+    """What it takes from its parts, what it replaced, what was merged, and why it was built or not, a line each."""
+    yield from (f"  adopted {words}" for words in in_words(made.adopted))
     if made.replaced:
         yield _replacing(made.replaced)
     if made.merged:
         yield _merging(made)
     if wanted.why:
-        if made.built is not None:
+        if made.is_new:
             yield from (f"  built: {line}" for line in made.why)
         else:
             yield from (

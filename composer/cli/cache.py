@@ -42,7 +42,7 @@ def info(form: str) -> None:
     size_built = sum(blob.size for blob in built)
     size = sum(entry.size for entry in entries) + size_built
     if form == "json":
-        told = [
+        answer = [
             {
                 "kind": each.kind,
                 "key": each.key,
@@ -58,7 +58,7 @@ def info(form: str) -> None:
                     "folder": str(store.folder),
                     "size": size,
                     "limit": store.limit,
-                    "entries": told,
+                    "entries": answer,
                     "builds": {"size": size_built, "files": len(built)},
                 }
             )
@@ -84,10 +84,13 @@ def prune(size: str | None, everything: bool, form: str) -> None:
 
     Without options, what was used in the last hour stays: a build may be reading it.
     """
+    from composer.limits import parse_size
+    from composer.scratch import sweep_temporary
     from composer.sources.error import SourceError
-    from composer.sources.store import GRACE, parse_size
+    from composer.sources.store import GRACE
 
     store, context = _store()
+    sweep_temporary()
     limit = 0 if everything else store.limit if size is None else parse_size(size)
     if limit is None:
         raise click.UsageError(f"`{size}` is not a size: write it as 500M or 2G")
@@ -106,7 +109,7 @@ def prune(size: str | None, everything: bool, form: str) -> None:
 @click.option("--fix", is_flag=True, help="Remove what is damaged: it is fetched again when it is needed.")
 @reporting_options
 def verify(fix: bool, form: str) -> None:
-    """Hash every file in the store again, and tell what is damaged.
+    """Hash every file in the store again, and report what is damaged.
 
     Damaged files of built models are removed: they are built again when they are needed.
     """

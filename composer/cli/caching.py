@@ -38,16 +38,12 @@ def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
 
 
 def _cache(context: Context) -> Cache | None:
-    from composer.cache.cache import Cache
+    from composer.cache.cache import opened_cache
     from composer.sources.error import SourceError
     from composer.sources.store import Store
 
-    def warn(message: str) -> None:
-        help = "make room, name another folder in `MJCOMPOSE_CACHE`, or build with `--no-cache`"
-        context.sink.warning("store-unusable", message, help=help)
-
     try:
-        return Cache(Store.of(context.environment), warn)
+        return opened_cache(Store.of(context.environment), context.sink)
     except SourceError as error:
         context.sink.warning(error.code, error.message, help=error.help)
         return None

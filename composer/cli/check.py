@@ -10,13 +10,29 @@ import click
 
 from composer.cli.caching import caching, no_cache_option
 from composer.cli.choices import Choices, choice_options
+from composer.cli.clustering import crew_of, stopped
 from composer.cli.counting import counting
 from composer.cli.fetching import fetching, fetching_options
 from composer.cli.junit import junit_option, suite_of, write_junit
-from composer.cli.matrix import cells_options, chosen_cells
-from composer.cli.reporting import FINDINGS, USAGE, exit_code, progress, report, reporting_options, say
+from composer.cli.limits import timeout_option
+from composer.cli.matrix import cells_options, check_several, chosen_cells, jobs_options
+from composer.cli.noted import note_files
+from composer.cli.reporting import (
+    FINDINGS,
+    USAGE,
+    exit_code,
+    is_strict,
+    progress,
+    report,
+    reporting_options,
+    say,
+    say_details,
+    strict_option,
+    verbose_option,
+)
+from composer.cli.shard import Shard
 from composer.cli.tally import Tally
-from composer.cli.timeout import timeout_option
+from composer.cli.watching import watch_option
 
 if TYPE_CHECKING:
     from composer.cache.builder import Maker
@@ -31,20 +47,26 @@ if TYPE_CHECKING:
 @click.argument("recipes", type=click.Path(path_type=Path), nargs=-1, required=True)
 @choice_options
 @cells_options
+@jobs_options
 @click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo, nor run their checks.")
 @timeout_option
 @junit_option
 @no_cache_option
 @fetching_options
+@strict_option
+@verbose_option
 @reporting_options
+@watch_option
 def command(
     recipes: tuple[Path, ...],
     choices: Choices,
     every: bool,
     picks: tuple[str, ...],
     only_samples: tuple[int, ...],
+    jobs: int | None,
+    cluster: str | None,
+    shard: Shard | None,
     no_verify: bool,
-    timeout: float,
     junit: str | None,
     no_cache: bool,
     form: str,
@@ -58,11 +80,13 @@ def command(
     from composer.cache.cache_key import BuildOptions
     from composer.context import Context
 
+    one = not every and not picks and not only_samples
+    check_several(one, jobs=jobs, shard=shard, cluster=cluster)
     code = 0
     suites: list[Suite] = []
     for recipe in recipes:
         how = fetching()
-        context = Context(fetching=how)
+        context = Context(fetching=how, strict=is_strict())
         given = choices.values(context)
         if context.sink.has_errors:
             report(context, form)
@@ -71,12 +95,15 @@ def command(
             not no_verify, choices=choices.named(context), locked=how.locked, offline=how.offline
         )
         with caching(context, no_cache) as cache:
-            look = _Check(Maker(recipe, order, cache, context), context, timeout, form)
-            if not (every or picks or only_samples):
+            look = _Check(
+                Maker(recipe, order, cache, context), context, form, jobs, shard, cluster, junit is not None
+            )
+            if one:
                 look.one(given, alone=True)
             elif not look.cells(picks, only_samples, given):
                 look.one(given)
         report(context, form, err=junit == "-")
+        say_details(context, look.files)
         suites += look.suites
         if look.tally is not None:
             look.tally.say(form, err=junit == "-")
@@ -94,57 +121,83 @@ def command(
 class _Check:
     """A look at one recipe: at one model or at several."""
 
-    def __init__(self, maker: Maker, context: Context, timeout: float, form: str) -> None:
-        self.maker, self.context, self.timeout, self.form = maker, context, timeout, form
+    def __init__(
+        self,
+        maker: Maker,
+        context: Context,
+        form: str,
+        jobs: int | None = None,
+        shard: Shard | None = None,
+        cluster: str | None = None,
+        wants_suites: bool = False,
+    ) -> None:
+        self.maker, self.context, self.form, self.jobs, self.shard = maker, context, form, jobs, shard
+        self.cluster, self.wants_suites = cluster, wants_suites
         self.suites: list[Suite] = []
         self.tally: Tally | None = None
         self.counted = ""
+        self.files: set[str] = set()
         self.code = 0
 
     def one(self, given: dict[str, Node], *, alone: bool = False) -> None:
         """Check the one model that the recipe is without a cell; `alone` says that nobody asked for the cells."""
+        from composer.cache.result import files_of
+
         maker, context = self.maker, self.context
         outcomes: list[Outcome] = []
         key = maker.key()
         made, why = maker.recall(key, context, outcomes)
         if made is None:
-            from composer.engine import Limits, Session
+            from composer.engine import Session
 
             progress(f"checking {maker.recipe}")
-            with Session(Limits(seconds=self.timeout)) as session:
+            with Session() as session:
                 made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
-        self.suites.append(suite_of(maker.recipe, outcomes, context))
+        self.suites.append(suite_of(maker.recipe, outcomes, context.sink.errors, context))
         self.counted = _counted(len(outcomes))
+        self.files |= files_of(made, context)
+        note_files(self.files)
         self.code = exit_code(context.folder, [maker.recipe]) if made is None else 0
         if made is not None and alone:
-            self._tell_cells(made)
+            self._report_cells(made)
 
     def cells(self, picks: tuple[str, ...], samples: tuple[int, ...], given: dict[str, Node]) -> bool:
         """Check cells; False where there are none, for the recipe is one model."""
-        from composer.cache.cells import made_cells
-        from composer.engine import Limits, Session
+        from composer.cache.cell_run import CellRun
+        from composer.cache.making import CellMaker
+        from composer.engine import Session
 
         maker, context = self.maker, self.context
         chosen, self.code = chosen_cells(maker.recipe, picks, samples, given, context, "check")
         if self.code:
-            self.suites.append(suite_of(maker.recipe, (), context))
+            self.suites.append(suite_of(maker.recipe, (), context.sink.errors, context))
             return True
         if not chosen:
             return False
+        if self.shard is not None:
+            chosen = self.shard.of(chosen)
         self.tally = Tally(maker.recipe, len(chosen))
         checks = 0
-        with Session(Limits(seconds=self.timeout)) as session:
-            running = made_cells(maker, chosen, context, given, session)
-            for each in counting(running, len(chosen), lambda each: each.cell.name):
-                found = each.context.sink.diagnostics
-                self.tally.take(each.cell.label, found, context.sink, failed=each.failed)
-                self.suites.append(suite_of(maker.recipe, each.outcomes, each.context, each.cell.label))
+        with (
+            Session(remembers=True) as session,
+            crew_of(self.cluster, self.jobs) as crew,
+            CellRun(CellMaker(maker, given, session), self.jobs, crew) as running,
+            stopped(context) as ended,
+        ):
+            for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
+                self.files |= each.files
+                note_files(each.files)
+                self.tally.take(each.cell.label, each.found, context.sink, failed=each.failed)
+                if self.wants_suites:  # which grow with the cells
+                    self.suites.append(
+                        suite_of(maker.recipe, each.outcomes, each.found, context, each.cell.label)
+                    )
                 checks += len(each.outcomes)
-        self.counted = f", {len(chosen)} model{'s' * (len(chosen) > 1)}{_counted(checks)}"
-        self.code = FINDINGS if self.tally.failed else 0
+        self.counted = f", {len(chosen)} model{'s' * (len(chosen) != 1)}{_counted(checks)}"
+        self.code = FINDINGS if self.tally.failed or ended else 0
         return True
 
-    def _tell_cells(self, made: Made) -> None:
+    def _report_cells(self, made: Made) -> None:
         """Say what was not checked: the cells of the matrix."""
         if made.cells:
             count = f"{made.cells} cell{'s' * (made.cells > 1)}"

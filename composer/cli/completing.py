@@ -11,14 +11,19 @@ import click
 from click.shell_completion import BashComplete, CompletionItem, add_completion_class, split_arg_string
 
 if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+
     from composer.context import Context
     from composer.document.node import Node
 
 Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
-def _completing(offered: Callable[[Path, Context], Iterable[str]]) -> Complete:
-    """What of `offered` begins as the word does; nothing where the recipe cannot be read, whatever the reason."""
+def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool = False) -> Complete:
+    """What of `offered` begins as the word does; nothing where the recipe cannot be read, whatever the reason.
+
+    Where `listed`, the word is a list with commas, of which the last item is completed.
+    """
 
     def complete(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
         from composer.context import Context
@@ -30,15 +35,20 @@ def _completing(offered: Callable[[Path, Context], Iterable[str]]) -> Complete:
         try:
             names = list(dict.fromkeys(offered(recipe, Context(fetching=Fetching(offline=True)))))
         except Exception:
-            return []  # a line that is being typed is no place for a message
-        return [CompletionItem(name) for name in names if name.startswith(incomplete)]
+            return []  # a line that is being typed has no room for a message
+        before, comma, begun = incomplete.rpartition(",") if listed else ("", "", incomplete)
+        return [
+            CompletionItem(before + comma + name)
+            for name in names
+            if name.startswith(begun) and ("=" in name or not comma)
+        ]
 
     return complete
 
 
 def _recipe(ctx: click.Context) -> Path | None:
     """The recipe that stands on the line already."""
-    for name in ("recipe", "recipes", "model", "a"):
+    for name in ("recipe", "recipes", "model", "target", "a"):
         if given := ctx.params.get(name):
             return Path(given[0] if isinstance(given, tuple) else given)
     # Before an option without its value click leaves all arguments as they stand.
@@ -46,16 +56,40 @@ def _recipe(ctx: click.Context) -> Path | None:
 
 
 def _cells(recipe: Path, context: Context) -> Iterator[str]:
+    """The names of cells and samples, and the values of the axes."""
     from composer.cache.cells import cells_of
+    from composer.document.node import Scalar
 
-    for cell in cells_of(recipe, context):
+    found = cells_of(recipe, context)
+    for cell in found:
         if cell.cell is not None:
             yield cell.cell
         yield cell.name
+    for cell in found:
+        yield from (f"{axis}={node.text}" for axis, node in cell.given.items() if isinstance(node, Scalar))
+
+
+def _samples(recipe: Path, context: Context) -> Iterator[str]:
+    from composer.cache.cells import cells_of
+
+    yield from (str(cell.sample) for cell in cells_of(recipe, context) if cell.is_sample)
 
 
 def _parameters(recipe: Path, context: Context) -> Iterator[str]:
-    yield from (f"{name}=" for name in _entries(recipe, context, "params"))
+    """Parameters, with each of the values of those that have a choice, and variants, which are set in the same way."""
+    from composer.document.node import Mapping, Scalar, Sequence, find
+
+    for name, written in _entries(recipe, context, "params").items():
+        is_mapping = isinstance(written, Mapping)
+        choices = find(written, ("choices",)) if is_mapping else None
+        default = find(written, ("default",)) if is_mapping else written
+        if isinstance(choices, Sequence):
+            yield from (f"{name}={each.text}" for each in choices.items if isinstance(each, Scalar))
+        elif isinstance(default, Scalar) and isinstance(default.value, bool):
+            yield from (f"{name}=true", f"{name}=false")
+        else:
+            yield f"{name}="
+    yield from _variants(recipe, context)
 
 
 def _variants(recipe: Path, context: Context) -> Iterator[str]:
@@ -77,14 +111,73 @@ def _entries(recipe: Path, context: Context, section: str) -> dict[str, Node]:
 
 
 def _elements(recipe: Path, context: Context) -> Iterator[str]:
+    yield from sorted({name for each in _model(recipe, context) if (name := each.get("name"))})
+
+
+def _named(tag: str) -> Callable[[Path, Context], Iterator[str]]:
+    """The names of all elements of a tag."""
+
+    def offered(recipe: Path, context: Context) -> Iterator[str]:
+        yield from (
+            name for each in _model(recipe, context) if each.tag == tag and (name := each.get("name"))
+        )
+
+    return offered
+
+
+def _model(recipe: Path, context: Context) -> Iterator[Element]:
     from composer.explain.explain import trace
 
     traced = trace(recipe, context)
     if traced is not None:
-        yield from sorted({name for each in traced.model.root.iter() if (name := each.get("name"))})
+        yield from traced.model.root.iter()
 
 
-cells, parameters, variants, elements = map(_completing, (_cells, _parameters, _variants, _elements))
+def attributes(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """The attributes of the element that `explain` is asked about: `'geom left/pad'`, or its name alone."""
+
+    def offered(recipe: Path, context: Context) -> Iterator[str]:
+        from composer.tree.kinds import kind_of
+
+        tag, _, name = str(ctx.params["query"]).rpartition(" ")
+        for each in _model(recipe, context):
+            if each.get("name") == name and tag in ("", each.tag):
+                yield from kind_of(each).attributes
+
+    return _completing(offered)(ctx, parameter, incomplete)
+
+
+def files(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Files, which the shell finds."""
+    return [CompletionItem(incomplete, type="file")]
+
+
+def models_and_codes(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Files, and the codes of faults."""
+    from composer.diagnostics.codes import CODES
+
+    codes = [CompletionItem(code) for code in CODES if code.startswith(incomplete)]
+    return [*codes, *files(ctx, parameter, incomplete)]
+
+
+def commands(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """The commands, for `help`."""
+    group = ctx.find_root().command
+    assert isinstance(group, click.Group)
+    return [CompletionItem(name) for name in group.list_commands(ctx) if name.startswith(incomplete)]
+
+
+def limits(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """The limits, each to be followed by its value."""
+    from composer.limits import NAMES
+
+    return [CompletionItem(f"{name}=") for name in NAMES if name.startswith(incomplete)]
+
+
+cells = _completing(_cells, listed=True)
+samples, parameters, variants, elements, keys, cameras = map(
+    _completing, (_samples, _parameters, _variants, _elements, _named("key"), _named("camera"))
+)
 
 
 class Bash(BashComplete):

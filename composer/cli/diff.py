@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from composer.cli.amount import Amount
 from composer.cli.choices import Choices, choice_options
-from composer.cli.matrix import pick_option
+from composer.cli.limits import timeout_option
+from composer.cli.matrix import cell_options
 from composer.cli.reporting import (
     USAGE,
     clear_progress,
@@ -18,8 +20,12 @@ from composer.cli.reporting import (
     progress,
     quiet_option,
     report,
+    say,
 )  # fmt: skip
-from composer.cli.timeout import timeout_option
+
+if TYPE_CHECKING:
+    from composer.diff.change import Diff
+    from composer.diff.side import Side
 
 _DIFFERENT = 1
 _FORMATS = ("text", "json", "markdown")
@@ -41,7 +47,7 @@ def _no_all(_context: click.Context, _option: click.Parameter, wanted: bool) -> 
 @click.argument("a")
 @click.argument("b")
 @choice_options
-@pick_option
+@cell_options
 @click.option("--only", multiple=True, type=click.Choice(_KINDS), metavar="KIND",
               help="Compare this kind of element, or `option`, `visual`, `statistic`, `count`, `address`.")  # fmt: skip
 @click.option("--tolerance", type=Amount(min=0), default=0.0, show_default=True,
@@ -50,6 +56,8 @@ def _no_all(_context: click.Context, _option: click.Parameter, wanted: bool) -> 
 @click.option("--all", is_flag=True, hidden=True, expose_value=False, is_eager=True, callback=_no_all)
 @click.option("--renders", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
               help="Put pictures of both here: of the whole, and of every camera that both have.")  # fmt: skip
+@click.option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
+              help="Write a page that shows both, what differs in colour.")  # fmt: skip
 @timeout_option
 @format_options(_FORMATS)
 @quiet_option
@@ -58,14 +66,15 @@ def command(
     b: str,
     choices: Choices,
     pick: str | None,
+    sample: int | None,
     only: tuple[str, ...],
     tolerance: float,
     computed: bool,
     renders: Path | None,
-    timeout: float,
+    html: Path | None,
     form: str,
 ) -> None:
-    """Tell what changes from model A to model B, by the line that is the reason.
+    """Report what changes from model A to model B, by the line that is the reason.
 
     A and B are recipes, MJCF files or bundles (folder, .zip, .mjz), here or in a git revision: `main:arm.yaml`.
     Exit codes: 0 the same, 1 different, 2 one of them cannot be read or built.
@@ -75,17 +84,24 @@ def command(
     from composer.diff.diff import diff
     from composer.diff.markdown import render as in_markdown
     from composer.diff.text import render as in_text
-    from composer.engine import Limits, Session
+    from composer.engine import Session
 
     context = Context()
     given = choices.values(context)
     found = None
+
+    def show(first: Side, second: Side, compared: Diff) -> None:
+        from composer.view.compare import write_comparison
+
+        if html is not None:
+            write_comparison(first, second, compared, html, context, session)
+
     if not context.sink.has_errors:
         progress(f"comparing {a} with {b}")
-        with Session(Limits(seconds=timeout), rendering=renders is not None) as session:
+        with Session(rendering=renders is not None) as session:
             found = diff(
                 a, b, context, session, tolerance=tolerance, only=only, everything=computed, given=given,
-                pick=pick, renders=renders,
+                pick=pick, sample=sample, renders=renders, show=show,
             )  # fmt: skip
     if found is None:
         report(context, "json" if form == "json" else "text")
@@ -97,4 +113,6 @@ def command(
         click.echo(in_markdown(found), nl=False)
     else:
         click.echo(in_text(found))
+    if html is not None:
+        say(f"wrote {html}: open it in a browser", err=True, form="text")
     sys.exit(0 if found.same else _DIFFERENT)

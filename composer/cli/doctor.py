@@ -12,11 +12,11 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib import metadata
-from pathlib import Path
 
 import click
 
 from composer.cli.reporting import FINDINGS, format_options
+from composer.scratch import scratch
 
 _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3")
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
@@ -24,7 +24,7 @@ _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What was found; `fine` is None where something is not there that not everybody needs."""
+    """What was found; `fine` is None where something is missing that not everybody needs."""
 
     what: str
     found: str
@@ -64,17 +64,16 @@ def _installed() -> Iterator[Finding]:
 def _mujoco() -> Iterator[Finding]:
     """MuJoCo's version and its renderer, both in a process of their own."""
     from composer import engine
-    from composer.engine.pictures import pictures
+    from composer.pictures.pairs import pictures
 
-    with tempfile.TemporaryDirectory(prefix="mjcompose-") as made, engine.Session(rendering=True) as session:
-        folder = Path(made)
+    with scratch("doctor") as folder, engine.Session(rendering=True) as session:
         (folder / "model.xml").write_text(_MODEL, encoding="utf-8")
         compiled = engine.compile(folder, keep="model", session=session)
         if not compiled.ok:
             yield Finding("mujoco", compiled.error or str(compiled.crash), False)
             return
         yield Finding("mujoco", str(compiled.mujoco_version))
-        answer = engine.call(session, pictures, ["model", "model"], made)
+        answer = engine.call(session, pictures, ["model", "model"], str(folder))
         said = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
         said = session.no_opengl or said
     yield Finding("OpenGL", f"none: {said}" if said else "renders", None if said else True)
@@ -113,6 +112,7 @@ def _extras() -> Iterator[Finding]:
 
     uses = {each: f"`{kind.forms[0].scheme}:` references" for kind in KINDS for each in kind.libraries}
     uses[Library("mujoco-usd-converter", "usd")] = "USD as an output"
+    uses[Library("pygls", "lsp")] = "editors, which start `mjcompose lsp`"
     for library, use in uses.items():
         version = _version(library.name)
         package = library.name if library.extra is None else f'"mjcompose[{library.extra}]"'

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 
-_INTERRUPTED, _TERMINATED = 130, 143
+from composer.cli.interruption import INTERRUPTED, end_in_order
+from composer.processes.collecting import rarely_collecting
+
+NO_MEMORY = "not enough memory; `--limit memory=16G` allows more than 8 GiB, where the machine has it"
 
 
 def main() -> None:
     """The command, with the words of this process."""
-    signal.signal(signal.SIGTERM, _terminate)
+    end_in_order()
+    rarely_collecting()
     try:
+        from composer.cli.own_memory import bound, too_little
+        from composer.limits import in_force
+
+        if (said := too_little()) is not None:
+            sys.exit(said)
+        bound(in_force().memory)
         from composer.cli.main import main as command
 
         command()
+    except MemoryError:
+        sys.exit(NO_MEMORY)
     except KeyboardInterrupt:  # before the command itself could take care of it
-        sys.exit(_INTERRUPTED)
-
-
-def _terminate(signum: int, frame: object) -> None:
-    """End in order: what was begun is removed again."""
-    sys.exit(_TERMINATED)
+        sys.exit(INTERRUPTED)

@@ -10,7 +10,9 @@ import click
 
 from composer.cli import completing
 from composer.cli.choices import Choices, choice_options
+from composer.cli.explain_code import check_model, say_codes, say_page
 from composer.cli.fetching import fetching, fetching_options
+from composer.cli.limits import limit_option
 from composer.cli.matrix import cell_options, chosen_cell
 from composer.cli.reporting import (
     FINDINGS,
@@ -25,23 +27,34 @@ from composer.cli.reporting import (
 
 
 @click.command()
-@click.argument("model", type=click.Path(path_type=Path))
-@click.argument("query", shell_complete=completing.elements)
-@click.argument("attribute", required=False)
+@click.argument(
+    "model",
+    metavar="MODEL|CODE",
+    type=click.Path(path_type=Path),
+    required=False,
+    shell_complete=completing.models_and_codes,
+)
+@click.argument("query", required=False, shell_complete=completing.elements)
+@click.argument("attribute", required=False, shell_complete=completing.attributes)
+@click.option("--codes", is_flag=True, help="List the codes of all faults.")
 @choice_options
 @cell_options
 @fetching_options
+@limit_option
 @reporting_options
 def command(
-    model: Path,
-    query: str,
+    model: Path | None,
+    query: str | None,
     attribute: str | None,
+    codes: bool,
     choices: Choices,
     pick: str | None,
     sample: int | None,
     form: str,
 ) -> None:
-    """Tell where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
+    """Report where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
+
+    With a CODE such as `bare-angle` and nothing else: print what the fault is and how to fix it.
 
     \b
     QUERY says which thing:
@@ -52,6 +65,10 @@ def command(
       'option timestep'             a setting
       'gripper.xml:12'              what became of the element on that line
     """  # noqa: D301  (a backspace, by which click keeps the lines)
+    if codes or model is None or query is None:
+        _explain_code(model, codes, form)
+        return
+    check_model(model)
     from composer.context import Context
     from composer.explain.explain import explain
     from composer.explain.explanation import as_data
@@ -87,3 +104,12 @@ def command(
         color = use_color(out=True)
         click.echo(render(explained, source_reader(context.folder), color), color=color)
     sys.exit(FINDINGS if context.sink.has_errors else 0)
+
+
+def _explain_code(asked: Path | None, codes: bool, form: str) -> None:
+    if codes:
+        say_codes(form)
+    elif asked is None:
+        raise click.UsageError("Missing argument 'MODEL|CODE'.")
+    else:
+        say_page(asked, form)

@@ -1,4 +1,4 @@
-"""The options that say what a command may fetch, and how its progress is told."""
+"""The options that say what a command may fetch, and how its progress is reported."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LOCKED, _OFFLINE = "composer.locked", "composer.offline"
 
 
 def fetching_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--locked`, `--offline`, and `--frozen` for both. They are no arguments of the command: see `fetching`."""
+    """`--locked`, `--offline`, and `--frozen` for both. They are not arguments of the command: see `fetching`."""
     for flag, said, *asked in (
         ("--frozen", "The same as --locked --offline.", _LOCKED, _OFFLINE),
         ("--offline", "Fetch nothing: take what is locked, or was fetched last, from the store.", _OFFLINE),
@@ -40,5 +40,16 @@ def fetching() -> Fetching:
     """How the command that runs may fetch; progress goes to standard error where a person reads that."""
     from composer.sources.fetching import Fetching
 
-    told = click.get_current_context().meta
-    return Fetching(locked=_LOCKED in told, offline=_OFFLINE in told, progress=progress)
+    known = click.get_current_context().meta
+    return Fetching(locked=_LOCKED in known, offline=_OFFLINE in known, progress=_of_this_command())
+
+
+def _of_this_command() -> Callable[[str], None]:
+    """Progress that a thread may report as well, to which click's context is none."""
+    context = click.get_current_context()
+
+    def report(message: str) -> None:
+        with context.scope(cleanup=False):
+            progress(message)
+
+    return report

@@ -47,11 +47,13 @@ def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
             continue
         differing += result != source
         if recipe == STDIN and not check:
+            if sys.stdout is None:
+                raise OSError("standard output is closed")
             sys.stdout.buffer.write(result)
         elif result != source and check:
-            _tell(shown, _difference(source, result, shown), form)
-        elif result != source and _write(Path(recipe), result, context):
-            _tell(shown, None, form)
+            _report(shown, difference(source, result, shown, "formatted"), form)
+        elif result != source and rewrite(Path(recipe), result, context):
+            _report(shown, None, form)
     report(context, form)
     if check and differing:
         click.echo(f"{differing} of {len(recipes)} would change", err=True)
@@ -60,7 +62,7 @@ def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
     sys.exit(FINDINGS if check and differing else 0)
 
 
-def _tell(file: str, difference: str | None, form: str) -> None:
+def _report(file: str, difference: str | None, form: str) -> None:
     """A file that was formatted, or would be: then by what it differs."""
     if form == "json":
         what = {"formatted": file} if difference is None else {"would_format": file, "diff": difference}
@@ -74,6 +76,9 @@ def _tell(file: str, difference: str | None, form: str) -> None:
 
 
 def _read(recipe: str, context: Context) -> bytes | None:
+    if recipe == STDIN and sys.stdin is None:
+        context.sink.error("file-unreadable", "standard input is closed")
+        return None
     if recipe == STDIN:
         return sys.stdin.buffer.read()
     try:
@@ -85,7 +90,7 @@ def _read(recipe: str, context: Context) -> bytes | None:
         return None
 
 
-def _write(recipe: Path, result: bytes, context: Context) -> bool:
+def rewrite(recipe: Path, result: bytes, context: Context) -> bool:
     """Put the file in its place in one step, its permissions kept; whether that went well."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
@@ -101,9 +106,10 @@ def _write(recipe: Path, result: bytes, context: Context) -> bool:
     return True
 
 
-def _difference(source: bytes, result: bytes, shown: str) -> str:
+def difference(source: bytes, result: bytes, shown: str, done: str) -> str:
+    """A unified diff of two texts of a file; `done` says of the second what was done to it."""
     before, after = (each.decode("utf-8").splitlines(keepends=True) for each in (source, result))
-    lines = difflib.unified_diff(before, after, shown, f"{shown} (formatted)")
+    lines = difflib.unified_diff(before, after, shown, f"{shown} ({done})")
     return "".join(
         line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
     )

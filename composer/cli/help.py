@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import click
 
+from composer.cli import completing
+
 
 @click.command()
-@click.argument("names", metavar="[COMMAND]...", nargs=-1)
+@click.argument("names", metavar="[COMMAND]...", nargs=-1, shell_complete=completing.commands)
 @click.pass_context
 def command(ctx: click.Context, names: tuple[str, ...]) -> None:
     """Print what COMMAND does and its options; without one, which commands there are."""

@@ -4,24 +4,39 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from composer.cli.limits import timeout_option
 from composer.cli.output import output_option
 from composer.cli.reporting import FINDINGS, exit_code, progress, report, reporting_options, say
+
+if TYPE_CHECKING:
+    from composer.context import Context
 
 _SHOWN = 20
 
 
 @click.command("import")
 @click.argument("merged", type=click.Path(path_type=Path))
-@click.argument("parts", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.argument("parts", type=click.Path(path_type=Path), nargs=-1)
+@click.option("--among", "folders", multiple=True, metavar="FOLDER",
+              type=click.Path(path_type=Path, exists=True, file_okay=False),
+              help="Look for parts in this folder, too, where no PARTS are named.")  # fmt: skip
 @output_option("Where the recipe goes; default: MERGED with .yaml, here.")
+@timeout_option
 @reporting_options
-def command(merged: Path, parts: tuple[Path, ...], out: str | None, form: str) -> None:
+def command(
+    merged: Path, parts: tuple[Path, ...], folders: tuple[Path, ...], out: str | None, form: str
+) -> None:
     """Propose the recipe that makes the model MERGED of the models PARTS; build it, and say what still differs.
+
+    Without PARTS they are looked for in the folders of --among, in Menagerie as far as it is on this machine, and in
+    installed packages; if there are none, the recipe starts from MERGED as it is.
 
     Parts are found by the names of their bodies, with a prefix or without. What a recipe cannot say is a comment.
     Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2 wrong usage.
@@ -36,9 +51,19 @@ def command(merged: Path, parts: tuple[Path, ...], out: str | None, form: str) -
     context = Context()
     target = Path(out) if out is not None else Path(f"{merged.stem}.yaml")
     if os.path.lexists(target):
-        raise click.UsageError(f"{target} is there already and is left as it is: choose another name with -o")
+        raise click.UsageError(f"{target} exists already and is left as it is: choose another name with -o")
+    if parts and folders:
+        raise click.UsageError("PARTS are named, so that nothing is looked for: leave --among out")
+    if named := next((each for each in parts if _is_reference(each)), None):
+        raise click.UsageError(
+            f"PARTS are files, and `{named}` is a reference. "
+            "Leave PARTS out: Menagerie and installed packages are searched"
+        )
     progress(f"reading {merged}")
-    found = recover(merged, list(parts), target, context, progress)
+    references: dict[Path, str] = {}
+    if not parts:
+        parts, references = _searched(merged, folders, target, context, form)
+    found = recover(merged, list(parts), target, context, progress, references) if parts else None
     if found is not None:
         try:
             with staged_file(target) as stage:
@@ -56,14 +81,14 @@ def command(merged: Path, parts: tuple[Path, ...], out: str | None, form: str) -
     edits = list(changed(found.proposal.changed))
     different = None if outcome is None else [] if outcome.same else list(differs(outcome, shown))
     if form == "json":
-        told = {
+        answer = {
             "output": str(target),
             "parts": len(found.proposal.found),
             "comments": len(left),
             "changed": edits,
             "differences": different,
         }
-        click.echo(json.dumps(told))
+        click.echo(json.dumps(answer))
         sys.exit(FINDINGS if outcome is None or not outcome.same else 0)
     only = (
         f", {amount(len(left), 'entry', 'entries')} only as {'a comment' if len(left) == 1 else 'comments'}"
@@ -81,6 +106,46 @@ def command(merged: Path, parts: tuple[Path, ...], out: str | None, form: str) -
     else:
         several(f"it builds, and is not yet the model of {shown}", different)
     sys.exit(FINDINGS if outcome is None or not outcome.same else 0)
+
+
+def _is_reference(part: Path) -> bool:
+    """Whether what is named as a file is a reference such as `menagerie:…`; one letter is a drive."""
+    return re.match(r"[a-z][a-z+]+:", str(part)) is not None and not part.exists()
+
+
+def _searched(
+    merged: Path, folders: tuple[Path, ...], target: Path, context: Context, form: str
+) -> tuple[tuple[Path, ...], dict[Path, str]]:
+    """The parts that were found, with the references of those that have one; where there are none, this is the end."""
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.staging import staged_file
+    from composer.importing.recover import whole_recipe
+    from composer.importing.searching import search
+    from composer.importing.words import amount
+
+    result = search(merged, folders, context, progress)
+    if result is None:
+        report(context, form)
+        sys.exit(exit_code(context.folder, [merged]))
+    looked = f"among {amount(result.looked_at, 'model')}"
+    if result.parts:
+        names = [each.reference or context.shown(each.path) for each in result.parts]
+        say(f"found {amount(len(names), 'part')} {looked}: {', '.join(names)}", err=form == "json")
+        references = {each.path: each.reference for each in result.parts if each.reference is not None}
+        return tuple(each.path for each in result.parts), references
+    try:
+        with staged_file(target) as stage:
+            stage.write_text(whole_recipe(merged, target), encoding="utf-8")
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        report(context, form)
+        sys.exit(FINDINGS)
+    if form == "json":
+        answer = {"output": str(target), "parts": 0, "comments": 0, "changed": [], "differences": []}
+        click.echo(json.dumps(answer))
+    say(f"found none of its parts {looked}; --among FOLDER looks further", err=form == "json")
+    say(f"wrote {target}: it starts from {context.shown(merged)} as it is", err=form == "json")
+    sys.exit(0)
 
 
 def several(heading: str, lines: list[str]) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from composer.cli.reporting import source_reader
+from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.junit import Case, Suite, report
 
 if TYPE_CHECKING:
@@ -26,14 +27,20 @@ def junit_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def suite_of(
-    recipe: Path, outcomes: Sequence[Outcome], context: Context, cell: CellName | None = None
+    recipe: Path,
+    outcomes: Sequence[Outcome],
+    found: Iterable[Diagnostic],
+    context: Context,
+    cell: CellName | None = None,
 ) -> Suite:
     """What was found of a recipe, or of one cell: that there is a model is the first case, then come its checks."""
-    of_checks = {each for outcome in outcomes for each in outcome.told}
-    others = [each for each in context.sink.errors if each not in of_checks]
+    of_checks = {each for outcome in outcomes for each in outcome.diagnostics}
+    others = [each for each in found if each.severity is Severity.ERROR and each not in of_checks]
     shown = context.shown(recipe)
     cases = [Case(MODEL, MODEL, others, shown)]
-    cases += [Case(each.name, each.kind, each.told, each.span.file, each.span.line) for each in outcomes]
+    cases += [
+        Case(each.name, each.kind, each.diagnostics, each.span.file, each.span.line) for each in outcomes
+    ]
     return Suite(shown if cell is None else f"{shown}: {cell.name}", cases, cell)
 
 

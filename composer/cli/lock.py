@@ -8,6 +8,7 @@ import click
 
 from composer.cli.choices import Choices, choice_options
 from composer.cli.fetching import fetching_options
+from composer.cli.limits import limit_option
 from composer.cli.locking import write_lock
 from composer.cli.reporting import reporting_options
 
@@ -16,6 +17,7 @@ from composer.cli.reporting import reporting_options
 @click.argument("recipe", type=click.Path(path_type=Path))
 @choice_options
 @fetching_options
+@limit_option
 @reporting_options
 def command(
     recipe: Path,

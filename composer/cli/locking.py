@@ -31,12 +31,12 @@ def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str, choices: 
     context = Context(fetching=fetching())
     given = choices.values(context)
     wrong_values = context.sink.has_errors
-    told = None if wrong_values else made_lock(recipe, names, context, given)
+    made = None if wrong_values else made_lock(recipe, names, context, given)
     report(context, form)
-    if told is None:
+    if made is None:
         unknown = wrong_values or any(each.code == "unknown-name" for each in context.sink.errors)
         sys.exit(USAGE if unknown else exit_code(context.folder, [recipe]))
-    path, changes = told
+    path, changes = made
     if form == "json":
         click.echo(json.dumps({"lock": path, "changes": changes}))
         return
@@ -67,7 +67,7 @@ def made_lock(
     if names is not None:
         how.fresh = _wanted(names, before, context)
     if how.fresh is not None:
-        _tell_disputes({id: pins for id, pins in disputes.items() if id not in how.fresh}, how, context)
+        _report_disputes({id: pins for id, pins in disputes.items() if id not in how.fresh}, how, context)
     if context.sink.error_count:
         return None
     given = given or {}
@@ -78,7 +78,7 @@ def made_lock(
     plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
     after = lock_of(plans, how, how.lock_file.parent, context)
     if before is not None and how.fresh is not None:
-        _tell_changes(before, after, how.fresh, recipe, context)
+        _report_changes(before, after, how.fresh, recipe, context)
     if context.sink.has_errors:
         return None
     changes = list(changed(before, after))
@@ -153,7 +153,7 @@ def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> froz
     return frozenset(found)
 
 
-def _tell_disputes(disputes: Disputed, how: Fetching, context: Context) -> None:
+def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> None:
     """What the two sides of a merge pin otherwise is for a person to settle."""
     from composer.diagnostics.diagnostic import Note
 
@@ -168,7 +168,7 @@ def _tell_disputes(disputes: Disputed, how: Fetching, context: Context) -> None:
         )
 
 
-def _tell_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path, context: Context) -> None:
+def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path, context: Context) -> None:
     """What somebody else changed is not locked without being asked for."""
     from composer.diagnostics.diagnostic import Note
     from composer.sources.digest import differences

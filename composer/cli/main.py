@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import io
 import keyword
@@ -11,22 +12,30 @@ from typing import Any
 
 import click
 
+from composer.cli.interruption import exit_code_asked
+from composer.cli.own_memory import ran_out
 from composer.version import __version__
 
 _VERBS = {
     "build": "Build the model of a recipe: one MJCF file and its assets.",
     "check": "Say whether a recipe is right, without writing anything.",
+    "fix": "Carry out what messages say to write, where that is exact.",
     "verify": "Hold a bundle against its manifest, MuJoCo and the sources of its parts.",
     "plan": "Print in words what a build will do.",
-    "explain": "Say where an element or attribute came from, and what changed it.",
+    "ls": "List the models that `build --all` wrote, those of which an expression is true.",
+    "tree": "Show the parts, bodies and joints of a model, and what a part may be attached to.",
+    "explain": "Say where an element or attribute came from, and what changed it; or what a fault's code means.",
     "lock": "Write down what every source of a recipe is.",
     "update": "Lock sources as they are now.",
     "cache": "Look after the store of what was fetched and built.",
     "diff": "Say what differs between two models, in physics terms.",
+    "view": "Show a model in the browser, or write it as a page.",
+    "render": "Make a picture or a film of a model.",
     "new": "Write a commented starter recipe that builds.",
     "fmt": "Put recipes into their canonical layout, comments kept.",
     "import": "Propose the recipe that makes a merged model of its parts.",
     "doctor": "Say what this installation is and can do.",
+    "lsp": "Serve an editor: completion of names, faults, where things come from.",
     "schema": "Print the JSON Schema of recipes, for editors.",
     "completion": "Print the line that makes a shell complete commands, options and names.",
     "help": "Print what a command does and its options.",
@@ -39,12 +48,12 @@ _CALLED = {
     **dict.fromkeys(("validate", "lint", "test"), "mjcompose check"),
     "format": "mjcompose fmt",
     **dict.fromkeys(("compile", "make", "compose", "generate"), "mjcompose build"),
-    **dict.fromkeys(("show", "describe"), "mjcompose plan RECIPE` or `mjcompose explain RECIPE NAME"),
+    **dict.fromkeys(("show", "describe", "list", "bodies", "info"), "mjcompose tree"),
     **dict.fromkeys(("inspect", "where", "why"), "mjcompose explain RECIPE NAME"),
     **dict.fromkeys(("compare",), "mjcompose diff"),
-    **dict.fromkeys(("render", "picture"), "mjcompose diff RECIPE RECIPE --renders DIR"),
-    **dict.fromkeys(("view", "open", "viewer"), "mjcompose build RECIPE -o build/view/` and"
-                    " `python -m mujoco.viewer --mjcf=build/view/model.xml"),
+    **dict.fromkeys(("picture", "image", "screenshot", "video"), "mjcompose render"),
+    **dict.fromkeys(("language-server", "server"), "mjcompose lsp"),
+    **dict.fromkeys(("open", "viewer", "preview", "serve"), "mjcompose view"),
     "clean": "mjcompose cache prune",
     "upgrade": "mjcompose update",
 }  # fmt: skip
@@ -52,6 +61,8 @@ _CALLED = {
 
 # Pydantic would look for plugins in every package that is installed, which takes longer than a small build.
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+# Nothing here is large enough for threads of linear algebra, and their buffers alone are 30 MiB for each core.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _FAILED, _INTERRUPTED, _BUG = 1, 130, 70
 
@@ -75,7 +86,7 @@ class _Verbs(click.Group):
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        ctx.meta["composer.arguments"] = list(args)  # to be said again where a run is interrupted
+        ctx.meta["composer.arguments"] = list(args)  # to be repeated where a run is interrupted
         return super().parse_args(ctx, args)
 
     def resolve_command(
@@ -92,7 +103,7 @@ class _Verbs(click.Group):
                 help = f" Write `mjcompose build {verb}`."
             else:
                 help = f" Did you mean `{near[0]}`?" if near else ""
-            raise click.UsageError(f"There is no command `{verb}`.{help}", ctx)
+            raise click.UsageError(f"The command `{verb}` does not exist.{help}", ctx)
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -108,9 +119,17 @@ class _Verbs(click.Group):
             raise click.NoSuchOption(error.option_name, possibilities=near, ctx=error.ctx) from None
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
+        except MemoryError:
+            raise  # reported where the process begins, when all that took the memory is gone
+        except SystemError as error:
+            if ran_out():
+                raise MemoryError from error
+            raise
         except BrokenPipeError:
             raise  # the reader of the output has gone, which click takes care of
         except OSError as error:
+            if error.errno == errno.ENOMEM:
+                raise MemoryError from error
             what = f"`{error.filename}`: " if error.filename else ""
             _say_aside(f"cannot go on: {what}{(error.strerror or str(error)).lower()}")
             ctx.exit(_FAILED)
@@ -121,6 +140,11 @@ class _Verbs(click.Group):
             _say_aside(f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1")
             ctx.exit(_FAILED)
         except Exception as error:
+            # Pydantic 2.14 makes an error of its own of whatever ends it.
+            if (code := exit_code_asked()) is not None:
+                ctx.exit(code)
+            if _is_reported(error):
+                ctx.exit(_FAILED)
             self._bug(ctx, error)
 
     def _bug(self, ctx: click.Context, error: Exception) -> None:
@@ -134,8 +158,20 @@ class _Verbs(click.Group):
             formatter.write_dl(list(_VERBS.items()))
 
 
+def _is_reported(error: Exception) -> bool:
+    """Whether it says that there are more errors than are looked for; those that were found are reported now."""
+    from composer.cli.reporting import report_as_chosen
+    from composer.context import Context
+    from composer.diagnostics.sink import TooManyFaults
+
+    if not isinstance(error, TooManyFaults):
+        return False
+    report_as_chosen(Context(sink=error.sink))
+    return True
+
+
 def _say_aside(words: str) -> None:
-    """To standard error, in the place of a line that tells of progress."""
+    """To standard error, in the place of a line that shows progress."""
     from composer.cli.reporting import clear_progress
 
     clear_progress()
@@ -153,14 +189,14 @@ def _near_options(error: click.NoSuchOption) -> list[str]:
 
 
 def _print_any_name() -> None:
-    """Standard output takes what standard error takes: names of files that are no text in this locale."""
+    """Standard output takes what standard error takes: names of files that are not text in this locale."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         utf8 = sys.stdout.encoding.lower().replace("-", "") == "utf8"
         sys.stdout.reconfigure(errors="surrogateescape" if utf8 else "backslashreplace")
 
 
 def _bug(error: Exception) -> str:
-    """The last resort: what to tell of an exception that nobody foresaw."""
+    """The last resort: what to report of an exception that nobody foresaw."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next

@@ -6,9 +6,11 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from composer.cli import completing
 from composer.cli.reporting import USAGE, exit_code
+from composer.cli.shard import Shard
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,10 +29,54 @@ def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
                      help="This cell of the matrix, or this sample; AXIS=VALUE[,AXIS=VALUE...] means all cells with"
                           " these values."),
         click.option("--sample", "only_samples", multiple=True, type=click.IntRange(min=0), metavar="NUMBER",
+                     shell_complete=completing.samples,
                      help="Only this sample, of all cells or of those that are picked; 0 is the model without draws."),
     )):  # fmt: skip
         command = option(command)
     return command
+
+
+def jobs_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--jobs`, `--cluster` and `--shard`; the command gets them as `jobs`, `cluster` and `shard`."""
+    sharded = click.option("--shard", callback=_shard, metavar="I/N",
+                           help="Only the I-th of N parts of the cells, 1/N to N/N: for the jobs of a cluster or a CI"
+                           " system, whose results may stand in one folder.")(command)  # fmt: skip
+    sharded = click.option("--cluster", metavar="ADDRESS|FILE|local", help="Have the workers of a Dask cluster do it:"
+                           " tls://HOST:PORT, the file of its scheduler, or `local` for one that is started here. Needs"
+                           " the extra `cluster`.")(sharded)  # fmt: skip
+    return jobs_option(sharded)
+
+
+def jobs_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--jobs`; the command gets it as `jobs`."""
+    return click.option("--jobs", "-j", type=click.IntRange(min=1), metavar="NUMBER", envvar="MJCOMPOSE_JOBS",
+                        help="How many processes do the work. Default: MJCOMPOSE_JOBS, or one for each core if there"
+                        " are enough cells.")(command)  # fmt: skip
+
+
+def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Shard | None:
+    if text is None:
+        return None
+    first, slash, last = text.partition("/")
+    if slash and first.isdecimal() and last.isdecimal() and 1 <= int(first) <= int(last):
+        return Shard(int(first), int(last))
+    message = f"`{text}` is not I/N with I from 1 to N: write for instance `1/8`, and `8/8` for the last."
+    raise click.BadParameter(message)
+
+
+def check_several(
+    one: bool, *, jobs: int | None, shard: Shard | None = None, cluster: str | None = None
+) -> None:
+    """One model has no work for several processes and no parts; raises a usage error where that is asked for."""
+    for option, given in (("--shard", shard), ("--jobs", jobs), ("--cluster", cluster)):
+        if one and given is not None and _is_written(option):
+            raise click.UsageError(f"{option} is for --all, --pick and --sample: here is one model.")
+    if cluster is not None and cluster != "local" and _is_written("--jobs"):
+        raise click.UsageError("--jobs is for --cluster local: another cluster has the workers that it has.")
+
+
+def _is_written(option: str) -> bool:
+    return click.get_current_context().get_parameter_source(option[2:]) is ParameterSource.COMMANDLINE
 
 
 def pick_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -42,6 +88,7 @@ def pick_option(command: Callable[..., Any]) -> Callable[..., Any]:
 def cell_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """`--pick` and `--sample` of a command that looks at one model; the command gets `pick` and `sample`."""
     numbered = click.option("--sample", type=click.IntRange(min=0), metavar="NUMBER",
+                     shell_complete=completing.samples,
                             help="This sample of what the recipe draws; 0, the default, has no draws.")  # fmt: skip
     return pick_option(numbered(command))
 

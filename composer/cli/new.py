@@ -34,9 +34,9 @@ def command(path: Path | None, project: bool, form: str) -> None:
     from composer.context import Context
 
     context = Context()
-    told = _Told("", (), ())
+    outcome = _Outcome("", (), ())
     try:
-        told = _project(path, context) if project else _recipe(path or Path("model.yaml"), context)
+        outcome = _project(path, context) if project else _recipe(path or Path("model.yaml"), context)
     except OutputError as error:
         context.sink.add(error.diagnostic)
     except OSError as error:
@@ -46,13 +46,13 @@ def command(path: Path | None, project: bool, form: str) -> None:
     if context.sink.has_errors:
         sys.exit(FINDINGS)
     if form == "json":
-        click.echo(json.dumps({"wrote": list(told.wrote), "kept": list(told.kept)}))
+        click.echo(json.dumps({"wrote": list(outcome.wrote), "kept": list(outcome.kept)}))
         return
-    say(told.words)
+    say(outcome.words)
 
 
 @dataclass(frozen=True, slots=True)
-class _Told:
+class _Outcome:
     """What is said, and the paths of what was written and of what was there already."""
 
     words: str
@@ -60,27 +60,28 @@ class _Told:
     kept: tuple[str, ...]
 
 
-def _recipe(path: Path, context: Context) -> _Told:
+def _recipe(path: Path, context: Context) -> _Outcome:
     from composer.bundle.staging import staged_file
     from composer.context import as_text
     from composer.starting.recipe import starter
 
     if path.suffix.lower() not in (".yaml", ".yml"):
-        raise click.UsageError(f"a recipe's name ends in .yaml: {path.with_suffix('.yaml')}")
+        shown = path.with_suffix(".yaml") if path.name else path / "model.yaml"
+        raise click.UsageError(f"a recipe's name ends in .yaml: {shown}")
     if os.path.lexists(path):
         context.sink.error(
             "output-unwritable",
-            f"`{path}` is there already and is left as it is",
+            f"`{path}` exists already and is left as it is",
             help="choose another name, or remove the file",
         )
-        return _Told("", (), ())
+        return _Outcome("", (), ())
     with staged_file(path) as stage:
         stage.write_text(starter(as_text(path.stem)), encoding="utf-8")
     words = f"wrote {path}; build it with: mjcompose build {shlex.quote(str(path))}"
-    return _Told(words, (str(path),), ())
+    return _Outcome(words, (str(path),), ())
 
 
-def _project(folder: Path | None, context: Context) -> _Told:
+def _project(folder: Path | None, context: Context) -> _Outcome:
     from importlib import metadata
 
     from composer.cli.locking import made_lock
@@ -91,7 +92,7 @@ def _project(folder: Path | None, context: Context) -> _Told:
 
     if folder is None:
         raise click.UsageError("name the folder of the project: mjcompose new --project robots")
-    title = as_text(folder.resolve().name)
+    title = as_text(os.path.basename(os.path.realpath(folder)))
     model = re.sub(r"[^\w-]+", "_", title).strip("_-") or "model"
     files = project(title, model, metadata.version("mujoco"), schema())
     recipe = f"recipes/{model}.yaml"
@@ -104,17 +105,17 @@ def _project(folder: Path | None, context: Context) -> _Told:
     count = f"{len(written)} file{'' if len(written) == 1 else 's'}"
     words = [*(_kept(path, folder, files) for path in kept), f"wrote {count} to {folder}; {start}"]
     wrote, left = (tuple(str(folder / path) for path in paths) for paths in (written, kept))
-    return _Told("\n".join(words), wrote, left)
+    return _Outcome("\n".join(words), wrote, left)
 
 
 def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
-    """What is told of a file that was there before."""
+    """What is reported of a file that was there before."""
     from composer.starting.project import lacking
 
-    told = f"kept {folder / path}"
+    kept = f"kept {folder / path}"
     if path not in files or not (folder / path).is_file():
-        return told
+        return kept
     lines = lacking(path, (folder / path).read_text("utf-8", "replace"), files[path])
     return (
-        f"{told}; the project's own would have: {', '.join(f'`{line}`' for line in lines)}" if lines else told
+        f"{kept}; the project's own would have: {', '.join(f'`{line}`' for line in lines)}" if lines else kept
     )

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from composer.cli.choices import Choices, choice_options
 from composer.cli.fetching import fetching, fetching_options
+from composer.cli.limits import limit_option
 from composer.cli.matrix import cell_options, chosen_cell
 from composer.cli.reporting import FINDINGS, USAGE, exit_code, report, reporting_options
 
 if TYPE_CHECKING:
     from composer.context import Context
+    from composer.expand.matrix import Cell
+    from composer.plan.foreseen import Foreseen
+    from composer.plan.matrix import LikeCell
     from composer.plan.plan import Plan
 
 
@@ -30,6 +35,7 @@ if TYPE_CHECKING:
 )
 @click.option("--licenses", is_flag=True, help="Print the licence of every part, and nothing else.")
 @fetching_options
+@limit_option
 @reporting_options
 def command(
     recipe: Path,
@@ -43,8 +49,7 @@ def command(
     """Print what a build of RECIPE will do, step by step, and the cells of its matrix."""
     from composer.cache.cells import cells_of
     from composer.context import Context
-    from composer.expr.value import shown
-    from composer.plan.describe import Subtrees, as_data, describe
+    from composer.plan.describe import describe
     from composer.plan.drawn_parameters import check_sample
     from composer.plan.expanded import expanded_text
     from composer.plan.matrix import LikeCell, like_first_cell
@@ -68,11 +73,11 @@ def command(
         if plan is not None:
             check_sample(plan, sample or 0, context.sink)
             cells = cells_of(recipe, context, given)
-    subtrees: Subtrees = {}
-    if plan is not None and plan.takes_subtrees and not expanded:
-        from composer.compose.left_behind import left_behind
+    foreseen = None
+    if plan is not None and not (expanded or licenses):
+        from composer.compose.foresee import foresee
 
-        subtrees = left_behind(plan, context)
+        foreseen = foresee(plan, context)
     report(context, form)
     if plan is None:
         sys.exit(exit_code(context.folder, [recipe]))
@@ -81,35 +86,45 @@ def command(
     elif expanded:
         click.echo(expanded_text(plan))
     elif form == "json":
-        data = as_data(plan, subtrees)
-        if like.cell is not None:
-            data["as_cell"] = like.cell
-        if cells:
-            data["cells"] = [
-                {"name": cell.name, "set": cell.values(), "sample": cell.sample} for cell in cells
-            ]
-        click.echo(json.dumps(data, indent=2))
+        click.echo(json.dumps(_data(plan, foreseen, like, cells), indent=2))
     else:
-        click.echo(describe(plan, subtrees))
-        if like.cell is not None:
-            values = ", ".join(f"`{name}`" for name in like.taken)
-            click.echo(
-                f"  {values} as in the cell {like.cell}: without a default, only the cells have a value"
-            )
-        if cells:
-            what = "models" if plan.randomize is not None else "cells of the matrix"
-            click.echo(f"{len(cells)} {what}, built by --all or --pick:")
-        for _, group in groupby(cells, key=lambda cell: id(cell.given)):
-            first, *others = group
-            names = first.name
-            if others:
-                names += f" … {others[-1].name}, {first.name} without a draw"
-            values = ", ".join(
-                f"{name} = {shown(value)}" for name, value in first.values().items() if value is not None
-            )
-            click.echo(f"  {names}  {values}".rstrip())
+        click.echo(describe(plan, foreseen))
+        _say_cells(plan, like, cells)
     if context.sink.has_errors:
         sys.exit(FINDINGS)
+
+
+def _data(plan: Plan, foreseen: Foreseen | None, like: LikeCell, cells: Sequence[Cell]) -> dict[str, Any]:
+    """The plan as data, with the cells that are built by themselves."""
+    from composer.plan.describe import as_data
+
+    data = as_data(plan, foreseen)
+    if like.cell is not None:
+        data["as_cell"] = like.cell
+    if cells:
+        data["cells"] = [{"name": cell.name, "set": cell.values(), "sample": cell.sample} for cell in cells]
+    return data
+
+
+def _say_cells(plan: Plan, like: LikeCell, cells: Sequence[Cell]) -> None:
+    """Which cells there are, those that only draw other numbers in one line."""
+    from composer.expr.value import shown
+
+    if like.cell is not None:
+        values = ", ".join(f"`{name}`" for name in like.taken)
+        click.echo(f"  {values} as in the cell {like.cell}: without a default, only the cells have a value")
+    if cells:
+        what = "models" if plan.randomize is not None else "cells of the matrix"
+        click.echo(f"{len(cells)} {what}, built by --all or --pick:")
+    for _, group in groupby(cells, key=lambda cell: id(cell.given)):
+        first, *others = group
+        names = first.name
+        if others:
+            names += f" … {others[-1].name}, {first.name} without a draw"
+        values = ", ".join(
+            f"{name} = {shown(value)}" for name, value in first.values().items() if value is not None
+        )
+        click.echo(f"  {names}  {values}".rstrip())
 
 
 def _say_licences(plan: Plan, context: Context, form: str) -> None:

@@ -5,19 +5,22 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import click
 
+from composer.cli.noted import note_reported
 from composer.context import Context
 from composer.diagnostics import github, json_format, text
+from composer.diagnostics.diagnostic import Diagnostic
 
 FINDINGS, USAGE, INTERRUPTED = 1, 2, 130
 ARGUMENTS = "composer.arguments"
-_QUIET, _JSON, _STANDING = "composer.quiet", "composer.json", "composer.standing"
+_QUIET, _JSON, _FORM, _STANDING = "composer.quiet", "composer.json", "composer.form", "composer.standing"
+_STRICT, _VERBOSE = "composer.strict", "composer.verbose"
 _FORMATS = ("text", "json", "github")
 
 
@@ -33,7 +36,8 @@ def format_options(formats: Iterable[str]) -> Callable[[Callable[..., Any]], Cal
         ctx.meta[_JSON] = given
 
     def form(ctx: click.Context, parameter: click.Parameter, given: str) -> str:
-        return "json" if ctx.meta.get(_JSON) else given
+        ctx.meta[_FORM] = "json" if ctx.meta.get(_JSON) else given
+        return str(ctx.meta[_FORM])
 
     def options(command: Callable[..., Any]) -> Callable[..., Any]:
         command = click.option("--json", is_flag=True, expose_value=False, is_eager=True, callback=note,
@@ -46,12 +50,47 @@ def format_options(formats: Iterable[str]) -> Callable[[Callable[..., Any]], Cal
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """`--quiet`, which is not an argument of the command: `say` and `progress` know."""
+    return _noted("-q", _QUIET, "Print only what is wrong.", "--quiet")(command)
+
+
+def strict_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--strict`, which is not an argument of the command: `is_strict` knows."""
+    return _noted("--strict", _STRICT, "Warnings are errors, but for those that the recipe allows.")(command)
+
+
+def is_strict() -> bool:
+    return bool(_meta().get(_STRICT))
+
+
+def verbose_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--verbose`, which is not an argument of the command: `say_details` knows."""
+    help = "Say also how long each stage took, and which files were read."
+    return _noted("-v", _VERBOSE, help, "--verbose")(command)
+
+
+def _noted(flag: str, key: str, help: str, *more: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """A flag that the command remembers under a key."""
 
     def note(ctx: click.Context, parameter: click.Parameter, given: bool) -> None:
-        ctx.meta[_QUIET] = given
+        ctx.meta[key] = given
 
-    return click.option("-q", "--quiet", is_flag=True, expose_value=False, callback=note,
-                        help="Print only what is wrong.")(command)  # fmt: skip
+    return click.option(flag, *more, is_flag=True, expose_value=False, callback=note, help=help)
+
+
+def say_details(context: Context, files: Iterable[str] = ()) -> None:
+    """For `--verbose`, to standard error: how long each stage took, and the files that were read."""
+    if not _meta().get(_VERBOSE):
+        return
+    clear_progress()
+    seconds: dict[str, float] = {}
+    for stage, took in context.timings:
+        seconds[stage] = seconds.get(stage, 0) + took
+    if not seconds:
+        click.echo("  nothing was built: the cache has it", err=True)
+    for stage, took in seconds.items():
+        click.echo(f"  {stage:8} {took:7.3f} s", err=True)
+    for file in sorted(files):
+        click.echo(f"  read {file}", err=True)
 
 
 def exit_code(folder: Path, named: Iterable[Path]) -> int:
@@ -71,27 +110,62 @@ def is_quiet() -> bool:
     return bool(_meta().get(_QUIET))
 
 
-def report(context: Context, form: str, *, err: bool = False) -> None:
+def report(
+    context: Context, form: str, *, err: bool = False, texts: Mapping[str, bytes] | None = None
+) -> None:
     """Print all diagnostics: text to standard error, JSON and GitHub commands to standard output.
 
-    With `err` these go to standard error too, for a command that has a model to print.
+    With `err` these go to standard error too, for a command that has a model to print. `texts` are files as they would
+    be, by the names that messages have.
     """
     clear_progress()
-    if told := _told(context, form):
-        click.echo(told, nl=False, err=err or form == "text", color=use_color())
+    note_reported(context)
+    if shown := _report_text(context, form, texts or {}):
+        click.echo(shown, nl=False, err=err or form == "text", color=use_color())
 
 
-def _told(context: Context, form: str) -> str:
+def report_as_chosen(context: Context) -> None:
+    """The same in the format that was chosen, for who does not know the command."""
+    report(context, str(_meta().get(_FORM, "text")))
+
+
+def words_of(context: Context) -> str:
+    """All diagnostics as the terminal shows them, without colours."""
+    found, read = context.sink.sorted(), source_reader(context.folder)
+    return "".join(f"{text.render(each, read, False)}\n\n" for each in found) + text.summary(found)
+
+
+def _report_text(context: Context, form: str, texts: Mapping[str, bytes]) -> str:
     found = context.sink.sorted()
     if not found:
         return ""
+    read = source_reader(context.folder, texts)
     if form == "json":
+        found = [_exact(each, read) for each in found]
         return "".join(f"{json_format.render(each)}\n" for each in found)
     if form == "github":
         return "".join(f"{github.render(each)}\n" for each in found)
-    color, read = use_color(), source_reader(context.folder)
-    told = "".join(f"{text.render(each, read, color)}\n\n" for each in found)
-    return f"{told}{text.summary(found)}\n"
+    color = use_color()
+    shown = "".join(f"{text.render(each, read, color)}\n\n" for each in found)
+    return f"{shown}{text.summary(found)}\n{_more_about(found) if on_terminal() else ''}"
+
+
+def _exact(diagnostic: Diagnostic, read: text.ReadSource) -> Diagnostic:
+    """The diagnostic with the very text that its fix writes."""
+    if diagnostic.fix is None:
+        return diagnostic
+    from composer.fixing.edit import exact, place_of
+
+    place = place_of(diagnostic)
+    return exact(diagnostic, (read(place.file) if place is not None else None) or "")
+
+
+def _more_about(found: Sequence[Diagnostic]) -> str:
+    codes = list(dict.fromkeys(each.code for each in found))
+    code = codes[0] if len(codes) == 1 else "CODE"
+    fixable = sum(each.fix is not None for each in found)
+    fixes = f"; `mjcompose fix` can mend {fixable} of them" if fixable else ""
+    return f"more about {'it' if len(codes) == 1 else 'each'}: mjcompose explain {code}{fixes}\n"
 
 
 def use_color(*, out: bool = False) -> bool:
@@ -139,11 +213,13 @@ def on_terminal() -> bool:
     return sys.stderr is not None and sys.stderr.isatty()
 
 
-def source_reader(folder: Path) -> text.ReadSource:
+def source_reader(folder: Path, texts: Mapping[str, bytes] | None = None) -> text.ReadSource:
     """The text of a file that messages name, read once; None where it cannot be read."""
 
     @lru_cache(maxsize=32)
     def read(file: str) -> str | None:
+        if texts and file in texts:
+            return texts[file].decode("utf-8", errors="replace")
         try:
             return (folder / file).read_text(encoding="utf-8", errors="replace")
         except OSError:

@@ -41,12 +41,12 @@ class Tally:
 
     def _said(self, form: str) -> str | None:
         if form == "json":
-            told = {
+            answer = {
                 "recipe": str(self.recipe),
                 "cells": self.total,
                 "failed": [asdict(each) for each in self.failed],
             }
-            return json.dumps(told)
+            return json.dumps(answer)
         if not self.failed:
             return None
         words = f"{len(self.failed)} of {self.total} cells failed: {listed(self.failed)}"

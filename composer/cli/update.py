@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from composer.cli.choices import Choices, choice_options
+from composer.cli.limits import limit_option
 from composer.cli.locking import write_lock
 from composer.cli.reporting import reporting_options
 
@@ -15,6 +16,7 @@ from composer.cli.reporting import reporting_options
 @click.argument("recipe", type=click.Path(path_type=Path))
 @click.argument("names", metavar="[NAME]...", nargs=-1)
 @choice_options
+@limit_option
 @reporting_options
 def command(
     recipe: Path,

@@ -9,8 +9,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from composer.cli.reporting import exit_code, progress, report, reporting_options, say
-from composer.cli.timeout import timeout_option
+from composer.cli.limits import timeout_option
+from composer.cli.reporting import (
+    exit_code,
+    is_strict,
+    progress,
+    report,
+    reporting_options,
+    say,
+    strict_option,
+)
 
 if TYPE_CHECKING:
     from composer.verify.stored import Stored
@@ -21,23 +29,26 @@ if TYPE_CHECKING:
 @click.option("--recipe", type=click.Path(path_type=Path),
               help="The recipe it was built from: where the sources of its parts are looked for.")  # fmt: skip
 @timeout_option
+@strict_option
 @reporting_options
-def command(bundles: tuple[Path, ...], recipe: Path | None, timeout: float, form: str) -> None:
+def command(bundles: tuple[Path, ...], recipe: Path | None, form: str) -> None:
     """Verify each BUNDLE, a folder, .zip or .mjz.
 
     Its files have the hashes of the manifest, MuJoCo compiles it, the order of joints, actuators, sensors and
     keyframes is that of the manifest, and every part is what its source is alone.
     """
     from composer.context import Context
-    from composer.engine import Limits, Session
+    from composer.engine import Session
     from composer.verify.stored import verify_stored
 
     code = 0
     for bundle in bundles:
-        context = Context()
+        context = Context(strict=is_strict())
         progress(f"verifying {bundle}")
-        with Session(Limits(seconds=timeout)) as session:
+        with Session() as session:
             stored = verify_stored(bundle, context, session, recipe)
+        if context.strict:
+            context.sink.promote()
         report(context, form)
         if context.sink.has_errors:
             code = max(code, exit_code(context.folder, [bundle, *([] if recipe is None else [recipe])]))
@@ -52,8 +63,8 @@ def _say(stored: Stored, path: str, form: str, *, ok: bool) -> None:
             {"part": each.member.part, "unchanged": None if each.obscure is not None else each.ok}
             for each in stored.parts
         ]
-        told = {"bundle": path, "ok": ok, "sha256": stored.bundle.sha256, "parts": parts}
-        click.echo(json.dumps(told))
+        answer = {"bundle": path, "ok": ok, "sha256": stored.bundle.sha256, "parts": parts}
+        click.echo(json.dumps(answer))
     elif form == "text" and ok:
         unchanged = sum(each.ok for each in stored.parts)
         compared = f", {unchanged} of {len(stored.parts)} parts compared with their sources and unchanged"

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.bundle.beside import file_name, hash_of
+from composer.bundle.place import Place, is_address, place
+
 if TYPE_CHECKING:
     from composer.bundle.form import Form
+    from composer.cli.picturing import Picturing
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What is built of a recipe, where it goes, and how it is told."""
+    """What is built of a recipe, where it goes, and how it is reported; `picturing` puts a picture beside it."""
 
     out: str
     kind: Form
@@ -23,19 +27,30 @@ class Wanted:
     form: str
     why: bool = False
     licenses: bool = False
+    picturing: Picturing | None = None
 
     def target(self, name: str, mujoco: str | None) -> str:
         """Where a model goes, by its name and the version of MuJoCo that compiled it."""
-        target = self.out.replace("{name}", _file_name(name))
+        target = self.out.replace("{name}", file_name(name)).replace("{hash}", hash_of(name))
         if self.kind != "mjb":
             return target
         from composer.bundle.mjb import with_version
 
         return with_version(target, mujoco)
 
-    def place(self, folder: Path, name: str, mujoco: str | None) -> Path | None:
-        """The same as a path; None for standard output."""
-        return None if self.out == "-" else Path(os.path.abspath(folder / self.target(name, mujoco)))
+    def place(self, folder: Path, name: str, mujoco: str | None) -> Place | None:
+        """The same as a place; None for standard output."""
+        return None if self.out == "-" else place(folder, self.target(name, mujoco))
+
+    def elsewhere(self, folder: Path) -> Wanted:
+        """The same for a process that runs in another folder, and makes no pictures."""
+        slash = "/" if self.out.endswith("/") and not is_address(self.out) else ""
+        return replace(self, picturing=None, out=f"{place(folder, self.out)}{slash}")
+
+    @property
+    def assets_above(self) -> int:
+        """How many folders above that of a model the one stands that has the shared assets."""
+        return 2 if os.path.basename(os.path.dirname(self.out.rstrip("/"))) == "{hash}" else 1
 
     def text_beside(self, folder: Path) -> Path | None:
         """The folder from which text alone names its files, where that is wanted."""
@@ -45,17 +60,20 @@ class Wanted:
 
 
 def kind_of_output(out: str | None, models: int = 1) -> Form:
-    """What OUT asks for; raises OutputError where that cannot be told, or several models would go to one place."""
+    """What OUT asks for; raises OutputError where that is not clear, or several models would go to one place."""
     from composer.bundle.form import Form, form_of
     from composer.bundle.output_error import OutputError
 
     if out is None:
         return Form.ARCHIVE
     kind = Form.TEXT if out == "-" else form_of(out)
-    known = {"{name}", "{mujoco}"} if kind == "mjb" else {"{name}"}
+    known = {"{name}", "{hash}", "{mujoco}"} if kind == "mjb" else {"{name}", "{hash}"}
     if unknown := next((word for word in _PLACEHOLDER.findall(out) if word not in known), None):
         help = f"write {' or '.join(f'`{word}`' for word in sorted(known))}, or leave the braces out"
         raise OutputError("output-kind", f"`{unknown}` stands for nothing in the output `{out}`", help)
+    if is_address(out) and kind in (Form.TEXT, Form.USD):
+        help = "write a bundle, such as `{name}.zip`"
+        raise OutputError("output-kind", f"`{out}` cannot be an address: {_NO_ADDRESS[kind]}", help)
     if models > 1 and "{name}" not in out:
         folder = out if out.endswith("/") else f"{out}/"
         help = f"write for instance `-o '{folder}{{name}}/'` or `-o '{folder}{{name}}.zip'`"
@@ -64,6 +82,10 @@ def kind_of_output(out: str | None, models: int = 1) -> Form:
 
 
 _PLACEHOLDER = re.compile(r"\{\w+\}")
+_NO_ADDRESS = {
+    "text": "text alone names files of this machine",
+    "usd": "USD is written by MuJoCo's converter, to this machine",
+}
 _NO_SHARING = {
     "archive": "a zip cannot refer to files outside of it",
     "text": "text alone names the sources' own files, and none is copied",
@@ -84,11 +106,7 @@ def for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
     kind = kind_of_output(out, models=2)
     if kind is not Form.FOLDER:
         raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
-    if "{name}" in os.path.dirname(out.rstrip("/")):
+    above, _, last = os.path.dirname(out.rstrip("/")).rpartition("/")
+    if "{name}" in above + last or "{hash}" in above or ("{hash}" in last and last != "{hash}"):
         raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
     return out, Form.SHARED
-
-
-def _file_name(name: str) -> str:
-    """A model's name as that of a file, which stays in its folder."""
-    return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"

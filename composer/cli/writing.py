@@ -9,9 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.bundle.place import is_address, place
 from composer.cli.built_words import remarks, said
-from composer.cli.reporting import clear_progress, exit_code, progress, report, say
+from composer.cli.noted import note_files
+from composer.cli.reporting import clear_progress, exit_code, progress, report, say, say_details
 from composer.cli.wanted import Wanted
+from composer.diagnostics.diagnostic import Severity
 
 if TYPE_CHECKING:
     from composer.bundle.bundle import Bundle
@@ -43,9 +46,16 @@ def finish(
     context: Context,
     session: Session | None,
 ) -> int:
-    """Write the model, and tell what there is to tell; gives the exit code."""
-    made = None if made is None else put(made, maker, wanted, context, session)
+    """Write the model, and report what there is to report; gives the exit code."""
+    from composer.cache.result import files_of
+
+    files = files_of(made, context)
+    note_files(files)
+    made = None if made is None else put(made, maker, context, session, wanted)
+    if made is not None:
+        add_picture(made, wanted, context)
     report(context, wanted.form, err=wanted.out == "-")
+    say_details(context, files)
     if made is None or context.sink.has_errors:
         return exit_code(context.folder, [maker.recipe])
     if wanted.out == "-":
@@ -56,13 +66,17 @@ def finish(
     return 0
 
 
-def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Session | None) -> Made | None:
-    """Write a model where it is wanted; gives it as it was written, or None where that cannot be, which is told."""
-    from composer.bundle.licence_table import tell_unlicensed
+def put(made: Made, maker: Maker, context: Context, session: Session | None, wanted: Wanted) -> Made | None:
+    """Write a model where it is wanted; gives it as it was written, or None where that cannot be, which is reported."""
+    from composer.bundle.licence_table import report_unlicensed
     from composer.bundle.output_error import OutputError
     from composer.bundle.replaced import made_of
 
     clear_progress()
+    report_unlicensed(made.licences, context)
+    _judge_warnings(made, context)
+    if context.strict and context.sink.has_errors:
+        return None
     target = wanted.target(made.name, made.mujoco)
     try:
         if wanted.kind == "text" and made.built is not None:
@@ -72,16 +86,33 @@ def put(made: Made, maker: Maker, wanted: Wanted, context: Context, session: Ses
             text = text_alone(composed.model, composed.files, target, context.folder)
             made = maker.with_text(made, text, context)
         if not made.is_written:
-            before = None if wanted.kind in ("text", "usd") else made_of(context.folder / target)
+            out = place(context.folder, target)
+            before = None if wanted.kind in ("text", "usd") else made_of(out)
             maker.note_written(made, _write(made, target, maker, wanted, context, session))
-            now = None if before is None else made_of(context.folder / target)
+            now = None if before is None else made_of(out)
             if before is not None and now is not None:
                 made = replace(made, replaced=before.other_than(now))
     except OutputError as error:
         context.sink.add(error.diagnostic)
         return None
-    tell_unlicensed(made.licences, context)
+    _judge_warnings(made, context)
     return made
+
+
+def add_picture(made: Made, wanted: Wanted, context: Context) -> None:
+    """Put a picture beside a model that was written, if one is wanted; faults go to the context's sink."""
+    if wanted.picturing is not None:
+        target = wanted.target(made.name, made.mujoco)
+        wanted.picturing.put(target, made.name, is_known=made.is_written, context=context)
+
+
+def _judge_warnings(made: Made, context: Context) -> None:
+    """Leave out what the recipe allows; with `--strict` the rest are errors."""
+    for diagnostic in context.sink.diagnostics:
+        if diagnostic.severity is not Severity.ERROR and diagnostic.code in made.allowed:
+            context.sink.drop(diagnostic)
+    if context.strict:
+        context.sink.promote()
 
 
 def _write(
@@ -97,6 +128,9 @@ def _write(
         read: Iterator[Path] = map(Path, made.inputs)
         if built is not None:
             read = files_read(built.plan, built.composed.model, built.composed.files)
+        if is_address(out):
+            _deliver(made, out, maker, wanted, context, session)
+            return ()
         check_is_no_source(context.folder / out, read)
     if wanted.kind == "text":
         text = made.text
@@ -106,14 +140,16 @@ def _write(
 
             with staged_file(context.folder / out) as stage:
                 stage.write_bytes(text)
-        elif sys.stdout is not None:
+        elif sys.stdout is None:
+            raise OSError("standard output is closed")
+        else:
             sys.stdout.buffer.write(text)
             sys.stdout.buffer.flush()
     elif wanted.kind == "folder with shared assets":
         from composer.bundle.shared import write_shared
 
         assert made.bundle is not None
-        return write_shared(made.bundle, Path(os.path.abspath(context.folder / out)))
+        return write_shared(made.bundle, Path(os.path.abspath(context.folder / out)), wanted.assets_above)
     elif made.packed and made.record is not None:
         from composer.bundle.archive import write_packed
 
@@ -126,13 +162,35 @@ def _write(
 
         assert made.bundle is not None
         write(
-            made.bundle, out, environment=context.environment, session=session, packing=maker.packing, tell=lost
+            made.bundle, out, environment=context.environment, session=session, packing=maker.packing, warn=lost
         )  # fmt: skip
         if wanted.kind == "mjb":
             from composer.bundle.mjb import manifest_beside
 
             return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
     return ()
+
+
+def _deliver(
+    made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
+) -> None:
+    """Write to this machine first, and then to an address."""
+    from composer.bundle.remote import deliver_assets, deliver_file, deliver_folder
+    from composer.bundle.shared import ASSETS
+    from composer.scratch import scratch
+
+    parts = out.rstrip("/").rsplit("/", wanted.assets_above)
+    with scratch("output") as folder:
+        models = folder / "models"
+        local = models.joinpath(*parts[1:])
+        _write(made, f"{local}/" if out.endswith("/") else str(local), maker, wanted, context, session)
+        if (models / ASSETS).is_dir():
+            deliver_assets(models / ASSETS, f"{parts[0]}/{ASSETS}")
+        if local.is_dir():
+            deliver_folder(local, out.rstrip("/"))
+            return
+        for each in sorted(local.parent.iterdir(), key=lambda each: each == local):
+            deliver_file(each, f"{out.rpartition('/')[0]}/{each.name}")
 
 
 def _check_holds_all(bundle: Bundle, out: str) -> None:

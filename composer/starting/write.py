@@ -1,14 +1,13 @@
-"""Put a project into a folder: all that is not there yet, or nothing."""
+"""Put a project into a folder: all that does not exist yet, or nothing."""
 
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
 from composer.bundle.output_error import OutputError, unwritable
-from composer.bundle.staging import parents, real, sibling
+from composer.bundle.staging import parents, real, stage_beside
 
 
 def write_project(
@@ -16,35 +15,27 @@ def write_project(
 ) -> tuple[list[str], list[str]]:
     """Write files below `folder`, which may exist; `finish` adds to them before anything is seen there.
 
-    Gives the paths of those written, and of those that are there already and are kept as they are. Raises
+    Gives the paths of those written, and of those that exist already and are kept as they are. Raises
     OutputError, also where one that is `needed` is there with another content; what `finish` raises goes through.
     """
     target = real(folder)
-    stage = sibling(target, "tmp")
     try:
-        with parents(target):
-            try:
-                for path, text in files.items():
-                    (stage / path).parent.mkdir(parents=True, exist_ok=True)
-                    (stage / path).write_text(text, encoding="utf-8", newline="\n")
-                finish(stage)
-                made = sorted(
-                    path.relative_to(stage).as_posix() for path in stage.rglob("*") if path.is_file()
-                )
-                kept = [
-                    path for path in made if _is_kept(folder / path, stage / path, folder, path in needed)
-                ]
-                written = [path for path in made if path not in kept]
-                _move(stage, target, written)
-                return written, kept
-            finally:
-                shutil.rmtree(stage, ignore_errors=True)
+        with parents(target), stage_beside(target) as stage:
+            for path, text in files.items():
+                (stage / path).parent.mkdir(parents=True, exist_ok=True)
+                (stage / path).write_text(text, encoding="utf-8", newline="\n")
+            finish(stage)
+            made = sorted(path.relative_to(stage).as_posix() for path in stage.rglob("*") if path.is_file())
+            kept = [path for path in made if _is_kept(folder / path, stage / path, folder, path in needed)]
+            written = [path for path in made if path not in kept]
+            _move(stage, target, written)
+            return written, kept
     except OSError as error:
         raise unwritable(folder, error) from error
 
 
 def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
-    """Whether a file is there already. Raises OutputError for what stands in the way of the project."""
+    """Whether a file exists already. Raises OutputError for what stands in the way of the project."""
     above = place.parent
     while above != folder:
         if os.path.lexists(above) and not above.is_dir():
@@ -62,7 +53,7 @@ def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
 def _in_the_way(path: Path, what: str) -> OutputError:
     return OutputError(
         "output-unwritable",
-        f"`{path}` is there already, {what}: nothing is written",
+        f"`{path}` exists already, {what}: nothing is written",
         "choose another folder, or move it away",
     )
 

@@ -1,0 +1,60 @@
+"""`mjcompose explain CODE`: the page of a fault, and which codes there are."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import click
+
+from composer.cli.reporting import use_color
+from composer.diagnostics.codes import CODES
+from composer.diagnostics.page import code_of, in_terminal, page
+from composer.diagnostics.suggest import closest
+
+_WIDEST = 100
+
+
+def say_page(asked: Path, form: str) -> None:
+    """Print the page of the code that is asked for; raises UsageError where it is not a code."""
+    code = code_of(str(asked))
+    if code is None:
+        raise click.UsageError(_no_code(asked))
+    text = page(code)
+    if form == "json":
+        click.echo(json.dumps({"explains": "code", "code": code, "summary": CODES[code], "page": text}, indent=2,
+                              ensure_ascii=False))  # fmt: skip
+        return
+    color = use_color(out=True)
+    width = min(shutil.get_terminal_size((_WIDEST, 24)).columns, _WIDEST)
+    click.echo(in_terminal(text, width, color), color=color)
+
+
+def say_codes(form: str) -> None:
+    """Print every code with its summary."""
+    if form == "json":
+        click.echo(json.dumps(CODES, indent=2))
+        return
+    width = max(map(len, CODES))
+    for code, summary in CODES.items():
+        click.echo(f"{code:{width}}  {summary}")
+
+
+def check_model(model: Path) -> None:
+    """Raise UsageError where a code stands in the place of a model: nothing else can be asked of a code."""
+    if code_of(str(model)) is not None and not model.exists():
+        raise click.UsageError(
+            f"`{model}` is a code, not a model. Write `mjcompose explain {code_of(str(model))}` alone."
+        )
+
+
+def _no_code(asked: Path) -> str:
+    if asked.exists() or asked.suffix or len(asked.parts) > 1:
+        return (
+            "Missing argument 'QUERY'. Say which element:"
+            f" `mjcompose explain {asked} 'joint NAME'`. `mjcompose tree {asked}` lists them."
+        )
+    near = closest(str(asked), CODES)
+    help = f"Did you mean `{near[0]}`?" if near else "`mjcompose explain --codes` lists them."
+    return f"`{asked}` is neither a code nor a file that exists. {help}"

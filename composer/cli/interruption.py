@@ -1,0 +1,73 @@
+"""A process that is interrupted or ended from outside ends in order: what was begun is removed again."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from _thread import interrupt_main
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
+
+INTERRUPTED, _TERMINATED = 130, 143
+_LATER = 0.02
+
+
+def end_in_order() -> None:
+    """Let SIGTERM raise SystemExit, and Ctrl-C KeyboardInterrupt, at a moment when neither is lost."""
+    signal.signal(signal.SIGTERM, _in_time(_terminate))
+    # In the background of a shell Ctrl-C is ignored, and stays so.
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _in_time(_interrupt))
+
+
+_asked: list[int] = []
+
+
+def exit_code_asked() -> int | None:
+    """The exit code, if a signal asked this process to end and other code made another exception of it."""
+    return _asked[-1] if _asked else None
+
+
+def _terminate(number: int, frame: FrameType | None) -> None:
+    _asked.append(_TERMINATED)
+    sys.exit(_TERMINATED)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    _asked.append(INTERRUPTED)
+    signal.default_int_handler(number, frame)
+
+
+def _in_time(handler: Callable[[int, FrameType | None], Any]) -> Callable[[int, FrameType | None], None]:
+    """A handler that waits while a module is imported: compiled ones, such as those of lxml 6.1, drop what is raised,
+    and Python 3.11 makes a RuntimeError of it where it makes a class.
+    """
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        if not _imports(frame):
+            handler(number, frame)
+            return
+        later = threading.Timer(_LATER, _send_again, [number])
+        later.daemon = True
+        later.start()
+
+    return handle
+
+
+def _send_again(number: int) -> None:
+    """To the main thread, which may be waiting for something by now."""
+    if sys.platform == "win32":
+        interrupt_main(number)
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
+def _imports(frame: FrameType | None) -> bool:
+    """Whether a module is being imported around a frame."""
+    while frame is not None:
+        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+            return True
+        frame = frame.f_back
+    return False

@@ -1,0 +1,63 @@
+"""`build --picture`: a picture beside each model that is written."""
+
+from __future__ import annotations
+
+import os
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from composer.bundle.beside import picture_of
+
+if TYPE_CHECKING:
+    from composer.bundle.form import Form
+    from composer.context import Context
+    from composer.engine import Session
+
+_KEPT = "picture"
+
+
+def check_has_picture(out: str, kind: Form) -> None:
+    """Raise OutputError for outputs of which no picture is made."""
+    from composer.bundle.output_error import OutputError
+
+    why = {"mjb": "MuJoCo's binary form", "usd": "USD"}.get(kind)
+    if out == "-" or why is not None:
+        message = f"`--picture` is for bundles and MJCF files, and `{out}` is {why or 'standard output'}"
+        raise OutputError(
+            "output-kind", message, "write a folder, a `.zip` or an `.xml`, or leave `--picture` out"
+        )
+
+
+@dataclass(slots=True)
+class Picturing:
+    """Makes the pictures, in one child process that may draw; it ends with `opened`."""
+
+    opened: ExitStack
+    _session: Session | None = field(default=None)
+
+    def put(self, target: str, name: str, *, is_known: bool, context: Context) -> None:
+        """The picture of what was written to `target`; where that `is_known` an older one stays.
+
+        Faults go to the sink.
+        """
+        out = Path(os.path.dirname(target.rstrip("/"))) / picture_of(name)
+        if is_known and (context.folder / out).exists():
+            return
+        from composer.diagnostics.sink import Sink
+        from composer.diff.operand import read_operand
+        from composer.diff.side import load
+        from composer.engine import Session
+        from composer.render.render import render
+        from composer.render.wish import Wish
+
+        if self._session is None:
+            self._session = self.opened.enter_context(Session(rendering=True))
+        with ExitStack() as opened:
+            operand = read_operand(target, replace(context, sink=Sink()), opened)
+            side = None if operand is None else load(operand, _KEPT, self._session)
+            if operand is None or side is None:
+                context.sink.error("no-rendering", f"no picture of `{target}` can be made: it cannot be read")
+            else:
+                render(_KEPT, out, Wish(), context, self._session)

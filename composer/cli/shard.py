@@ -1,0 +1,35 @@
+"""`--shard I/N`: one of N parts of the cells, so that N runs build all of them, each once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import TypeVar
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True, slots=True)
+class Shard:
+    """The part of this `number`, from 1, of so many, `count`."""
+
+    number: int
+    count: int
+
+    def of(self, items: Sequence[Item]) -> list[Item]:
+        """Every `count`-th item: neighbours, which often take as long, go to different parts.
+
+        >>> Shard(1, 3).of("abcdefg"), Shard(3, 3).of("abcdefg"), Shard(3, 3).of("a")
+        (['a', 'd', 'g'], ['c', 'f'], [])
+        """
+        return list(items[self.number - 1 :: self.count])
+
+    def file(self, name: str) -> str:
+        """What a file is called that each part has for itself.
+
+        >>> Shard(1, 3).file("samples.csv")
+        'samples-1-of-3.csv'
+        """
+        path = PurePosixPath(name)
+        return f"{path.stem}-{self.number}-of-{self.count}{path.suffix}"

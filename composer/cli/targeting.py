@@ -1,0 +1,30 @@
+"""The option `--target` of `build`."""
+
+from __future__ import annotations
+
+import click
+
+from composer.targets.names import MUJOCO, NAMES
+
+target_option = click.option(
+    "--target",
+    type=click.Choice(NAMES),
+    callback=lambda context, option, value: None if value == MUJOCO else value,
+    help="The program that the model is written for; default: mujoco. What it cannot express is reported.",
+)
+
+
+def check_target(target: str | None, kind: str, *, is_verified: bool) -> None:
+    """Refuse what a target cannot be written as, or made of. Raises OutputError."""
+    from composer.bundle.output_error import OutputError
+
+    if target is None:
+        return
+    if kind not in ("folder", "archive"):
+        help = f"write a folder, `--target {target} -o build/{target}/`, or an archive"
+        raise OutputError(
+            "output-kind", f"`--target` writes files of its own, which one {kind} has not", help
+        )
+    if not is_verified:
+        help = "leave `--no-verify` out"
+        raise OutputError("output-kind", "`--target` is made of the compiled model", help)

@@ -1,0 +1,70 @@
+"""`mjcompose tree`: the parts, bodies and joints of a model, and what a part may be attached to."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import click
+
+from composer.cli import completing
+from composer.cli.choices import Choices, choice_options
+from composer.cli.fetching import fetching, fetching_options
+from composer.cli.limits import limit_option
+from composer.cli.matrix import cell_options, chosen_cell
+from composer.cli.reporting import USAGE, clear_progress, exit_code, report, reporting_options, use_color
+
+
+@click.command()
+@click.argument("model", shell_complete=completing.files)
+@click.option("--places", is_flag=True, help="List what a part may be attached to, as a recipe writes it.")
+@click.option("--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies.")
+@choice_options
+@cell_options
+@fetching_options
+@limit_option
+@reporting_options
+def command(
+    model: str,
+    places: bool,
+    depth: int | None,
+    choices: Choices,
+    pick: str | None,
+    sample: int | None,
+    form: str,
+) -> None:
+    """Show the parts, bodies and joints of MODEL: a recipe, a bundle, a model file, or a reference to one.
+
+    Poses are those of the reference configuration, joint ranges in degrees and metres; JSON has metres and radians.
+    """
+    from composer.context import Context
+    from composer.outline.data import as_data
+    from composer.outline.read import outline
+    from composer.outline.text import render, render_places
+
+    context = Context(fetching=fetching())
+    given = choices.values(context)
+    if context.sink.has_errors:
+        report(context, form)
+        sys.exit(USAGE)
+    is_recipe = Path(model).suffix.lower() in (".yaml", ".yml")
+    if pick is not None:
+        if not is_recipe:
+            raise click.UsageError(f"{model} is not a recipe and has no cells: leave --pick out")
+        cell, code = chosen_cell(Path(model), pick, sample, given, context, "show")
+        if cell is None:
+            report(context, form)
+            sys.exit(code)
+        given, sample = {**given, **cell.given}, cell.sample
+    found = outline(model, context, given, sample or 0)
+    if found is None or not is_recipe:  # warnings of a recipe are for those who check or build
+        report(context, form)
+    if found is None:
+        sys.exit(exit_code(context.folder, [Path(model)]))
+    clear_progress()
+    color = use_color(out=True)
+    if form == "json":
+        click.echo(json.dumps(as_data(found, depth), indent=2, ensure_ascii=False))
+    else:
+        click.echo((render_places if places else render)(found, depth, color), color=color)

@@ -1,0 +1,157 @@
+"""`mjcompose view`: a model in the browser, live or as a file."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from composer.cli import completing
+from composer.cli.choices import Choices, choice_options
+from composer.cli.fetching import fetching, fetching_options
+from composer.cli.limits import timeout_option
+from composer.cli.matrix import cell_options
+from composer.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options, say, words_of
+
+if TYPE_CHECKING:
+    from composer.context import Context
+    from composer.diff.operand import Operand
+    from composer.document import Node
+    from composer.engine import Session
+    from composer.view.live import Service
+    from composer.view.workshop import Shown, Workshop
+
+
+@click.command()
+@click.argument("target")
+@click.option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
+              help="Write one page that needs no server and no network, and end.")  # fmt: skip
+@click.option(
+    "--physics", is_flag=True, help="With --html: put MuJoCo into the page, 3.5 MB, so that it can be played."
+)
+@click.option("--key", metavar="KEY", help="The keyframe at the start. Default: the first one.",
+              shell_complete=completing.keys)  # fmt: skip
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Where to listen. Others may"
+              " then look too, if they know the token.")  # fmt: skip
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="PORT", help="Default: a free one.")
+@click.option("--no-open", is_flag=True, help="Do not open a browser.")
+@click.option("--editor", metavar="ADDRESS", help="What a link to a line opens, with {file}, {line} and {column}."
+              " Default: MJCOMPOSE_EDITOR of the environment, or vscode://file{file}:{line}:{column}.")  # fmt: skip
+@choice_options
+@cell_options
+@timeout_option
+@fetching_options
+@reporting_options
+def command(
+    target: str,
+    html: Path | None,
+    physics: bool,
+    key: str | None,
+    host: str,
+    port: int,
+    no_open: bool,
+    editor: str | None,
+    choices: Choices,
+    pick: str | None,
+    sample: int | None,
+    form: str,
+) -> None:
+    """Show TARGET in the browser: a recipe, an MJCF or URDF file, or a bundle.
+
+    Every file that it is made of is watched: the page shows what you save, and faults above the last good model.
+    """
+    from composer.context import Context
+    from composer.diff.operand import as_recipe, read_operand
+    from composer.engine import Session
+
+    if physics and html is None:
+        raise click.UsageError("--physics is for a page with --html: a live one runs physics on the server.")
+    context = Context(fetching=fetching())
+    given = choices.values(context)
+    with ExitStack() as opened:
+        operand = None if context.sink.has_errors else read_operand(target, context, opened)
+        if operand is None:
+            report(context, form)
+            sys.exit(USAGE)
+        session = opened.enter_context(Session(remembers=html is None))
+        if html is None:
+            from composer.view.asked import Asked
+            from composer.view.live import Service
+            from composer.view.workshop import EDITOR, Workshop
+
+            workshop = Workshop(
+                target, Asked(given, pick, sample), session, _opener(), words_of, key,
+                editor or os.environ.get("MJCOMPOSE_EDITOR") or EDITOR,
+            )  # fmt: skip
+            sys.exit(_live(workshop, Service(host, port, not no_open), context, form))
+        if physics:
+            operand = as_recipe(operand, opened)
+        words = _page(operand, html, key, given, pick, sample, session, physics)
+        operand.report(context.sink)
+    report(context, form)
+    if words is not None:
+        say(words, form=form)
+    sys.exit(FINDINGS if words is None or context.sink.has_errors else 0)
+
+
+def _opener() -> Callable[[], Context]:
+    """Makes the context of each build: what one has read is not remembered in the next."""
+    from composer.context import Context
+
+    how = fetching()
+    return lambda: Context(fetching=how)
+
+
+def _live(workshop: Workshop, service: Service, context: Context, form: str) -> int:
+    """Serve until interrupted; gives the exit code."""
+    from threading import Event
+
+    from composer.view.live import serve, started
+
+    server = started(workshop, service, context)
+    if server is None:
+        report(context, form)
+        return FINDINGS
+    stop = Event()
+
+    def announce(shown: Shown) -> None:
+        if shown.fault is not None:
+            click.echo(shown.fault, err=True)
+        else:
+            say(f"{shown.title}: shown, built in {shown.seconds:.2f} s", form=form)
+
+    try:
+        serve(server, service.opens, click.echo, stop, announce)
+    except KeyboardInterrupt:
+        stop.set()
+    return 0
+
+
+def _page(
+    operand: Operand,
+    out: Path,
+    key: str | None,
+    given: dict[str, Node],
+    pick: str | None,
+    sample: int | None,
+    session: Session,
+    physics: bool,
+) -> str | None:
+    """Write the page; what is said of it, None where there is none."""
+    from composer.diff.side import load
+    from composer.render.given import check_given
+    from composer.view.write import write_page
+
+    if not check_given(operand, given):
+        return None
+    progress(f"building {operand.label}")
+    side = load(operand, "view", session, given, pick, sample, whole=physics)
+    if side is None or operand.context.sink.has_errors:
+        return None
+    size = write_page(side, out, key, operand.context, session)
+    return None if size is None else f"wrote {out}, {size / 1e6:.1f} MB: open it in a browser"

@@ -1,0 +1,91 @@
+"""`--watch`: the command once more whenever a file changes that it read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from functools import wraps
+from pathlib import Path
+from threading import Event
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from composer.cli.noted import note_files, noted_files
+from composer.cli.reporting import USAGE, clear_progress, is_quiet
+
+if TYPE_CHECKING:
+    from composer.view.watching import Mark
+
+_PATIENCE = 0.5
+
+
+def watch_option(command: Callable[..., None]) -> Callable[..., None]:
+    """`--watch`; the command does not get it, and runs until the user interrupts it."""
+
+    @wraps(command)
+    def watched(watch: bool, **given: Any) -> None:
+        if watch:
+            _again_and_again(lambda: command(**given), _named(given))
+        else:
+            command(**given)
+
+    help = "Do it again whenever a file changes that was read, until interrupted."
+    return click.option("--watch", is_flag=True, help=help)(watched)
+
+
+def _named(given: dict[str, Any]) -> list[Path]:
+    """The recipes that the command was given, and their locks."""
+    recipes = [path for key in ("recipe", "recipes") for path in _listed(given.get(key))]
+    return [path for recipe in recipes for path in (recipe, recipe.with_suffix(".lock"))]
+
+
+def _listed(value: Any) -> tuple[Path, ...]:
+    if value is None:
+        return ()
+    return value if isinstance(value, tuple) else (value,)
+
+
+def _again_and_again(command: Callable[[], None], named: list[Path]) -> None:
+    from composer.sources.lease import let_go
+    from composer.view.watching import marks
+
+    before: dict[Path, Mark] = {}
+    try:
+        while True:
+            started = marks([*before, *named])
+            note_files(named)
+            code = _code(command)
+            let_go()
+            if code == USAGE and not before:  # there never was anything to watch
+                raise SystemExit(code)
+            files = [Path.cwd() / path for path in noted_files()]
+            before = {path: started.get(path, mark) for path, mark in marks(files).items()}
+            if not is_quiet():
+                clear_progress()
+                click.echo(f"watching {len(before)} files; Ctrl-C ends it", err=True)
+            _wait(before)
+    except KeyboardInterrupt:
+        clear_progress()
+
+
+def _code(command: Callable[[], None]) -> int:
+    try:
+        command()
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else 1
+    return 0
+
+
+def _wait(before: dict[Path, Mark]) -> None:
+    """Until a file is not as before. In a thread of its own: a watch swallows the signal that ends a command."""
+    from composer.view.watching import Watch
+
+    stop, done = Event(), Event()
+    # What stops the thread is set up before it starts: an interrupt that comes with it would wait for it forever.
+    with ThreadPoolExecutor(1) as executor, ExitStack() as at_the_end:
+        at_the_end.callback(stop.set)
+        executor.submit(Watch(stop).wait, before).add_done_callback(lambda _: done.set())
+        while not done.wait(_PATIENCE):
+            pass
