@@ -78,12 +78,13 @@ def test_a_file_that_must_not_be_read(folder: Path, name: str) -> None:
     assert "permission denied" in fault.message
 
 
-@pytest.mark.parametrize(("name", "size"), [("robot.xml", 257 << 20), ("more.xml", 257 << 20)])
+@pytest.mark.parametrize(("name", "size"), [("robot.xml", 65 << 20), ("more.xml", 65 << 20)])
 def test_a_huge_source(folder: Path, name: str, size: int) -> None:
     os.truncate(folder / name, size)  # sparse: it takes no room
     fault = told(folder)
-    assert (place_of(fault), fault.code) == PLACES[name]
-    assert fault.message.endswith("it is larger than 256 MiB")
+    assert (place_of(fault), fault.code) == (PLACES[name][0], "limit-exceeded")
+    assert fault.message.endswith("is not read: it is larger than 64M")
+    assert fault.help == "if that is meant, raise the limit: `--limit xml-size=65M`"
 
 
 def test_a_huge_recipe(folder: Path) -> None:
