@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from idle_children import IdleChildren
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
@@ -27,7 +28,24 @@ def own_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """No test uses or fills the store of whoever runs it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MJCOMPOSE_CACHE", str(tmp_path_factory.mktemp("store")))
+        patch.setenv("MJCOMPOSE_JOBS", "1")  # pytest has as many processes as there are cores
         yield
+
+
+@pytest.fixture(scope="session")
+def idle_children() -> Iterator[IdleChildren]:
+    idle = IdleChildren()
+    yield idle
+    idle.close()
+
+
+@pytest.fixture(autouse=True)
+def children_for_many(
+    idle_children: IdleChildren, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A session takes over a child that another test is done with, unless the test is marked `own_children`."""
+    if request.node.get_closest_marker("own_children") is None:
+        idle_children.lend(monkeypatch)
 
 
 def _package(name: str) -> Path:

@@ -109,6 +109,14 @@ def test_files_are_added_without_changing_the_bundle() -> None:
     assert list(bundle.files) == ["model.xml"]
 
 
+def test_only_what_is_new_is_hashed_again() -> None:
+    first = Bundle({"model.xml": b"<mujoco/>", "a.obj": b"1", "b.obj": b"2"})
+    identity = first.sha256
+    second = first.with_files({"b.obj": b"3"})
+    assert second._digests.keys() == {"model.xml", "a.obj"}
+    assert second.sha256 == Bundle(dict(second.files)).sha256 != identity
+
+
 def test_it_can_be_sent_to_another_process() -> None:
     bundle = Bundle({"arm.xml": MODEL, "a": b"1"}, "arm.xml")
     copy = pickle.loads(pickle.dumps(bundle))

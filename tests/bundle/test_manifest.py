@@ -56,6 +56,7 @@ def manifest() -> Manifest:
         files=files_of(BUNDLE),
         index=index_of(INDEX, {("joint", 0): ("joint", "arm.xml:12")}),
         warnings=("mujoco-warning: careful",),
+        picture="arm.png",
     )
 
 
@@ -111,7 +112,10 @@ def test_the_schema_in_the_repository_is_current() -> None:
 def test_the_schema_names_the_dialect_and_every_key() -> None:
     data = json.loads(schema())
     assert data["$schema"] == "https://json-schema.org/draft/2020-12/schema"
-    assert set(data["properties"]) == set(json.loads(to_json(manifest())))
+    written = set(json.loads(to_json(manifest())))
+    assert set(data["properties"]) == {*written, "picture", "target"}
+    assert not {"picture", "target"} & set(data["required"])
+    assert json.loads(to_json(manifest().model_copy(update={"picture": "arm.png"})))["picture"] == "arm.png"
     assert data["additionalProperties"] is False
 
 

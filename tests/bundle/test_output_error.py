@@ -12,6 +12,7 @@ from composer.diagnostics.codes import CODES
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EACCES, errno.EROFS, errno.ENAMETOOLONG])
 def test_a_refusal_of_the_system_says_what_to_do(number: int) -> None:
     error = unwritable("out", OSError(number, os.strerror(number)))
+    assert error.code == ("output-full" if number == errno.ENOSPC else "output-unwritable")
     assert error.code in CODES
     assert error.message == f"cannot write `out`: {os.strerror(number).lower()}"
     assert error.help

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from composer.bundle.archive import write_archive
 from composer.bundle.bundle import Bundle
-from composer.bundle.packing import Packed, level_of, pack, unwrapped, wrapped
+from composer.bundle.packing import Packed, PackedAhead, level_of, pack, unwrapped, wrapped
 
 BUNDLE = Bundle(
     {"model.xml": b"<mujoco/>" * 99, "assets/a.stl": bytes(range(256)) * 40, "assets/a.png": b"png" * 99}
@@ -33,3 +33,15 @@ def test_what_was_packed_before_is_copied(tmp_path: Path) -> None:
 def test_wrapping() -> None:
     packed = pack(b"abc" * 50, 6)
     assert unwrapped(wrapped(packed)) == packed
+
+
+def test_files_are_packed_ahead_but_for_those_that_are_known_and_those_that_are_packed_already() -> None:
+    known = Packed(1, 2, b"known")
+    find = {BUNDLE.digest("assets/a.stl"): known}.get
+    ahead = PackedAhead(BUNDLE, lambda digest, level: find(digest))
+    text = BUNDLE.files["model.xml"]
+    assert ahead.take(BUNDLE.digest("model.xml")) == (pack(text, level_of("model.xml")), True)
+    assert ahead.take(BUNDLE.digest("assets/a.stl")) == (known, False)
+    assert ahead.take(BUNDLE.digest("assets/a.png")) is None
+    ahead.end()
+    assert ahead.take(BUNDLE.digest("model.xml")) is None

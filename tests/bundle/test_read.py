@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import contextlib
 import os
 import stat
 import zipfile
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -168,3 +170,49 @@ def test_the_one_model_that_no_other_names(tmp_path: Path) -> None:
 def test_text_is_told_to_be_no_bundle(tmp_path: Path) -> None:
     (tmp_path / "a.xml").write_text("<mujoco/>")
     assert "is text alone" in refusal(tmp_path / "a.xml")
+
+
+def _zip_with_lzma(path: Path) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_LZMA) as made:
+        made.writestr("model.xml", b"<mujoco>" + bytes(range(256)) * 8)
+    return path
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_damaged_archive_is_told(tmp_path: Path, seed: int) -> None:
+    """Python's reader of zips raises many things: IndexError for a file without a name, LZMAError, …"""
+    random = Random(seed)
+    path = _zip_with_lzma(tmp_path / "a.zip")
+    data = bytearray(path.read_bytes())
+    for _ in range(random.randint(1, 6)):
+        data[random.randrange(len(data))] = random.randrange(256)
+    path.write_bytes(data)
+    with contextlib.suppress(ReadError):
+        read(path)
+
+
+def test_a_file_without_a_name_is_told(tmp_path: Path) -> None:
+    path = archive(tmp_path / "a.zip", {"q": b""})
+    # in the two places where a zip has the length of a name, and the name
+    path.write_bytes(path.read_bytes().replace(b"\x01\0\0\0q", b"\0\0\x01\0q").replace(b"PK\1\2", b"PK\1\2"))
+    data = bytearray(path.read_bytes())
+    at = data.rindex(b"PK\1\2")
+    data[at + 28 : at + 30], data[at + 30 : at + 32] = b"\0\0", b"\1\0"
+    path.write_bytes(data)
+    assert "a.zip` is not a" in refusal(path)
+
+
+def test_a_model_that_expands_without_end(tmp_path: Path) -> None:
+    text = (
+        '<mujoco><worldbody><replicate count="2000000000"><geom size=".1"/></replicate></worldbody></mujoco>'
+    )
+    (tmp_path / "model.xml").write_text(text)
+    with pytest.raises(
+        ReadError, match="`<replicate>` makes 1999999999 elements; 20000 are allowed"
+    ) as caught:
+        read(tmp_path)
+    assert caught.value.code == "limit-exceeded"
+    (tmp_path / "part.xml").write_text(text.replace("mujoco>", "mujocoinclude>"))
+    (tmp_path / "model.xml").write_text('<mujoco><include file="part.xml"/></mujoco>')
+    with pytest.raises(ReadError, match="elements; 20000 are allowed"):
+        read(tmp_path)

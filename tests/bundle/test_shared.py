@@ -86,3 +86,22 @@ def test_an_asset_that_was_altered_is_written_again(tmp_path: Path) -> None:
         path.write_bytes(bytes(reversed(path.read_bytes())))
     write_shared(bundle(), tmp_path / "b")
     assert {path: path.read_bytes() for path in assets} == whole
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b'"path": "../assets/', b'"path": {}, "x": "../assets/'),
+        (b'"path": "model.xml"', b'"path": true'),
+        (b'"params": {}', b'"params": {"a": NaN}'),
+        (b'"name": "m"', b'"name": "\\udc80"'),
+        (b'"model": "model.xml"', b'"model": ["model.xml"]'),
+    ],
+)
+def test_a_manifest_of_a_stranger(tmp_path: Path, old: bytes, new: bytes) -> None:
+    """Files beside the folder are looked for where the manifest is one; what is wrong with it is told elsewhere."""
+    write_shared(bundle(), tmp_path / "cell")
+    manifest = tmp_path / "cell" / MANIFEST
+    assert old in manifest.read_bytes()
+    manifest.write_bytes(manifest.read_bytes().replace(old, new, 1))
+    assert sorted(read(tmp_path / "cell").files) == ["LICENSES/arm/LICENSE", "manifest.json", "model.xml"]

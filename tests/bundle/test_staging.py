@@ -14,7 +14,7 @@ def test_the_file_is_there_only_when_the_block_ends(tmp_path: Path) -> None:
     with staged_file(out) as stage:
         stage.write_text("done")
         assert not out.exists()
-        assert stage.parent == out.parent
+        assert stage.parent.parent == out.parent
     assert out.read_text() == "done"
     assert os.listdir(out.parent) == ["out"]
 

@@ -56,7 +56,7 @@ def test_the_demo_cell_is_exported_with_its_textures(tmp_path: Path) -> None:
     built = build(Request(ROOT / "recipes" / "demo.yaml"), Context(folder=tmp_path))
     assert built is not None
     heard: list[str] = []
-    write(built.bundle, tmp_path / "demo.usdz", environment={}, tell=heard.append)
+    write(built.bundle, tmp_path / "demo.usdz", environment={}, warn=heard.append)
     with zipfile.ZipFile(tmp_path / "demo.usdz") as package:
         assert {Path(name).suffix for name in package.namelist()} == {".usdc", ".png"}
     assert "cameras are not supported" in heard

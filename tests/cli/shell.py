@@ -12,6 +12,7 @@ from typing import Any
 from click.testing import CliRunner, Result
 
 from composer.cli.main import main
+from composer.sources.lease import let_go
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -56,10 +57,11 @@ WRONG = RECIPE.replace("site: flange", "site: flang")
 REJECTED = RECIPE + "add:\n  - {to: link, geom: {type: box, size: [0.1]}}\n"
 
 
-def run(*arguments: str) -> Result:
+def run(*arguments: str, input: str | None = None) -> Result:
     """The command in this process; standard output and standard error are kept apart."""
     keep_apart = {"mix_stderr": False} if "mix_stderr" in inspect.signature(CliRunner).parameters else {}
-    result = CliRunner(**keep_apart).invoke(main, list(arguments), prog_name="mjcompose")
+    let_go()  # each command is a process, which has ended
+    result = CliRunner(**keep_apart).invoke(main, list(arguments), input=input, prog_name="mjcompose")
     assert result.exit_code in (0, 1, 2, 130), result.stderr
     return result
 

@@ -19,6 +19,7 @@ from typing import Any
 
 import pytest
 from cli.shell import environment, process, run, snapshot
+from sampling import rest_slow
 
 from composer.sources import unpack
 from composer.sources.store import Store
@@ -173,11 +174,18 @@ CASES: dict[str, tuple[Callable[[World], str | None], str, str]] = {
     "a lock with another commit": (lock_with_another_commit, "source-changed", "`arm/arm.xml` changed"),
     "a lock with another hash": (lock_with_another_hash, "source-changed", "`arm/arm.xml` changed"),
 }  # fmt: skip
+QUICK = [
+    "another archive than the lock says",
+    "a tag that does not exist",
+    "a host of archives that is gone",
+    "an archive that escapes its folder",
+    "a lock with another hash",
+]
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", rest_slow(CASES, QUICK))
 def test_one_error_at_its_place(world: World, case: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(unpack, "limits", unpack.Limits(small=1024 * 1024))
+    monkeypatch.setattr(unpack, "SMALL", 1024 * 1024)
     prepare, code, said = CASES[case]
     reference = prepare(world)
     if reference is not None:
@@ -203,6 +211,7 @@ def test_one_error_at_its_place(world: World, case: str, monkeypatch: pytest.Mon
     assert list(world.folder.parent.glob("**/out.xml")) == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="files have no size limit there")
 @pytest.mark.parametrize("kind", ["git", "archive"])
 def test_a_full_disk(world: World, kind: str) -> None:
@@ -231,6 +240,7 @@ def test_a_full_disk(world: World, kind: str) -> None:
     assert world.store.unfinished() == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
 def test_a_build_that_is_killed_while_it_fetches(world: World) -> None:
     large = zipped(**{"arm.xml": MODEL, "large.bin": os.urandom(2_000_000)})
@@ -262,6 +272,7 @@ def test_a_build_that_is_killed_while_it_fetches(world: World) -> None:
     assert world.store.unfinished() == []
 
 
+@pytest.mark.slow
 def test_two_builds_fetch_once(world: World) -> None:
     content = zipped(**{"arm.xml": MODEL, "large.bin": os.urandom(1_000_000)})
     name, path = world.archive(content).split("#")

@@ -216,7 +216,7 @@ def test_one_sample_of_all_cells(folder: Path) -> None:
     assert result.exit_code == 0, result.output
     assert list(digests(folder / "x")) == ["ball-1-s0002.zip", "ball-2-s0002.zip"]
     gone = run("build", "r.yaml", "--sample", "9")
-    assert gone.exit_code == 2 and "there is no sample 9: the recipe has the samples 0 to 3" in gone.stderr
+    assert gone.exit_code == 2 and "sample 9 does not exist: the recipe has the samples 0 to 3" in gone.stderr
     (folder / "one.yaml").write_text(HEAD)
     assert run("check", "one.yaml", "--sample", "1").exit_code == 2
 

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -89,3 +91,15 @@ def test_a_bound_that_is_none(store: Store, monkeypatch: pytest.MonkeyPatch) -> 
     result = run("cache", "info")
     assert result.exit_code == 2
     assert "not a size" in result.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a file that is gone is locked by nobody there, too")
+def test_prune_sweeps_what_killed_processes_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    left = tmp_path / "tmp" / "mjcompose-engine-0123456789ab"
+    left.mkdir(parents=True)
+    (left / "lock").touch()
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "store"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "tmp"))
+    monkeypatch.setattr("composer.scratch._swept", set())
+    assert run("cache", "prune").exit_code == 0
+    assert not left.exists()

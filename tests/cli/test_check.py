@@ -159,3 +159,62 @@ def test_cells_that_were_not_checked_are_reported(folder: Path) -> None:
         assert "note[cells-not-checked]: one model was checked, and the matrix has 3 cells" in result.stderr
     assert json.loads(run("check", "study.yaml", "--json").stdout)["code"] == "cells-not-checked"
     assert "cells-not-checked" not in run("build", "study.yaml").stderr
+
+
+CONVERTED = """\
+recipe: 1
+name: converted
+base: ./models/servo.xml
+edit:
+  - {select: {actuator: a}, convert: {to: motor}}
+"""
+SERVO = """<mujoco><worldbody><body name="b"><joint name="j"/><geom size="0.1"/></body></worldbody>
+  <actuator><position name="a" joint="j" kp="10"/></actuator></mujoco>"""
+
+
+def test_strict_and_allow(folder: Path) -> None:
+    """Also of what is built already, and nothing is written of what has warnings."""
+    (folder / "models" / "servo.xml").write_text(SERVO)
+    (folder / "w.yaml").write_text(CONVERTED)
+    for _ in range(2):
+        assert run("check", "w.yaml").exit_code == 0
+        result = run("check", "w.yaml", "--strict")
+        assert result.exit_code == 1 and "error[convert-loss]" in result.stderr and "ok" not in result.stdout
+    assert run("build", "w.yaml", "--strict", "-o", "w.zip").exit_code == 1
+    assert not (folder / "w.zip").exists()
+    assert run("build", "w.yaml", "-o", "w.zip").exit_code == 0
+    (folder / "w.yaml").write_text(CONVERTED.replace("motor}}", "motor}, allow: [convert-loss]}"))
+    for _ in range(2):
+        result = run("check", "w.yaml", "--strict")
+        assert (result.exit_code, result.stderr) == (0, "")
+
+
+def test_licences_are_allowed_at_the_top(folder: Path) -> None:
+    (folder / "models" / "LICENSE").unlink()
+    assert "warning[licence-missing]" in run("build", "cell.yaml", "-o", "a.zip").stderr
+    result = run("build", "cell.yaml", "-o", "b.zip", "--strict")
+    assert (
+        result.exit_code == 1
+        and "error[licence-missing]" in result.stderr
+        and not (folder / "b.zip").exists()
+    )
+    recipe = folder / "cell.yaml"
+    recipe.write_text(recipe.read_text() + "allow: [licence-missing]\n")
+    for _ in range(2):
+        result = run("build", "cell.yaml", "-o", "b.zip", "--strict")
+        assert (result.exit_code, result.stderr) == (0, "")
+
+
+def test_verbose_says_stages_and_files(folder: Path) -> None:
+    result = run("check", "cell.yaml", "-v")
+    assert [line.split()[0] for line in result.stderr.splitlines()][:5] == [
+        "plan",
+        "compose",
+        "bundle",
+        "compile",
+        "check",
+    ]
+    assert "  read cell.yaml\n" in result.stderr and "  read models/meshes/cover.obj\n" in result.stderr
+    again = run("check", "cell.yaml", "--verbose").stderr
+    assert "nothing was built: the cache has it" in again and "  read models/tool.xml\n" in again
+    assert "read" not in run("check", "cell.yaml").stderr

@@ -39,15 +39,50 @@ def offered(*words: str) -> list[str]:
 
 def test_what_the_recipe_has(study: Path) -> None:
     cells = ["study-1-slow", "study-1-fast", "study-2-slow", "study-2-fast"]
-    for verb in ("build", "check", "plan"):
-        assert offered(verb, "study.yaml", "--pick", "") == cells
+    for verb in ("build", "check", "plan", "render", "view"):
+        assert offered(verb, "study.yaml", "--pick", "s") == [*cells, "speed=slow", "speed=fast"]
+    assert offered("build", "study.yaml", "--pick", "ma") == ["mass=1", "mass=2"]
+    assert offered("build", "study.yaml", "--pick", "mass=2,s") == ["mass=2,speed=slow", "mass=2,speed=fast"]
     assert offered("build", "study.yaml", "--pick", "study-2") == cells[2:]
     assert offered("explain", "study.yaml", "world", "--pick", "study-2-f") == cells[3:]
     assert offered("diff", "study.yaml", "cell.yaml", "--pick", "study-2-f") == cells[3:]
-    assert offered("build", "study.yaml", "--set", "") == ["mass=", "reach="]
+    assert offered("build", "study.yaml", "--set", "") == ["mass=", "reach=", "speed=slow", "speed=fast"]
     assert offered("build", "study.yaml", "--variant", "speed=f") == ["speed=fast"]
     assert offered("explain", "study.yaml", "sh") == ["shoulder"]
     assert offered("build", "study.yaml", "--qui") == ["--quiet"]
+
+
+def test_values_that_a_parameter_may_have(folder: Path) -> None:
+    params = "{tool: {default: hand, choices: [hand, hook]}, lit: true, reach: 2}"
+    (folder / "tools.yaml").write_text(f"recipe: 1\nparams: {params}\n")
+    assert offered("build", "tools.yaml", "--set", "") == [
+        "tool=hand",
+        "tool=hook",
+        "lit=true",
+        "lit=false",
+        "reach=",
+    ]
+
+
+def test_what_the_model_has(folder: Path) -> None:
+    (folder / "seen.yaml").write_text(
+        "recipe: 1\nbase: ./models/arm.xml\n"
+        "add: [{to: world, camera: {name: above}}]\n"
+        "keyframe: {rest: {}}\n"
+        "randomize: {seed: 1, samples: 2, fields: {m: {select: {geom: '**'}, attr: mass, uniform: [1, 2]}}}\n"
+    )
+    assert offered("render", "seen.yaml", "--key", "") == ["rest"]
+    assert offered("view", "seen.yaml", "--key", "r") == ["rest"]
+    assert offered("render", "seen.yaml", "--camera", "") == ["above"]
+    assert offered("build", "seen.yaml", "--sample", "") == ["0", "1", "2"]
+    assert offered("explain", "seen.yaml", "shoulder", "ran") == ["range"]
+    assert offered("explain", "seen.yaml", "joint shoulder", "ran") == ["range"]
+    assert offered("explain", "seen.yaml", "geom shoulder", "ran") == []
+
+
+def test_commands_and_limits() -> None:
+    assert offered("help", "bu") == ["build"]
+    assert offered("build", "--limit", "exp") == ["expansion="]
 
 
 @pytest.mark.parametrize("recipe", ["gone.yaml", "models", "wrong.yaml", "models/arm.xml"])

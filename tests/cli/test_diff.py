@@ -76,3 +76,27 @@ def test_a_cell_of_the_matrix(folder: Path) -> None:
     assert result.exit_code == 2 and "there are no cells" in result.stderr
     result = run("diff", "a.yaml", "b.yaml", "--pick", "cell-1", "--set", "load=2")
     assert result.exit_code == 2 and "is an axis of the matrix" in result.stderr
+
+
+def test_a_sample(folder: Path) -> None:
+    """One sample of either recipe is compared with the same of the other."""
+    draw = "{select: {joint: '**'}, attr: damping, uniform: [1, 2]}"
+    draws = f"randomize: {{seed: SEED, samples: 2, fields: {{damping: {draw}}}}}\n"
+    (folder / "a.yaml").write_text(RECIPE + draws.replace("SEED", "1"))
+    (folder / "b.yaml").write_text(RECIPE + draws.replace("SEED", "2"))
+    assert run("diff", "a.yaml", "b.yaml").exit_code == 0
+    assert "damping of joint" in run("diff", "a.yaml", "b.yaml", "--sample", "1").stdout
+    result = run("diff", "a.yaml", "b.yaml", "--sample", "3")
+    assert result.exit_code == 2 and "sample 3 does not exist" in result.stderr
+    result = run("diff", "models/arm.xml", "models/arm.xml", "--sample", "1")
+    assert result.exit_code == 2 and "neither `models/arm.xml`" in result.stderr
+
+
+def test_a_page_of_both(folder: Path) -> None:
+    _changed(folder)
+    result = run("diff", "cell.yaml", "new.yaml", "--html", "out/diff.html")
+    assert result.exit_code == 1 and result.stderr == "wrote out/diff.html: open it in a browser\n"
+    assert (folder / "out" / "diff.html").read_text("utf-8").count("class=model") == 2
+    (folder / "file").write_text("")
+    result = run("diff", "cell.yaml", "new.yaml", "--html", "file/diff.html")
+    assert result.exit_code == 2 and "error[output-unwritable]" in result.stderr and result.stdout == ""

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from cli.shell import run, snapshot
 
 
@@ -92,4 +93,37 @@ def test_of_a_cell_and_a_sample(folder: Path) -> None:
     named = run("explain", "study.yaml", "site s size", "--pick", "a-3-s0002")
     assert named.stdout == sample.stdout
     gone = run("explain", "study.yaml", "site s size", "--pick", "a-3", "--sample", "3")
-    assert gone.exit_code == 2 and "there is no sample 3: the recipe has the samples 0 to 2" in gone.stderr
+    assert gone.exit_code == 2 and "sample 3 does not exist: the recipe has the samples 0 to 2" in gone.stderr
+
+
+def test_a_code(folder: Path) -> None:
+    told = run("explain", "bare-angle").stdout
+    assert told.startswith("bare-angle\n\nA number stands where") and "How to fix it" in told
+    assert run("explain", "error[bare-angle]").stdout == told
+    data = json.loads(run("explain", "bare-angle", "--json").stdout)
+    assert (data["explains"], data["code"]) == ("code", "bare-angle")
+    assert data["page"].startswith("# bare-angle\n")
+    listed = run("explain", "--codes").stdout
+    assert "\nbare-angle " in listed and json.loads(run("explain", "--codes", "--json").stdout)["bare-angle"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ("bare-angel",),
+            "`bare-angel` is neither a code nor a file that exists. Did you mean `bare-angle`?",
+        ),
+        (("qqqqqq",), "`mjcompose explain --codes` lists them."),
+        (("cell.yaml",), "Missing argument 'QUERY'."),
+        (("gone.yaml",), "Missing argument 'QUERY'."),
+        (
+            ("bare-angle", "geom x"),
+            "`bare-angle` is a code, not a model. Write `mjcompose explain bare-angle` alone.",
+        ),
+        ((), "Missing argument 'MODEL|CODE'."),
+    ],
+)
+def test_what_is_neither_a_code_nor_a_question(folder: Path, arguments: tuple[str, ...], said: str) -> None:
+    result = run("explain", *arguments)
+    assert result.exit_code == 2 and result.stdout == "" and said in " ".join(result.stderr.split())

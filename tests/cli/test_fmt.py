@@ -1,10 +1,14 @@
 from __future__ import annotations
 
 import os
+import shlex
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
-from cli.shell import process, run
+import pytest
+from cli.shell import environment, process, run
 
 UNTIDY = "name: cell   # short\nrecipe: 1\nattach: {tool: {site: flange, model: ./models/tool.xml}}\n"
 TIDY = "recipe: 1\nname: cell   # short\nattach: {tool: {model: ./models/tool.xml, site: flange}}\n"
@@ -74,3 +78,16 @@ def test_faults_leave_the_file_alone_and_the_others_are_formatted(folder: Path) 
 
 def test_no_recipe_is_a_usage_error() -> None:
     assert run("fmt").exit_code == 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a shell")
+def test_closed_streams(folder: Path) -> None:
+    command = f"{shlex.quote(sys.executable)} -m composer fmt -"
+    for line, said in (
+        (f"{command} <&-", b"error[file-unreadable]: standard input is closed\n\n1 error\n"),
+        (f"{command} < cell.yaml >&-", b"cannot go on: standard output is closed\n"),
+    ):
+        result = subprocess.run(
+            line, shell=True, env=environment(), capture_output=True, timeout=60, check=False
+        )
+        assert (result.returncode, result.stderr, result.stdout) == (1, said, b""), line

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import pytest
 from cli.shell import run
 
 MERGED = """\
@@ -69,7 +71,7 @@ def test_nothing_is_overwritten(folder: Path) -> None:
     (folder / "merged.xml").write_text(MERGED.format(height="0.01"))
     before = (folder / "cell.yaml").read_text()
     result = run("import", "merged.xml", "models/tool.xml", "-o", "cell.yaml")
-    assert result.exit_code == 2 and "there already" in result.stderr
+    assert result.exit_code == 2 and "exists already" in result.stderr
     assert (folder / "cell.yaml").read_text() == before
 
 
@@ -77,3 +79,40 @@ def test_a_model_that_is_not_there(folder: Path) -> None:
     result = run("import", "gone.xml", "models/tool.xml")
     assert result.exit_code == 2 and "error[file-not-found]" in result.stderr
     assert not (folder / "gone.yaml").exists()
+
+
+ARM = '<mujoco><worldbody><body name="base"><geom size="0.1"/><body name="link"><geom size="0.1"/>{}</body></body></worldbody></mujoco>'
+HAND = '<body name="{0}palm"><geom size="0.1"/><body name="{0}finger"><geom size="0.1"/></body></body>'
+
+
+def test_parts_are_looked_for(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("composer.importing.searching._of_packages", lambda: iter(()))
+    monkeypatch.setattr("composer.importing.searching._of_menagerie", lambda _: iter(()))
+    (folder / "whole.xml").write_text(ARM.format(HAND.format("left/")))
+    (folder / "parts").mkdir()
+    (folder / "parts" / "arm.xml").write_text(ARM.format(""))
+    (folder / "parts" / "hand.xml").write_text(f"<mujoco><worldbody>{HAND.format('')}</worldbody></mujoco>")
+    result = run("import", "whole.xml", "--among", "parts")
+    assert result.exit_code == 0 and result.stdout.startswith(
+        "found 2 parts among 2 models: parts/arm.xml, parts/hand.xml\n"
+    )
+    assert "base: ./parts/arm.xml" in (folder / "whole.yaml").read_text()
+
+    result = run("import", "whole.xml", "-o", "alone.yaml")
+    assert (
+        result.exit_code == 0
+        and "found none of its parts among 0 models; --among FOLDER looks further" in result.stdout
+    )
+    assert (folder / "alone.yaml").read_text() == "recipe: 1\nname: alone\nbase: ./whole.xml\n"
+    assert run("check", "alone.yaml").exit_code == 0
+    told = json.loads(run("import", "whole.xml", "-o", "data.yaml", "--json").stdout)
+    assert (told["output"], told["parts"]) == ("data.yaml", 0)
+
+
+def test_bad_searches(folder: Path) -> None:
+    assert run("import", "merged.xml", "models/tool.xml", "--among", "models").exit_code == 2
+    assert run("import", "merged.xml", "--among", "gone").exit_code == 2
+    result = run("import", "merged.xml", "menagerie:universal_robots_ur5e")
+    assert result.exit_code == 2 and "PARTS are files" in result.stderr
+    result = run("import", "gone.xml", "--among", "models")
+    assert result.exit_code == 2 and "error[file-not-found]" in result.stderr

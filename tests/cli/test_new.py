@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -34,7 +35,7 @@ def test_any_name(folder: Path, stem: str) -> None:
 def test_nothing_is_overwritten(folder: Path) -> None:
     before = snapshot(folder)
     result = run("new", "cell.yaml")
-    assert result.exit_code == 1 and "is there already" in result.stderr
+    assert result.exit_code == 1 and "exists already" in result.stderr
     assert snapshot(folder) == before
 
 
@@ -53,3 +54,23 @@ def test_what_cannot_be_written(folder: Path) -> None:
 def test_folders_on_the_way_are_made(folder: Path) -> None:
     assert run("new", "a/b/mine.yaml").exit_code == 0
     assert run("check", "a/b/mine.yaml", "--no-verify").exit_code == 0
+
+
+@pytest.mark.parametrize(("name", "meant"), [("/", "/model.yaml"), ("", "model.yaml"), (".", "model.yaml")])
+def test_what_is_no_name(folder: Path, name: str, meant: str) -> None:
+    result = run("new", name)
+    assert result.exit_code == 2
+    assert f"Error: a recipe's name ends in .yaml: {meant}\n" in result.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege there")
+def test_a_link_that_leads_to_itself(folder: Path) -> None:
+    (folder / "loop").mkdir()
+    (folder / "loop" / "x").symlink_to("x")
+    for words in (
+        ("new", "loop/x", "--project"),
+        ("new", "loop/x/a.yaml"),
+    ):
+        result = run(*words)
+        assert result.exit_code in (1, 2), (words, result.stderr)
+        assert "error[output-unwritable]" in result.stderr or "Error: " in result.stderr

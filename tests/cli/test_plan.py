@@ -179,3 +179,52 @@ def test_one_cell(folder: Path) -> None:
     assert "cells that exist: m3-l1, m3-l5" in several.stderr
     fixed = run("plan", "study.yaml", "--pick", "m3-l5", "--set", "load=2")
     assert "`load` is an axis of the matrix" in fixed.stderr and "plan without `--pick`" in fixed.stderr
+
+
+EDITED = """\
+recipe: 1
+base: ./models/arm.xml
+attach:
+  tool: {model: ./models/tool.xml, site: flange, edit: [{select: {geom: palm}, set: {condim: 4}}]}
+sensor:
+  angle: {type: jointpos, joint: shoulder}
+  force: {type: force, site: flange}
+edit:
+  - {select: {geom: "**"}, set: {condim: 6}}
+  - {select: {site: nothing}, optional: true, set: {group: 3}}
+  - {select: {joint: shoulder}, remove: cascade}
+"""
+
+
+def test_edits_are_counted_and_removals_listed(folder: Path) -> None:
+    before = snapshot(folder)
+    (folder / "e.yaml").write_text(EDITED)
+    result = run("plan", "e.yaml")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert [line for line in result.stdout.splitlines() if "edit" in line or "removes" in line] == [
+        "    edit {geom: palm}: set condim = 4 (1 geom)",
+        "  edit {geom: **}: set condim = 6 (3 geoms)",
+        "  edit {site: nothing}: set group = 3 (nothing)",
+        "  edit {joint: shoulder}: remove, with all that refers to it (1 joint)",
+        "    removes 1 joint: shoulder",
+        "    removes 1 sensor: angle",
+    ]
+    told = json.loads(run("plan", "e.yaml", "--json").stdout)
+    assert told["parts"][0]["edited"] == [
+        {"words": "edit {geom: palm}: set condim = 4", "selected": {"geom": 1}, "removed": []}
+    ]
+    assert told["edited"][2]["removed"] == [
+        {"kind": "joint", "name": "shoulder"},
+        {"kind": "sensor", "name": "angle"},
+    ]
+    (folder / "e.yaml").unlink()
+    assert snapshot(folder) == before
+
+
+def test_what_an_edit_cannot_do_is_told(folder: Path) -> None:
+    (folder / "e.yaml").write_text(EDITED.replace("cascade", "true"))
+    result = run("plan", "e.yaml")
+    assert result.exit_code == 1 and "error[still-referred-to]" in result.stderr
+    assert "edit {geom: **}: set condim = 6 (3 geoms)\n" in result.stdout
+    assert "edit {joint: shoulder}: remove (1 joint)\n" in result.stdout
+    assert "removes" not in result.stdout

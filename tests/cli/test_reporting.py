@@ -15,7 +15,7 @@ ESCAPE = "\x1b["
 def test_text(folder: Path) -> None:
     result = run("check", "wrong.yaml")
     assert result.stderr == (
-        "wrong.yaml:5:42: error[attach-place]: there is no site `flang` to attach `tool/` to\n"
+        "wrong.yaml:5:42: error[attach-place]: the site `flang` to attach `tool/` to does not exist\n"
         "  |\n"
         "5 |   tool: {model: ./models/tool.xml, site: flang}\n"
         "  |                                          ^^^^^\n"
@@ -42,7 +42,7 @@ def test_github(folder: Path) -> None:
     assert result.exit_code == 1 and result.stderr == ""
     (line,) = result.stdout.splitlines()
     assert line.startswith(
-        "::error file=wrong.yaml,line=5,col=42,endLine=5,endColumn=47,title=attach-place::there is no"
+        "::error file=wrong.yaml,line=5,col=42,endLine=5,endColumn=47,title=attach-place::the site"
     )
 
 

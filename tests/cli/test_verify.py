@@ -63,4 +63,4 @@ def test_what_is_not_there_is_called_as_it_was_written(
     monkeypatch.chdir(tmp_path)
     result = runner.invoke(main, ["verify", "gone.zip"])
     assert result.exit_code == 2
-    assert "error[file-not-found]: there is no file or folder `gone.zip`\n" in result.stderr
+    assert "error[file-not-found]: the file or folder `gone.zip` does not exist\n" in result.stderr

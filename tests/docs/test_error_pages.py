@@ -89,6 +89,7 @@ MODELS_OF = {
         "gripper.xml": ARM.format("", HOME.format(1.5)),
     },
     "name-clash": {"arm.xml": PROP.format("table", "", "")},
+    "not-held": {"arm.xml": ARM.format("", '<actuator><motor name="shoulder" joint="elbow"/></actuator>')},
     "option-conflict": {
         "arm.xml": ARM.format('<option timestep="0.002"/>', ""),
         "gripper.xml": PROP.format("palm", "", "").replace("<mujoco>", '<mujoco><option timestep="0.001"/>'),
@@ -113,9 +114,17 @@ NOT_A_BUILD = {
     **dict.fromkeys(
         ("bundle-changed", "bundle-manifest", "part-changed", "part-not-compared"), "tests/verify"
     ),
+    **dict.fromkeys(
+        ("cluster-missing", "cluster-unreachable", "cluster-worker"), "need a cluster: tests/cluster"
+    ),
+    **dict.fromkeys(("not-a-world", "not-installed", "not-per-world"), "is not about a build: tests/worlds"),
+    "output-full": "needs a disk that is full: tests/kills",
+    **dict.fromkeys(("target-cannot", "target-failed", "target-loss"), "needs `--target`: tests/targets"),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/diff",
     "no-rendering": "needs a machine without OpenGL: tests/diff",
+    "no-server": "needs a port that is taken: tests/cli/test_view.py",
+    "no-video": "needs a machine without an encoder: tests/cli/test_render.py",
     "cannot-format": "is not about a build: tests/formatting",
     "mujoco-crash": "a model that crashes one MuJoCo is refused by another",
     "mujoco-timeout": "takes long by its nature",
@@ -191,13 +200,17 @@ def test_a_session_ends_with_the_error(code: str, text: str, tmp_path: Path) -> 
         pytest.skip("who runs this may read everything")
     if code == "usd-loss" or (code == "usd-missing" and find_spec("mujoco_usd_converter") is not None):
         pytest.skip("depends on the converter to USD")
+    if code == "worker-died":
+        pytest.skip("needs a machine with little memory")
     if code == "mujoco-missing":
         pytest.skip("needs an environment without MuJoCo")
     (tmp_path / "recipes").mkdir()
     (tmp_path / "models").mkdir()
     for name in ("recipe.yaml", "recipes/arm.yaml"):
         (tmp_path / name).write_text("recipe: 1\nbase: ./models/arm.xml\n")
-    (tmp_path / "models" / "arm.xml").write_text(MODELS["arm.xml"])
+    licence = "<!-- SPDX-License-Identifier: CC0-1.0 -->\n"
+    text_of_arm = MODELS["arm.xml"] if code == "licence-missing" else licence + MODELS["arm.xml"]
+    (tmp_path / "models" / "arm.xml").write_text(text_of_arm)
     script = f'mjcompose() {{ {shlex.quote(sys.executable)} -m composer "$@"; }}\n'
     script += "".join(line[2:] for line in text.splitlines(keepends=True) if line.startswith("$ "))
     result = subprocess.run(

@@ -30,6 +30,29 @@ def test_two_arms() -> None:
     assert left < -1 and abs(right) < 0.1, "the left one is driven"
 
 
+@pytest.mark.slow
+def test_held_payload(tmp_path: Path) -> None:
+    """Fewer worlds than the recipe has: what is learnt holds the arm in all of them better than the servos alone."""
+    pytest.importorskip("mujoco.batch", reason="MuJoCo 3.17")
+    recipe = EXAMPLES.parents[1] / "recipes" / "held_payload.yaml"
+    command = [
+        sys.executable,
+        "-m",
+        "composer",
+        "build",
+        str(recipe),
+        "--set",
+        "worlds=40",
+        "-o",
+        f"{tmp_path}/out/",
+        "-q",
+    ]
+    subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": str(EXAMPLES.parents[1])})
+    told = run("worlds/held_payload.py", f"{tmp_path}/out/", "--learn-in", 20).splitlines()
+    before, after = (float(re.findall(r"\d+\.\d+", line)[0]) for line in (told[0], told[2]))
+    assert after < before / 3 and "in 40 worlds" in told[2]
+
+
 def test_creatures() -> None:
     told = run("creatures.py").splitlines()
     assert told[0] == "6 creatures, 56 servos, 92 degrees of freedom"

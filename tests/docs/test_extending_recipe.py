@@ -82,6 +82,15 @@ def run(package: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return done
 
 
+def make_schemas(package: Path) -> None:
+    """What `make schemas` does for `fmt`."""
+    code = "from composer.recipe.key_order import text; print(text())"
+    environment = {**os.environ, "PYTHONPATH": str(package), "PYTHONSAFEPATH": "1"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, cwd=package, env=environment, capture_output=True, text=True, check=True)
+    (package / "composer" / "formatting" / "key_order.json").write_text(done.stdout, encoding="utf-8")
+
+
 def imported(package: Path) -> subprocess.CompletedProcess[str]:
     code = "import composer.stages, composer.compose.edit, composer.verify.checks"
     environment = {**os.environ, "PYTHONPATH": str(package), "PYTHONSAFEPATH": "1"}
@@ -103,6 +112,7 @@ def package(tmp_path: Path) -> Path:
 def test_all_of_it_works(package: Path) -> None:
     for title in TITLES:
         extend(package, title)
+    make_schemas(package)
     built = run(package, "build", "recipe.yaml", "-o", "out")
     assert built.returncode == 0, built.stderr
     model = (package / "out" / "model.xml").read_text(encoding="utf-8")

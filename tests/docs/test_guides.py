@@ -110,8 +110,11 @@ def test_the_fault_of_the_readme_is_told_as_it_shows(tmp_path: Path, menagerie_r
 def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
     commands = next(text for text in blocks("README.md", "sh") if "mjcompose new model.yaml" in text)
     commands = "".join(
-        line for line in commands.splitlines(True) if not re.search(" (import|diff) ", line)
-    )  # of files of one's own
+        line for line in commands.splitlines(True) if not re.search(" (import|diff|view|lsp) ", line)
+    )  # of files of one's own, or with an editor at the other end
+    # A page that is served is served until the user ends it.
+    served = f"timeout 5 {shlex.quote(sys.executable)} -m composer view model.yaml --no-open || [ $? = 124 ]"
+    commands = commands.replace("mjcompose view model.yaml  ", f"{served}  ", 1)
     script = f'set -e\nmjcompose() {{ {shlex.quote(sys.executable)} -m composer "$@"; }}\n{commands}'
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     subprocess.run(["bash", "-c", script], cwd=tmp_path, env=environment, check=True, timeout=240)

@@ -13,16 +13,13 @@ from fidelity import corpus as corpora
 from fidelity.building import is_there
 from fidelity.corpus import Composition
 from fidelity.judging import judge
+from sampling import rest_slow
 
-SAMPLE = (
-    "dev-ur5e+2f85",
-    "dev-iiwa+allegroL",
-    "dev-panda-hand+d435i",
-    "dev-g1+allegro2",
-    "dev-scene+cassie",
-    "dev-chain-scene+ur5e+2f85",
-    "dev-scene+motorfinger",
-    "dev-floating-on-moving",
+QUICK = ("dev-iiwa+allegroL", "dev-chain-scene+ur5e+2f85", "dev-scene+motorfinger", "dev-floating-on-moving")
+SAMPLE = (*QUICK, "dev-ur5e+2f85", "dev-panda-hand+d435i", "dev-g1+allegro2", "dev-scene+cassie")
+QUICK_ROBOTS = (
+    "universal_robots_ur5e/ur5e + robotiq_2f85/2f85",
+    "wonik_allegro/left_hand + ufactory_xarm7/hand",
 )
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
 PAIRS = [pair for pair in corpora.pairs(Path(FOLDER)) if pair.id in SAMPLE] if FOLDER else []
@@ -44,13 +41,13 @@ def test_the_sample_is_in_the_corpus() -> None:
     assert sorted(pair.id for pair in PAIRS) == sorted(SAMPLE)
 
 
-@pytest.mark.parametrize("pair", PAIRS, ids=lambda pair: pair.id)
+@pytest.mark.parametrize("pair", rest_slow(PAIRS, QUICK, lambda pair: pair.id))
 def test_pair(pair: Composition) -> None:
     verdict = judge(pair)
     assert verdict.fine, "\n".join(verdict.first_differences)
 
 
-@pytest.mark.parametrize("pair", _robots(), ids=lambda pair: pair.id)
+@pytest.mark.parametrize("pair", rest_slow(_robots(), QUICK_ROBOTS, lambda pair: pair.id))
 def test_robots_side_by_side(pair: Composition) -> None:
     verdict = judge(pair)
     assert verdict.fine, "\n".join(verdict.first_differences)

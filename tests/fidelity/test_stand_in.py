@@ -14,12 +14,22 @@ from fidelity.corpus import Composition
 from fidelity.decided import NOT_YET
 from fidelity.judging import Verdict, judge
 from fidelity.table import cells, markdown, totals
+from sampling import rest_slow
 
 from composer.compiled.keyframes import Roots
 
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
 QUICK = 0.3
 """Seconds that composing may have taken when the corpus was made."""
+QUICKEST = (
+    "dev-iiwa+2f85",
+    "dev-iiwa+allegroL",
+    "dev-scene+stretchURDF",
+    "dev-scene+cradle",
+    "dev-scene+slidercrank",
+    "dev-scene+balloons",
+    "dev-scene+motorfinger",
+)
 
 pytestmark = pytest.mark.skipif(not FOLDER, reason="MJCOMPOSE_CORPUS names no corpus")
 
@@ -56,15 +66,17 @@ def _judged(composition: Composition) -> Verdict:
     return judge(composition, builder=stand_in, roots=Roots.KEPT)
 
 
-@pytest.mark.parametrize(("pair", "unchanged"), [pytest.param(*p, id=p[0].id) for p in _quick_pairs()])
+@pytest.mark.parametrize("expected", rest_slow(_quick_pairs(), QUICKEST, lambda each: each[0].id))
 @pytest.mark.mujoco4("the corpus was measured with MuJoCo 4")
-def test_attach_is_judged_as_the_corpus_says(pair: Composition, unchanged: bool) -> None:
+def test_attach_is_judged_as_the_corpus_says(expected: tuple[Composition, bool]) -> None:
+    pair, unchanged = expected
     verdict = _judged(pair)
     assert verdict.compiled
     assert verdict.like_rival, verdict.rival_differences
     assert verdict.unchanged == unchanged, verdict.first_differences
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco4("the corpus was measured with MuJoCo 4")
 def test_attach_changes_the_parts_of_some_feature_cases_and_of_no_other() -> None:
     cases = corpora.cases(Path(FOLDER or ""))

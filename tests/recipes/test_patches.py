@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from lxml import etree
 from lxml.etree import _Element as Node
+from sampling import rest_slow
 
 from composer.bundle.write import write
 from composer.context import Context
@@ -200,7 +201,11 @@ NEW_NAMES = {
 """What the recipe calls otherwise than the file that it stands for."""
 
 
-@pytest.mark.parametrize("recipe", sorted(path.stem for path in (RECIPES / "patches").glob("*.yaml")))
+PATCHES = sorted(path.stem for path in (RECIPES / "patches").glob("*.yaml"))
+QUICK = [name for name in PATCHES if not name.startswith("menagerie_")] + ["menagerie_allegro_grasp"]
+
+
+@pytest.mark.parametrize("recipe", rest_slow(PATCHES, QUICK))
 def test_is_the_change_by_hand(recipe: str, tmp_path: Path) -> None:
     if recipe.startswith("menagerie_") and not os.environ.get("MJCOMPOSE_CORPUS"):
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")

@@ -8,6 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from sampling import rest_slow
 
 from composer.bundle.write import write
 from composer.context import Context
@@ -17,11 +18,14 @@ ROOT = Path(__file__).resolve().parents[2]
 RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
 # What is told of them on purpose.
 TOLD = {"soft_arm": ["convert-loss"]}
-NEEDS_MORE = {"menagerie_panda_allegro"}
+NEEDS_MORE = {f"menagerie_{name}" for name in ("bimanual", "go1_z1", "panda_allegro")}
 """Recipes of robots that only the corpus has."""
+QUICK = (
+    {path.stem for path in RECIPES} - NEEDS_MORE - {"menagerie_cell", "menagerie_randomised", "held_payload"}
+)
 
 
-@pytest.mark.parametrize("path", RECIPES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", rest_slow(RECIPES, QUICK, lambda path: path.stem))
 def test_builds_and_moves_without_a_warning(path: Path, tmp_path: Path, menagerie_root: Path) -> None:
     if path.stem in NEEDS_MORE and not os.environ.get("MJCOMPOSE_CORPUS"):
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")

@@ -7,8 +7,9 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import pytest
@@ -64,6 +65,7 @@ pytestmark = [
 ]
 
 
+@pytest.mark.slow
 def test_the_commands_of_its_readme_run(project: Path, shell: dict[str, str]) -> None:
     (commands,) = re.findall(
         r"```sh\n(.*?)```", (project / "README.md").read_text(encoding="utf-8"), re.DOTALL
@@ -75,6 +77,7 @@ def test_the_commands_of_its_readme_run(project: Path, shell: dict[str, str]) ->
     assert sh("git status --porcelain", project, shell).stdout == ""
 
 
+@pytest.mark.slow
 def test_its_hooks_have_nothing_to_say(project: Path, shell: dict[str, str]) -> None:
     (own,) = yaml.safe_load((project / ".pre-commit-config.yaml").read_text(encoding="utf-8"))["repos"]
     for hook in [
@@ -96,11 +99,14 @@ def test_its_workflow_uses_inputs_that_the_action_has(project: Path) -> None:
     assert requirement.startswith("mjcompose[menagerie]==") and mujoco.startswith("mujoco==")
 
 
-def step(name: str, **given: str) -> tuple[str, dict[str, str]]:
+def step(
+    name: str, outputs: Mapping[str, str] = MappingProxyType({}), **given: str
+) -> tuple[str, dict[str, str]]:
     """The script of a step of the action, and its environment as GitHub would fill it in."""
     (found,) = [each for each in ACTION["runs"]["steps"] if each["name"] == name]
     context: dict[str, Any] = {f"inputs.{key}": value for key, value in {**DEFAULTS, **given}.items()}
     context |= {"github.base_ref": "main", "github.event.number": "7", "github.token": "t"}
+    context |= outputs
     env = {
         key: re.sub(r"\$\{\{ (.*?) \}\}", lambda match: context[match[1]], value)
         for key, value in found["env"].items()
@@ -116,6 +122,7 @@ def test_the_action_checks_and_builds(project: Path, shell: dict[str, str]) -> N
     assert (project / "build" / "my_arms.zip").is_file()
 
 
+@pytest.mark.slow
 def test_the_action_builds_no_model_over_another(project: Path, shell: dict[str, str]) -> None:
     recipe = (project / "recipes" / "my_arms.yaml").read_text(encoding="utf-8")
     (project / "recipes" / "other.yaml").write_text(
@@ -127,6 +134,7 @@ def test_the_action_builds_no_model_over_another(project: Path, shell: dict[str,
     assert "::error::two recipes make a model of one name, and one took the place of the other: build/my_arms.zip" in ran.stdout  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_action_tells_what_is_wrong(project: Path, shell: dict[str, str]) -> None:
     recipe = project / "recipes" / "my_arms.yaml"
     recipe.write_text(
@@ -151,12 +159,18 @@ def diff(project: Path, shell: dict[str, str], tmp_path: Path) -> Callable[..., 
         old.write_text(written)
         ran = sh(script, project, {**shell, **env, "GITHUB_REPOSITORY": "me/arms", **more})
         assert ran.returncode == 0, ran.stderr
+        output = (tmp_path / "GITHUB_OUTPUT").read_text()
+        outputs = dict(line.split("=", 1) for line in output.splitlines())
+        known = {f"steps.diff.outputs.{key}": value for key, value in outputs.items()}
+        for number in (1, 2, 3):
+            uploaded = f"https://pages.example/{number}" if f"page{number}" in outputs else ""
+            known[f"steps.page{number}.outputs.artifact-url"] = uploaded
+        script, env = step("Comment", known)
+        env["GITHUB_STEP_SUMMARY"] = str(tmp_path / "GITHUB_STEP_SUMMARY")
+        said = sh(script, project, {**shell, **env, "GITHUB_REPOSITORY": "me/arms", **more})
+        assert said.returncode == 0, said.stderr
         summary = (tmp_path / "GITHUB_STEP_SUMMARY").read_text(encoding="utf-8")
-        return (
-            log.read_text(encoding="utf-8"),
-            summary + ran.stdout,
-            (tmp_path / "GITHUB_OUTPUT").read_text(),
-        )
+        return log.read_text(encoding="utf-8"), summary + said.stdout, output
 
     return diff
 
@@ -166,13 +180,16 @@ def change(project: Path) -> None:
     part.write_text(part.read_text(encoding="utf-8").replace('damping="0.1"', 'damping="0.3"'))
 
 
+@pytest.mark.slow
 def test_the_action_says_nothing_where_nothing_changes(diff: Callable[..., tuple[str, str, str]]) -> None:
-    assert diff() == ("", "", "changed=false\n")
+    comment, summary, output = diff()
+    assert (comment, summary) == ("", "") and output.startswith("changed=false\ncomment=")
     comment, _, _ = diff(written="99\n")
     assert comment.startswith("api --silent --method PATCH repos/me/arms/issues/comments/99 ")
     assert "no longer changes a model" in comment
 
 
+@pytest.mark.slow
 def test_the_action_comments_on_what_changes(
     project: Path, diff: Callable[..., tuple[str, str, str]]
 ) -> None:
@@ -180,13 +197,18 @@ def test_the_action_comments_on_what_changes(
     recipes = project / "recipes"
     shutil.copy(recipes / "my_arms.yaml", recipes / "a new one.yaml")
     comment, summary, output = diff()
-    assert output == "changed=true\n"
+    assert "changed=true\n" in output
     assert comment.startswith("api --silent --method POST repos/me/arms/issues/7/comments --field body=@")
     assert "<!-- mjcompose -->\n## recipes/a new one.yaml\n\nThis recipe is new" in comment
     assert "damping" in comment and "0.3" in comment and summary in comment
+    link = "[Look at both models in the browser](https://pages.example/1)"
+    assert f"## recipes/my_arms.yaml\n\n{link}\n\n" in comment
+    (page,) = re.findall(r"page\d=(.*)", output)
+    assert page.endswith("/recipes_my_arms.html") and "<!doctype html>" in Path(page).read_text("utf-8")
     assert "--method PATCH repos/me/arms/issues/comments/99 " in diff(written="98\n99\n")[0]
 
 
+@pytest.mark.slow
 def test_the_action_tells_recipes_that_are_gone(
     project: Path, shell: dict[str, str], diff: Callable[..., tuple[str, str, str]]
 ) -> None:
@@ -198,16 +220,17 @@ def test_the_action_tells_recipes_that_are_gone(
     )
     comment, _, output = diff()
     assert "## recipes/old one.yaml\n\nThis recipe is gone." in comment and "deep" not in comment
-    assert output == "changed=true\n"
+    assert "changed=true\n" in output
 
 
+@pytest.mark.slow
 def test_of_a_fork_no_comment_can_be_written(
     project: Path, diff: Callable[..., tuple[str, str, str]]
 ) -> None:
     change(project)
     _, said, output = diff(GH_FAILS="1")
     assert "damping" in said and "::warning::no comment could be written" in said
-    assert output == "changed=true\n"
+    assert "changed=true\n" in output
 
 
 def test_nothing_is_overwritten(project: Path, shell: dict[str, str]) -> None:
@@ -225,6 +248,7 @@ def test_nothing_is_overwritten(project: Path, shell: dict[str, str]) -> None:
     assert "`mujoco==" in told and (project / "requirements.txt").read_text() == "numpy\n"
 
 
+@pytest.mark.slow
 def test_a_fresh_clone_keeps_what_it_has(tmp_path: Path, shell: dict[str, str]) -> None:
     has = {"README.md": b"# arms\r\n", "LICENSE": b"MIT \xff", ".gitignore": b"build/\n"}
     for name, content in has.items():
@@ -260,7 +284,7 @@ def test_what_stands_in_the_way_of_the_project_is_an_error(
     (folder / path).write_text(content)
     ran = sh("mjcompose new --project robots", tmp_path, shell)
     assert ran.returncode == 1 and "error[output-unwritable]" in ran.stderr
-    assert f"`robots/{path.removesuffix('/x')}` is there already" in ran.stderr
+    assert f"`robots/{path.removesuffix('/x')}` exists already" in ran.stderr
     assert [each for each in folder.rglob("*") if each.is_file()] == [folder / path]
     assert list(tmp_path.iterdir()) in ([folder], [folder, tmp_path / "tools"], [tmp_path / "tools", folder])
 
@@ -273,6 +297,7 @@ def test_a_folder_that_has_other_things_keeps_them(tmp_path: Path, shell: dict[s
     assert (tmp_path / "README.md").is_file()
 
 
+@pytest.mark.slow
 def test_any_name_of_a_project(tmp_path: Path, shell: dict[str, str]) -> None:
     for name, model in {"MODEL of VERSION": "MODEL_of_VERSION", "äöü: x": "äöü_x"}.items():
         ran = sh(

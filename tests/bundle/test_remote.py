@@ -1,0 +1,158 @@
+"""Models at addresses: whole, refused where others' files are, loaded again, and listed."""
+
+from __future__ import annotations
+
+import json
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+import composer
+from composer.cli.main import main
+from composer.loading.errors import LoadError
+
+fsspec = pytest.importorskip("fsspec", reason="needs `mjcompose[remote]`")
+
+MODEL = (
+    '<mujoco><asset><mesh name="m" file="m.obj"/></asset><worldbody><body name="b"><freejoint/>'
+    '<geom name="g" type="mesh" mesh="m"/></body></worldbody></mujoco>'
+)
+MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+RECIPE = """\
+recipe: 1
+name: ball
+base: ./model.xml
+params: {mass: 1}
+edit: [{select: {geom: g}, set: {mass: "${mass}"}}]
+matrix: {axes: {mass: [1, 2]}}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "store"))
+    (tmp_path / "model.xml").write_text(MODEL)
+    (tmp_path / "m.obj").write_text(MESH)
+    (tmp_path / "r.yaml").write_text(RECIPE)
+    return tmp_path
+
+
+@pytest.fixture
+def address() -> Iterator[str]:
+    found = f"memory://{uuid.uuid4().hex}"
+    yield found
+    fs = fsspec.filesystem("memory")
+    if fs.exists(found):
+        fs.rm(found, recursive=True)
+
+
+def run(*words: str) -> Result:
+    return CliRunner().invoke(main, words, prog_name="mjcompose")
+
+
+def build(out: str, *words: str) -> Result:
+    return run("build", "r.yaml", "--all", "--jobs", "1", "-o", out, *words)
+
+
+def files(address: str) -> dict[str, bytes]:
+    fs: Any = fsspec.filesystem("memory")
+    top = address.removeprefix("memory:/")
+    return {path.removeprefix(f"{top}/"): fs.cat_file(path) for path in fs.find(address)}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "words"),
+    [
+        ("{name}.zip", ()),
+        ("{name}/", ()),
+        ("{name}/", ("--shared-assets",)),
+        ("{hash}/{name}/", ("--shared-assets",)),
+        ("{hash}/{name}.mjb", ()),
+    ],
+)
+def test_an_address_has_what_a_folder_has(
+    folder: Path, address: str, pattern: str, words: tuple[str, ...]
+) -> None:
+    here, there = build(f"here/{pattern}", *words), build(f"{address}/{pattern}", *words)
+    assert here.exit_code == there.exit_code == 0, there.output
+    assert there.stdout == here.stdout.replace("here/", f"{address}/")
+    written = {
+        path.relative_to("here").as_posix(): path.read_bytes()
+        for path in Path("here").rglob("*")
+        if path.is_file()
+    }
+    assert files(address) == written
+
+
+def test_what_is_there_is_not_written_again(folder: Path, address: str) -> None:
+    build(f"{address}/{{name}}/")
+    assert build(f"{address}/{{name}}/").stdout.count("is up to date") == 2
+    fsspec.filesystem("memory").rm_file(f"{address}/ball-1/model.xml")
+    assert build(f"{address}/{{name}}/").stdout.count("is up to date") == 1
+    assert "ball-1/model.xml" in files(address)
+
+
+def test_what_is_replaced_is_said_and_leaves_nothing(folder: Path, address: str) -> None:
+    assert run("build", "r.yaml", "--set", "mass=3", "-o", f"{address}/one/").exit_code == 0
+    (folder / "model.xml").write_text(MODEL.replace('file="m.obj"', 'file="n.obj"'))
+    (folder / "n.obj").write_text(MESH)
+    again = run("build", "r.yaml", "--set", "mass=4", "-o", f"{address}/one/")
+    assert "replaced the model with mass = 3" in again.stdout
+    assert sorted(files(address)) == ["one/assets/model/n.obj", "one/manifest.json", "one/model.xml"]
+
+
+def test_files_of_others_are_not_replaced(folder: Path, address: str) -> None:
+    fsspec.filesystem("memory").pipe_file(f"{address}/one/notes.txt", b"mine")
+    result = run("build", "r.yaml", "-o", f"{address}/one/")
+    assert (
+        result.exit_code == 1
+        and "would delete files that mjcompose did not write: `notes.txt`" in result.stderr
+    )
+    assert sorted(files(address)) == ["one/notes.txt"]
+
+
+@pytest.mark.parametrize(
+    ("out", "code", "said"),
+    [
+        (
+            "nothing://a/{name}.zip",
+            1,
+            "error[output-unwritable]: cannot write `nothing://a`: Protocol not known",
+        ),
+        ("memory://a/{name}.xml", 2, "text alone names files of this machine"),
+        ("memory://a/{name}.usdz", 2, "USD is written by MuJoCo's converter"),
+    ],
+)
+def test_what_cannot_be_is_one_error(folder: Path, out: str, code: int, said: str) -> None:
+    result = build(out)
+    assert result.exit_code == code and result.stderr.count("error[") == 1 and said in result.stderr
+
+
+@pytest.mark.parametrize("pattern", ["{name}.zip", "{name}/", "{hash}/{name}/"])
+def test_models_are_listed_and_loaded(folder: Path, address: str, pattern: str) -> None:
+    assert (
+        build(f"{address}/{pattern}", *(("--shared-assets",) if "zip" not in pattern else ())).exit_code == 0
+    )
+    listed = run("ls", address, "--where", "mass > 1", "--json")
+    assert [json.loads(line)["model"] for line in listed.stdout.splitlines()] == ["ball-2"], listed.output
+    (found,) = composer.load_many(address, where="mass > 1")
+    model, manifest, _ = found.load()
+    assert model.nmesh == 1 and manifest.name == "ball-2"
+    with pytest.raises(LoadError, match="cannot read `memory://"):
+        composer.load(f"{address}/nothing.zip")
+
+
+def test_parquet_says_the_same(folder: Path, address: str) -> None:
+    pytest.importorskip("pyarrow", reason="needs `mjcompose[parquet]`")
+    assert build("here/{name}.zip", "--parquet").exit_code == 0
+    assert build(f"{address}/{{name}}.zip", "--parquet").exit_code == 0
+    rows = [list(composer.load_many(path)) for path in ("here/models.csv", "here/models.parquet")]
+    assert rows[0] == rows[1] and len(rows[0]) == 2
+    Path("here/models.csv").unlink()
+    assert run("ls", "here").stdout.count("here/ball-") == 2
+    assert run("ls", f"{address}/models.parquet").stdout.count(f"{address}/ball-") == 2

@@ -1,0 +1,91 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from composer.cli.main import main
+from composer.limits import Limits, in_force
+
+MODEL = '<mujoco><worldbody><replicate count="9"><geom size=".1"/></replicate></worldbody></mujoco>'
+
+
+@pytest.fixture
+def recipe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "m.xml").write_text(MODEL)
+    (tmp_path / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "store"))
+    return "r.yaml"
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    done = CliRunner().invoke(main, arguments)
+    return done.exit_code, done.output
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("build", "r.yaml", "--no-verify", "-o", "out/"), ("check", "r.yaml", "--no-verify"),
+        ("explain", "r.yaml", "option"), ("import", "m.xml", "m.xml", "-o", "new.yaml"), ("diff", "m.xml", "m.xml"),
+    ],
+)  # fmt: skip
+def test_every_command_that_reads_models_takes_limits(recipe: str, command: tuple[str, ...]) -> None:
+    code, said = run(*command, "--limit", "expansion=7")
+    assert code and "makes 8 elements; 7 are allowed" in said, said
+    assert in_force() == Limits()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("expension=7", "the limit `expension` does not exist. Did you mean `expansion`?"),
+        ("expansion=many", "`expansion=many` gives no value: write `expansion=50000`."),
+        ("memory=-1", "`memory=-1` gives no value: write `memory=2G`."),
+        ("time", "`time` gives no value: write `time=600`."),
+    ],
+)
+def test_what_is_no_limit(recipe: str, given: str, said: str) -> None:
+    code, output = run("check", recipe, "--limit", given)
+    assert code == 2 and said in " ".join(output.split())
+
+
+@pytest.mark.parametrize("option", [("--timeout", "7"), ("--limit", "time=7")])
+def test_the_time_of_mujoco_has_two_names(
+    recipe: str, option: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from composer.engine import Session
+
+    seen: list[float] = []
+
+    class Seeing(Session):
+        def __init__(self) -> None:
+            super().__init__()
+            seen.append(self.limits.seconds)
+
+    monkeypatch.setattr("composer.engine.Session", Seeing, raising=False)
+    assert run("check", recipe, "--no-verify", *option)[0] == 0
+    assert seen == [7]
+
+
+def test_more_faults_than_are_looked_for(recipe: str, tmp_path: Path) -> None:
+    geoms = "".join(f'<geom name="{number}" size=".1" material="m{number}"/>' for number in range(9))
+    (tmp_path / "m.xml").write_text(f"<mujoco><worldbody>{geoms}</worldbody></mujoco>")
+    code, said = run("check", recipe, "--limit", "faults=5")
+    assert code == 1 and "there are more than 5 errors" in said and "`m5`" in said and "`m6`" not in said, (
+        said
+    )
+    code, said = run("check", recipe, "--limit", "faults=5", "--json")
+    assert code == 1 and said.count('"code": "unknown-name"') == 6, said
+
+
+def test_more_models_than_one_command_builds(recipe: str, tmp_path: Path) -> None:
+    (tmp_path / recipe).write_text(
+        "recipe: 1\nbase: ./m.xml\nparams: {a: {default: 1}}\n"
+        "randomize: {seed: 1, samples: 9, fields: {a: {param: a, uniform: [0, 1]}}}\n"
+    )
+    code, said = run("build", recipe, "--all", "--no-verify", "-o", "out/{name}.zip", "--limit", "models=9")
+    assert code and "there are more than 9 models in all" in said, said
+    assert not (tmp_path / "out").exists()

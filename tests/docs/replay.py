@@ -1,0 +1,99 @@
+"""A page of the docs, carried out: what it says to write is written, what it says to run is run.
+
+A page is a list of blocks, in the order of the page:
+
+- a block with a file name (```` ```yaml title="cell.yaml" ````) is written. Of YAML, a key at the top replaces that of the file, or
+  comes after what is there;
+- in a block of text, a line after `$ ` is run, and the lines below it stand in what it prints, in this order. `…` alone on a line stands
+  for any lines;
+- a picture shows the last picture that a command wrote.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cli.shell import environment, run
+
+_BLOCKS = re.compile(
+    r'^```(?P<language>\w+)(?: title="(?P<file>[^"]+)")?\n(?P<text>.*?)^```|^!\[[^\]]*\]\((?P<picture>[^)]+)\)',
+    re.MULTILINE | re.DOTALL,
+)
+_SECTION = re.compile(r"\n(?=\w)")
+
+
+class NotHere(Exception):
+    """This machine lacks what a command needs."""
+
+
+@dataclass
+class Replay:
+    """A page in a folder of its own, which is the working folder."""
+
+    page: Path
+    folder: Path
+    written: Path | None = None
+    pictures: dict[Path, bytes] = field(default_factory=dict)
+    """The pictures of the page, each with what the command above it made."""
+
+    def whole(self) -> None:
+        for block in _BLOCKS.finditer(self.page.read_text(encoding="utf-8")):
+            if block["picture"]:
+                assert self.written is not None, f"no command made {block['picture']}"
+                self.pictures[self.page.parent / block["picture"]] = self.written.read_bytes()
+            elif block["file"]:
+                self._write(self.folder / block["file"], block["text"], block["language"] == "yaml")
+            elif block["language"] == "text":
+                for command, shown in _commands(block["text"]):
+                    fails = any("error[" in line for line in shown)
+                    self._compare(command, shown, self._run(shlex.split(command), fails))
+
+    def _write(self, file: Path, text: str, is_yaml: bool) -> None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        if is_yaml and file.exists() and not text.startswith("recipe:"):
+            sections = {**_sections(file.read_text(encoding="utf-8")), **_sections(text)}
+            text = "\n".join(f"{section.rstrip()}\n" for section in sections.values())
+        file.write_text(text, encoding="utf-8")
+
+    def _run(self, words: list[str], fails: bool) -> str:
+        program, *arguments = words
+        if program == "python":
+            made = subprocess.run(
+                [sys.executable, *arguments], cwd=self.folder, env=environment(), capture_output=True, text=True,
+                timeout=120, check=False,
+            )  # fmt: skip
+            assert made.returncode == 0, made.stderr
+            return made.stdout
+        assert program == "mjcompose", f"pages show commands of mjcompose and python, not {program}"
+        result = run(*arguments)
+        if "no-rendering" in result.stderr:
+            raise NotHere("there is no OpenGL")
+        expected = {1} if fails else {0, 1} if "diff" in arguments else {0}  # a difference is 1
+        assert result.exit_code in expected, f"{words}: {result.stderr}"
+        if found := re.search(r"^wrote (\S+\.png)", result.stdout, re.MULTILINE):
+            self.written = self.folder / found[1]
+        return result.stdout + result.stderr
+
+    def _compare(self, command: str, shown: list[str], printed: str) -> None:
+        lines = iter(printed.splitlines())
+        for line in shown:
+            found = line == "…" or any(each.rstrip() == line.rstrip() for each in lines)
+            assert found, f"`{command}` does not print `{line}` at its place; it prints:\n{printed}"
+
+
+def _sections(text: str) -> dict[str, str]:
+    """The text of each key at the top of a YAML file."""
+    return {section.partition(":")[0]: section for section in _SECTION.split(text.strip())}
+
+
+def _commands(text: str) -> Iterator[tuple[str, list[str]]]:
+    """The commands of a block, each with the lines shown below it."""
+    for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
+        command, *shown = part.splitlines()
+        yield command, shown

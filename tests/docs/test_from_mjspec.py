@@ -1,0 +1,143 @@
+"""docs/from_mjspec.md: each program makes the model of its recipe, and has as many lines as the page says."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import runpy
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+import yaml
+
+from composer.context import Context
+from composer.importing.recover import recover
+from composer.stages import Request, build
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "from_mjspec.md").read_text(encoding="utf-8")
+ROW = re.compile(r"\| \[\w+\]\(\.\./(.+?)\) \| (\d+) \| \[.+?\]\((.+?)\) \| (\d+) \|")
+JOBS = {
+    Path(program).stem: (recipe, int(lines), program, int(more))
+    for recipe, lines, program, more in ROW.findall(PAGE)
+}
+CORPUS = os.environ.get("MENAGERIE_ROOT") if os.environ.get("MJCOMPOSE_CORPUS") else None
+# The cell of a matrix that the program makes last.
+CELLS = {"tools": "tools-hand-3kg-0.4m"}
+# What MjSpec brings along of a scene of which one body is attached, and where files lie.
+OTHERWISE = re.compile(r"_sizes|(mesh|mat|tex|numeric|bvh|oct)_\w+|names|names_map|name_\w+|paths|text_\w+")
+needs_corpus = pytest.mark.skipif(CORPUS is None, reason="MJCOMPOSE_CORPUS names no corpus")
+
+
+def lines_of_recipe(text: str) -> int:
+    return sum(bool(line.strip()) and not line.lstrip().startswith("#") for line in text.splitlines())
+
+
+def lines_of_program(text: str) -> int:
+    """Lines with code on them; a string that is a statement is a docstring."""
+    nothing = {
+        tokenize.COMMENT,
+        tokenize.NL,
+        tokenize.NEWLINE,
+        tokenize.INDENT,
+        tokenize.DEDENT,
+        tokenize.ENDMARKER,
+    }
+    lines: set[int] = set()
+    fresh = True
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in nothing and not (token.type == tokenize.STRING and fresh):
+            lines.update(range(token.start[0], token.end[0] + 1))
+        fresh = token.type in nothing
+    return len(lines)
+
+
+def test_there_are_six_and_each_recipe_is_shorter() -> None:
+    assert len(JOBS) == 6
+    for recipe, lines, program, more in JOBS.values():
+        assert lines_of_recipe((ROOT / recipe).read_text()) == lines
+        assert lines_of_program((ROOT / "docs" / program).read_text()) == more
+        assert lines < more
+
+
+def differing(a: mujoco.MjModel, b: mujoco.MjModel) -> Iterator[str]:
+    """The arrays, options and names in which two models differ, but for their keys."""
+    for name in dir(a):
+        one = getattr(a, name)
+        if not isinstance(one, np.ndarray) or OTHERWISE.fullmatch(name) or name.startswith("key_"):
+            continue
+        other = getattr(b, name)
+        if one.shape != other.shape or not np.allclose(one, other, rtol=1e-6, atol=1e-8, equal_nan=True):
+            yield name
+    for name in dir(a.opt):
+        if not name.startswith("_") and not np.array_equal(getattr(a.opt, name), getattr(b.opt, name)):
+            yield f"option {name}"
+    kinds = {"body": "nbody", "joint": "njnt", "geom": "ngeom", "site": "nsite", "camera": "ncam", "actuator": "nu",
+             "sensor": "nsensor", "equality": "neq", "tendon": "ntendon"}  # fmt: skip
+    for kind, count in kinds.items():
+        names = [[getattr(model, kind)(i).name for i in range(getattr(model, count))] for model in (a, b)]
+        if names[0] != names[1]:
+            yield kind
+
+
+def keys(model: mujoco.MjModel) -> dict[str, list[float]]:
+    found = [model.key(i) for i in range(model.nkey)]
+    return {key.name: [*np.round(key.qpos, 5), *np.round(key.ctrl, 5)] for key in found}
+
+
+@needs_corpus
+@pytest.mark.slow
+@pytest.mark.parametrize("job", [job for job in JOBS if job != "merged"])
+def test_both_make_the_same_model(job: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    recipe, _, program, _ = JOBS[job]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "recipes").symlink_to(ROOT / "recipes")
+    (tmp_path / "build").mkdir()
+    by_program = runpy.run_path(str(ROOT / "docs" / program))["model"]
+    context = Context(environment=dict(os.environ))
+    values = {}
+    if job in CELLS:
+        from composer.cache.cells import cells_of, picked_one
+
+        cell = picked_one(cells_of(ROOT / recipe, context), CELLS[job], None, context.sink, recipe)
+        assert cell is not None
+        values = cell.given
+    built = build(Request(ROOT / recipe, given=values), context)
+    assert built is not None, context.sink.diagnostics
+    from composer.bundle.write import write
+
+    write(built.bundle, f"{tmp_path}/out/", environment={})
+    by_recipe = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
+    assert list(differing(by_program, by_recipe)) == []
+    own = keys(by_program)
+    shared = own.keys() & keys(by_recipe).keys()
+    assert shared or not own
+    assert all(own[name] == keys(by_recipe)[name] for name in shared)
+    assert {"panda_allegro": "grasp", "tools": "ready"}.get(job, "home") in shared
+
+
+@needs_corpus
+@pytest.mark.slow
+def test_the_merged_model_becomes_the_recipe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    recipe, _, program, _ = JOBS["merged"]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "build").mkdir()
+    spec = runpy.run_path(str(ROOT / "docs" / program))["spec"]
+    (tmp_path / "merged.xml").write_text(spec.to_xml())
+    (tmp_path / "assets").mkdir()
+    robots = {"universal_robots_ur5e/ur5e": "ur5e.xml", "robotiq_2f85/2f85": "2f85.xml"}
+    for robot in robots:
+        for file in (Path(str(CORPUS)) / robot).parent.glob("assets/*"):
+            (tmp_path / "assets" / file.name).symlink_to(file)
+    parts = {Path(str(CORPUS)) / f"{robot}.xml": f"menagerie:{robot}" for robot in robots}
+    found = recover(
+        tmp_path / "merged.xml", list(parts), tmp_path / "merged.yaml", Context(environment=dict(os.environ)),
+        references=parts,
+    )  # fmt: skip
+    assert found is not None and found.outcome is not None and found.outcome.same
+    assert yaml.safe_load(found.text) == yaml.safe_load((ROOT / recipe).read_text())
