@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from composer import mjcf
-from composer.engine.png import png
+from composer.pictures.png import png
 
 RADIUS = 0.1  # of a creature's trunk, in metres
 LEGS = 3, 4, 4, 5, 6, 6
