@@ -14,20 +14,25 @@ STAMP := $(VENV)/.ready$(if $(MUJOCO),-mujoco-$(MUJOCO))
 # The same environment without tests and linters, which a demo does not need; what wants those completes it.
 LIGHT := $(VENV)/.light$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
-.PHONY: demo test test-all test-usd foreign lint format bench fidelity schemas constraints clean
+# With what slow tests alone need.
+SLOW := $(VENV)/.slow$(if $(MUJOCO),-mujoco-$(MUJOCO))
+
+.PHONY: demo test test-all test-usd test-worlds test-targets foreign fuzz kills audit lint format docs wheel bench fidelity schemas constraints vscode clean
 .DELETE_ON_ERROR:
 
 demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
 	@$(BIN)/mjcompose build recipes/demo.yaml -o build/demo.zip
 	@echo "The bundle is build/demo.zip: model.xml, its assets, the licences of its parts and manifest.json."
-	@echo "Look at it:  unzip -o -q build/demo.zip -d build/demo && $(BIN)/python -m mujoco.viewer --mjcf=build/demo/model.xml"
+	@$(BIN)/mjcompose view build/demo.zip --html build/demo.html -q
+	@$(BIN)/mjcompose render recipes/demo.yaml -o build/demo.png || echo "Without OpenGL there is no picture; the page needs none."
+	@echo "Look at it:  $(BIN)/mjcompose view recipes/demo.yaml     or open build/demo.html"
 
 # The tests that take at most a few seconds each.
 test: $(STAMP)
 	@$(BIN)/python -m pytest $(PYTEST_ARGS) -m "not slow"
 
-# These, and then the slow ones: whole sets of real models, and what starts other programs.
-test-all: test
+# These, and then the slow ones: whole sets of real models, and what starts other programs, such as a cluster.
+test-all: test $(SLOW)
 	@$(BIN)/python -m pytest $(PYTEST_ARGS) -m slow
 
 # The tests of USD, in an environment of their own: the converter wants an older MuJoCo and Python 3.12 or older.
@@ -37,17 +42,49 @@ test-usd:
 	  VENV=.venv-usd MUJOCO=3.16.0 EXTRAS=test,usd PYTHON=$$python bash .ci/setup && touch .venv-usd/.ready; }
 	@.venv-usd/bin/python -m pytest tests/bundle/test_usd.py
 
+# The tests of worlds in simulators: MuJoCo Warp, MJX and playground in one environment, mjlab, which pins MuJoCo 3.11, in another.
+test-worlds: $(STAMP)
+	@for name in simulators mjlab; do [ -e build/$$name/.ready ] || { \
+	  packages="mujoco-warp mujoco-mjx playground brax pyarrow"; [ $$name = simulators ] || packages="mjlab==1.6.0"; \
+	  $(BIN)/python -m venv build/$$name && build/$$name/bin/pip install --quiet pytest pytest-timeout . $$packages && \
+	  touch build/$$name/.ready; } || exit 1; done
+	@build/simulators/bin/python -m pytest tests/worlds
+	@build/mjlab/bin/python -m pytest tests/worlds/test_mjlab.py tests/worlds/test_warp.py
+
+# What other programs read of what `build --target` writes for them. They come from PyPI, each into an environment of its own below
+# build/consumers (2.5 GB); what cannot be had is skipped, with the reason.
+#   MENAGERIE_ROOT=…                 with the robots of Menagerie
+test-targets: $(STAMP)
+	@$(BIN)/python tests/targets/environments.py
+	@$(BIN)/python -m pytest tests/targets/test_consumers.py
+
 # Other projects' tests and models, with mjcompose. The packages come from PyPI, into build/foreign; what cannot be had is
 # skipped, with the reason.
 #   FOREIGN_ARGS=--write             the numbers into docs/fidelity.md
 foreign: $(STAMP)
 	@$(BIN)/python tests/foreign/run.py $(FOREIGN_ARGS)
 
+# Hostile input, made up from the project's recipes and models and those of MJCOMPOSE_CORPUS; what is wrong is kept in build/fuzz.
+#   FUZZ_ARGS="--seconds 60 --seed 1 --targets recipe mjcf"
+fuzz: $(STAMP)
+	@$(BIN)/python tests/fuzz/run.py $(FUZZ_ARGS)
+
 lint: $(STAMP)
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
+	$(BIN)/bandit --quiet --configfile pyproject.toml --recursive composer
+
+# Known weaknesses of what mjcompose needs, by pip-audit, in an environment of its own. It asks PyPI, and fails without an answer.
+audit: $(STAMP)
+	@[ -e build/audit/bin/pip-audit ] || { $(BIN)/python -m venv build/audit && build/audit/bin/pip install --quiet pip-audit; }
+	build/audit/bin/pip-audit --strict --requirement constraints.txt --no-deps --disable-pip
+
+# Builds of every kind of output, ended with `kill -9` at random moments.
+#   KILLS_ARGS="--kills 100 --seed 1"
+kills: $(STAMP)
+	@$(BIN)/python tests/kills/run.py $(KILLS_ARGS)
 
 format: $(STAMP)
 	$(BIN)/ruff check --fix
@@ -62,16 +99,33 @@ FIDELITY_ARGS ?= --write
 fidelity: $(STAMP)
 	@$(BIN)/python tests/fidelity/run.py $(FIDELITY_ARGS)
 
+# The site of the docs, in build/site: it works from its files, without a server. Zensical is installed into build/docs; npm is needed.
+docs: $(STAMP)
+	@[ -e build/docs/bin/zensical ] || { $(BIN)/python -m venv build/docs && build/docs/bin/pip install --quiet zensical; }
+	@PATH="$(CURDIR)/build/docs/bin:$$PATH" $(BIN)/python .ci/site
+
+# What is published, in dist.
+wheel: $(STAMP)
+	@[ -e build/wheel/bin/pyproject-build ] || { $(BIN)/python -m venv build/wheel && build/wheel/bin/pip install --quiet build; }
+	@rm -rf dist && build/wheel/bin/python -m build --outdir dist
+
 schemas: $(STAMP)
 	@for what in recipe manifest; do \
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
 	@$(BIN)/mjcompose schema reference > build/reference.md && mv build/reference.md docs/
+	@$(BIN)/python -m composer.targets.markdown
+	@$(BIN)/python -m composer.recipe.key_order > build/key_order.json && mv build/key_order.json composer/formatting/
 
 # Pins of every test dependency for every supported Python; needs uv.
 constraints:
 	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --no-emit-index-url \
-	  --no-emit-find-links --upgrade --extra test --extra dev --extra menagerie pyproject.toml --output-file constraints.txt
+	  --no-emit-find-links --upgrade --extra test --extra dev --extra menagerie --extra slow pyproject.toml --output-file constraints.txt
+
+# The extension for VS Code, build/mjcompose-VERSION.vsix; needs npm.
+vscode:
+	@mkdir -p build && cd editors/vscode && npm ci --no-audit --no-fund --loglevel=error && npm run --silent package -- --out ../../build/
+	@echo "Install it:  code --install-extension $$(ls -t build/mjcompose-*.vsix | head -1)"
 
 clean:
 	rm -rf $(VENV) .venv-usd build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
@@ -80,6 +134,10 @@ $(LIGHT): pyproject.toml constraints.txt .ci/setup
 	@VENV="$(VENV)" MUJOCO="$(MUJOCO)" EXTRAS=menagerie bash .ci/setup
 	@touch $@
 	@mkdir -p build
+
+$(SLOW): $(STAMP)
+	@VENV="$(VENV)" MUJOCO="$(MUJOCO)" EXTRAS=test,dev,menagerie,slow ADD=1 bash .ci/setup
+	@touch $@
 
 $(STAMP): pyproject.toml constraints.txt .ci/setup
 	@add=; [ ! -e $(LIGHT) ] || [ -n "$$(find $^ -newer $(LIGHT))" ] || add=1; \

@@ -10,7 +10,23 @@ import tempfile
 from dataclasses import asdict
 from pathlib import Path
 
-from bench import attaching, binding, copying, editing, memory, process, texts
+from bench import (
+    attaching,
+    binding,
+    cluster,
+    copying,
+    drawing,
+    editing,
+    many,
+    memory,
+    pairs,
+    process,
+    single,
+    texts,
+    typing,
+    viewing,
+    worlds,
+)
 from bench.row import table
 
 
@@ -24,7 +40,23 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="mjcompose-bench-") as scratch:
         os.chdir(scratch)  # MuJoCo leaves a log where it runs
         try:
-            benches = (attaching, copying, texts, binding, editing, process, memory)
+            benches = (
+                attaching,
+                pairs,
+                copying,
+                texts,
+                binding,
+                editing,
+                drawing,
+                process,
+                single,
+                many,
+                cluster,
+                worlds,
+                memory,
+                viewing,
+                typing,
+            )
             rows = [row for each in benches for row in each.rows()]
         finally:
             os.chdir(home)

@@ -27,13 +27,14 @@ def rows() -> list[Row]:
     physics = root.compile_model()
     joints = [joint for joint in root.find_all("joint") if physics.bind(joint).qpos.shape == (1,)]
     bodies = [joint.parent for joint in joints]
-    some = [joints[at] for at in (0, 3, 1, 2)]
+    order = [at for at in (0, 3, 1, 2) if at < len(joints)]
+    some = [joints[at] for at in order]
     theirs = _dm_control(
         str(hand), [str(joint.name) for joint in joints], [joints.index(each) for each in some]
     )
 
     one, all_of_them, mixed = (physics.bind(which) for which in (joints[0], joints, some))
-    body, few = physics.bind(bodies[0]), physics.bind([bodies[at] for at in (0, 3, 1, 2)])
+    body, few = physics.bind(bodies[0]), physics.bind([bodies[at] for at in order])
     named = physics.data.joint(joints[0].name)
     data, q, b = physics.data, int(one.qposadr), int(body.element_id)
     irregular, body_rows = np.array([int(each) for each in mixed.qposadr]), few.element_id

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from lxml import etree
 
 from composer.diagnostics import Sink
 from composer.link.link import finish, link
-from composer.link.linking import Linking
+from composer.link.linking import Linking, Measure
 from composer.link.part import Part, Place
 from composer.link.request import Request
 from composer.tree.parse import parse_file
@@ -27,6 +28,24 @@ def attached(arm: Path, hand: Path, site: str) -> bytes:
     return _linked(
         Linking(base, [Part(unit, "hand/", Place("site", site))], sink, Request(overridden_options=_SETTLED))
     )
+
+
+def paired(base: Path, parts: Iterable[tuple[Path, str, Place]], measure: Measure) -> bytes | None:
+    """The text of a model with parts in their places; None where they cannot be joined.
+
+    Where they disagree about an option the model's value stands, and the warnings say so.
+    """
+    sink = Sink()
+    units = [parse_file(file, sink) for file in (base, *(file for file, *_ in parts))]
+    first, *others = (unit for unit in units if unit is not None)
+    if sink.has_errors:
+        return None
+    hung = [Part(unit, prefix, place) for unit, (_, prefix, place) in zip(others, parts, strict=True)]
+    linking = Linking(first, hung, sink, Request(separator="", conflict="warning"), measure)
+    if not link(linking):
+        return None
+    finish(linking)
+    return None if sink.has_errors else write(linking.base.root)
 
 
 def copies(model: Path, count: int) -> bytes:

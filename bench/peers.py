@@ -16,6 +16,14 @@ def lxml_rewritten(*files: str) -> list[bytes]:
     return [etree.tostring(etree.parse(file)) for file in files]
 
 
+def read_with(file: str | os.PathLike[str]) -> list[str]:
+    """A model file and all that it includes."""
+    path = os.fspath(file)
+    names = [str(each.get("file")) for each in etree.parse(path).iter("include")]
+    inside = [os.path.join(os.path.dirname(path), name) for name in names]
+    return [path, *(each for included in inside if os.path.exists(included) for each in read_with(included))]
+
+
 def mjspec() -> Any | None:
     """MuJoCo, if its specs can be saved without being compiled (3.16 and newer)."""
     mujoco: Any = importlib.import_module("mujoco")

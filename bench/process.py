@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 from bench.models import RECIPE, REPOSITORY
 from bench.row import Row
-from bench.timing import Candidate, best_times
+from bench.timing import Candidate, best_times, processor_time
 
 _IMPORTS = "import lxml.etree, pydantic, yaml, numpy, click"
 _TO_IMPORTS = 2.0
@@ -30,7 +29,7 @@ def rows() -> list[Row]:
         "known": lambda: _run(*known),
         "written": lambda: (out.unlink(missing_ok=True), _run(*known)),
     }
-    best = best_times(candidates, rounds=20, seconds=20, clock=_processor_time)
+    best = best_times(candidates, rounds=20, seconds=20, clock=processor_time)
     whole = best["build"] / best["imports"]
     return [
         Row("whole build, --no-verify / bare imports", whole, _TO_IMPORTS, RECIPE.name),
@@ -47,16 +46,6 @@ def rows() -> list[Row]:
 
 def _in_ms(seconds: float) -> str:
     return f"{seconds * 1000:.0f} ms"
-
-
-def _processor_time() -> float:
-    """Of all processes that have been run: other work on the machine adds less to it than to the time on the wall."""
-    if sys.platform == "win32":
-        return time.perf_counter()
-    import resource
-
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def _run(*arguments: str) -> None:

@@ -1,0 +1,87 @@
+"""From a keystroke to what an editor shows of it, and what the language server needs for that.
+
+Milliseconds and mebibytes and not ratios to a peer: measured on a machine that has nothing else to do, or not at all.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+
+from bench.models import REPOSITORY
+from bench.row import Row
+
+sys.path.append(str(REPOSITORY / "tests"))  # the editor of the tests is the one that types here
+from lsp.client import MARK, Editor
+
+_ROUNDS = 40
+_EDITS = 10_000
+_COMPLETION, _MEMORY = 30.0, 500.0
+_LIMITS = {"demo": 100.0, "menagerie_ur5e_2f85": 200.0}
+
+
+def rows() -> Iterator[Row]:
+    corpus = os.environ.get("MJCOMPOSE_CORPUS")
+    robots = os.environ.get("MENAGERIE_ROOT") or (corpus and str(Path(corpus, "models")))
+    environment = {**os.environ, **({"MENAGERIE_ROOT": robots} if robots else {})}
+    with Editor(REPOSITORY / "recipes", environment=environment) as editor:
+        for name in _LIMITS if robots else ["demo"]:
+            yield from _typed(editor, name)
+    if Path("/proc/self/status").exists():
+        with Editor(REPOSITORY / "recipes", environment=environment) as editor:
+            yield _replayed(editor)
+    else:
+        yield Row(f"memory after {_EDITS} edits", None, None, "measured on Linux only")
+
+
+def _typed(editor: Editor, name: str) -> Iterator[Row]:
+    """A site is misspelled and put right again, letter by letter; at each a site is asked for."""
+    text = (editor.folder / f"{name}.yaml").read_text(encoding="utf-8")
+    uri = editor.open(f"{name}.yaml")
+    editor.diagnostics(uri)
+    head, middle, tail = text.rpartition("site: ")
+    site, _, rest = tail.partition("}")
+    keystrokes, completions = [], []
+    for count in range(_ROUNDS):
+        written = site[: len(site) - count % 4]
+        started = time.perf_counter()
+        editor.change(uri, f"{head}{middle}{written}}}{rest}")
+        editor.diagnostics(uri)
+        keystrokes.append((time.perf_counter() - started) * 1e3)
+        time.sleep(0.03)
+        params, _ = editor.at(f"{head}{middle}{written}{MARK}}}{rest}", f"{name}.yaml")
+        started = time.perf_counter()
+        editor.ask("textDocument/completion", params)
+        completions.append((time.perf_counter() - started) * 1e3)
+        editor.diagnostics(uri)
+    yield _row(f"keystroke to diagnostics: {name}", keystrokes, _LIMITS[name])
+    yield _row(f"completion: {name}", completions[1:], _COMPLETION)
+
+
+def _row(name: str, found: list[float], limit: float) -> Row:
+    middle = median(found)
+    note = (
+        f"median {middle:.0f} ms of {len(found)}, {min(found):.0f} to {max(found):.0f}; at most {limit:.0f}"
+    )
+    return Row(name, middle / limit, 1.0, note)
+
+
+def _replayed(editor: Editor) -> Row:
+    """An hour of typing, as fast as the server takes it: the recipe is written letter by letter, again and again."""
+    text = (editor.folder / "demo.yaml").read_text(encoding="utf-8")
+    uri = editor.open("demo.yaml")
+    for count in range(_EDITS):
+        at = count % len(text)
+        editor.change(uri, text[:at] if count % 50 else text)
+        if count % 5 == 0:
+            editor.diagnostics(uri)
+    editor.change(uri, text)
+    editor.diagnostics(uri)
+    status = Path(f"/proc/{editor.process.pid}/status").read_text()
+    peak = int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1]) / 1024
+    note = f"{peak:.0f} MiB at most, of {_MEMORY:.0f}"
+    return Row(f"memory after {_EDITS} edits", peak / _MEMORY, 1.0, note)
