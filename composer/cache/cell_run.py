@@ -12,6 +12,7 @@ from composer.cache.making import CellMaker, Job, MadeCell
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.expand.matrix import Cell
+from composer.processes.deferring import interruptible
 from composer.processes.helper import Died
 from composer.processes.pool import Pool, cores
 
@@ -35,6 +36,8 @@ class Crew(Protocol):
 
 class CellRun:
     """Makes cells with so many processes, `jobs`; without a number with one for each core, if that pays.
+
+    Where signals are deferred around it, no cell is lost between the moment it is written and the one it is given.
 
     A `crew` does all of it instead. What is reported of the run as a whole goes to the maker's context. Use it as a
     context manager.
@@ -90,7 +93,8 @@ class CellRun:
 
         making, maker = self.making, self.making.maker
         request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, cell.sample)
-        stages.planned(request, replace(maker.context, sink=Sink()))
+        with interruptible():
+            stages.planned(request, replace(maker.context, sink=Sink()))
 
     def _taken(self, made: MadeCell) -> MadeCell:
         maker = self.making.maker

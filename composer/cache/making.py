@@ -21,6 +21,7 @@ from composer.document.node import Node
 from composer.engine import Session
 from composer.expand.matrix import Cell
 from composer.limits import Limits, allow, in_force
+from composer.processes.deferring import interruptible
 from composer.sources.fetching import quiet
 from composer.sources.store import Store
 from composer.verify.outcome import Outcome
@@ -76,9 +77,10 @@ class CellMaker:
     ) -> MadeCell:
         if made is None:
             values = {**self.given, **cell.given}
-            made = self.maker.make(
-                own, self.session, values, cell.name, cell.sample, self._key(cell), why, outcomes
-            )
+            with interruptible():
+                made = self.maker.make(
+                    own, self.session, values, cell.name, cell.sample, self._key(cell), why, outcomes
+                )
         files = files_of(made, own)
         if made is not None and self.finish is not None:
             made = self.finish(made, self.maker, own, self.session)

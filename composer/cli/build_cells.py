@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Iterable
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -30,6 +31,7 @@ from composer.cli.wanted import Wanted, kind_of_output
 from composer.cli.writing import add_picture, build_one, finish, put
 from composer.diagnostics.secret import hide
 from composer.diagnostics.sink import Sink
+from composer.processes.deferring import deferring
 
 SAMPLES, MODELS = "samples", "models"
 
@@ -114,7 +116,8 @@ def build_cells(
         CellRun(CellMaker(maker, given, session, putting), jobs, crew) as running,
     ):
         try:
-            with stopped(context) as ended:
+            # A crew knows what it has done, and may wait long for it.
+            with deferring() if crew is None else nullcontext(), stopped(context) as ended:
                 for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
                     take(each)
                     check_room(each)

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
+from composer.processes.deferring import with_deferring
+
 INTERRUPTED, _TERMINATED = 130, 143
 _LATER = 0.02
 
@@ -44,10 +46,11 @@ def _in_time(handler: Callable[[int, FrameType | None], Any]) -> Callable[[int, 
     """A handler that waits while a module is imported: compiled ones, such as those of lxml 6.1, drop what is raised,
     and Python 3.11 makes a RuntimeError of it where it makes a class.
     """
+    ready = with_deferring(handler)
 
     def handle(number: int, frame: FrameType | None) -> None:
         if not _imports(frame):
-            handler(number, frame)
+            ready(number, frame)
             return
         later = threading.Timer(_LATER, _send_again, [number])
         later.daemon = True

@@ -12,11 +12,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import TracebackType
 from typing import Any, Generic
 
+from composer.processes.deferring import hear_signals
 from composer.processes.helper import Died, Helper, Opening, Result, Task, Undone
 
 _AHEAD = 8
 _SECONDS_TO_END = 5.0
-_LOOK_AGAIN = 1.0  # Windows does not interrupt a longer wait
+_LOOK_AGAIN = 0.1  # a longer wait is not interrupted on Windows, nor where signals are deferred
 
 
 class Pool(Generic[Task, Result]):
@@ -95,11 +96,14 @@ class Pool(Generic[Task, Result]):
             try:
                 begun = shared.todo.get_nowait()
             except queue.Empty:
-                with contextlib.suppress(queue.Empty):
-                    shared.done.put(shared.done.get(timeout=_LOOK_AGAIN))
-                return
-            assert begun is not None
-            number, result = begun[0], Undone(begun[1])
+                hear_signals()
+                try:
+                    number, result = shared.done.get(timeout=_LOOK_AGAIN)
+                except queue.Empty:
+                    return
+            else:
+                assert begun is not None
+                number, result = begun[0], Undone(begun[1])
         self._ready[number] = do(result.task) if isinstance(result, Undone) else result
 
 

@@ -26,16 +26,18 @@ def main() -> None:
 
         end_with(*map(int, sys.argv[1:]))
     from composer.processes.collecting import rarely_collecting
+    from composer.processes.deferring import deferring, interruptible, with_deferring
 
-    signal.signal(signal.SIGTERM, _end)
+    signal.signal(signal.SIGTERM, with_deferring(_end))
     rarely_collecting()
     for each in modules:
         import_module(each)
     with contextlib.suppress(EOFError):
         opening = pickle.load(sys.stdin.buffer)
-        with opening() as do:
+        with opening() as do, deferring():  # what a task has written is reported
             while True:
-                task = pickle.load(sys.stdin.buffer)
+                with interruptible():
+                    task = pickle.load(sys.stdin.buffer)
                 answers.write(_answer(do, task))
                 answers.flush()
 

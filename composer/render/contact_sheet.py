@@ -21,6 +21,7 @@ from composer.expand.matrix import Cell
 from composer.limits import Limits, allow, in_force
 from composer.pictures.sheet import sheet
 from composer.plan.concrete import Given
+from composer.processes.deferring import interruptible
 from composer.processes.helper import Died
 from composer.processes.pool import Pool, cores
 from composer.render.render import drawn
@@ -56,9 +57,10 @@ class _Job:
     def draw(self, session: engine.Session, library: Library, task: tuple[int, Cell]) -> Drawn:
         number, cell = task
         own = replace(self.operand, context=replace(self.operand.context, sink=Sink()))
-        side = load_cell(own, _KEPT, session, self.given, cell, library=library)
-        asked = {**self.wish.as_data(), "out": str(self.tile(number)), "tile": str(cell.name)}
-        is_drawn = side is not None and drawn(_KEPT, asked, own.context, session)
+        with interruptible():
+            side = load_cell(own, _KEPT, session, self.given, cell, library=library)
+            asked = {**self.wish.as_data(), "out": str(self.tile(number)), "tile": str(cell.name)}
+            is_drawn = side is not None and drawn(_KEPT, asked, own.context, session)
         return is_drawn, tuple(own.context.sink.sorted())
 
     def tile(self, number: int) -> Path:

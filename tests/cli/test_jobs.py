@@ -10,12 +10,17 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from cli.balls import MODEL, RECIPE
 from click.testing import CliRunner, Result
 
+from composer.cache.result import Made
+from composer.cli import build_cells
+from composer.cli.interruption import end_in_order
 from composer.cli.main import main
+from composer.cli.writing import put
 
 
 @pytest.fixture
@@ -110,6 +115,30 @@ def test_shards_of_what_has_one_place(folder: Path) -> None:
 def test_one_model_has_no_parts(folder: Path, words: tuple[str, ...]) -> None:
     result = run("build", "r.yaml", *words)
     assert result.exit_code == 2 and f"{words[0]} is for --all, --pick and --sample" in result.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_what_is_written_is_counted(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Though the signal comes between the moment when a model is in its place and the one when that is noted."""
+    written = []
+
+    def put_and_interrupt(*arguments: Any, **options: Any) -> Made | None:
+        made = put(*arguments, **options)
+        written.append(made)
+        if len(written) == 2:
+            signal.raise_signal(signal.SIGINT)
+        return made
+
+    monkeypatch.setattr(build_cells, "put", put_and_interrupt)
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        end_in_order()
+        result = run("build", "r.yaml", "--pick", "size=1", "--jobs", "1", "-o", "out/{name}/")
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    assert result.exit_code == 130 and "interrupted: 2 of 3 are written and whole" in result.stderr
+    assert len(list(folder.glob("out/ball*"))) == 2
 
 
 @pytest.mark.slow
