@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from composer.bundle.beside import picture_of
@@ -44,7 +45,12 @@ def said(made: Made, wanted: Wanted) -> str:
             answer["built"] = made.is_new
             answer["why"] = list(made.why)
         return json.dumps(answer)
-    lines = [f"{out} is up to date" if made.is_written else f"wrote {out}"]
+    files, be = out, "is"
+    if wanted.kind == "mjb":
+        from composer.bundle.mjb import manifest_beside
+
+        files, be = f"{out} and {manifest_beside(Path(out)).name}", "are"
+    lines = [f"{files} {be} up to date" if made.is_written else f"wrote {files}"]
     if sizes:
         counted = ", ".join(_count(*each) for each in (
             (sizes["nbody"] - 1, "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")

@@ -68,6 +68,8 @@ def command(recipe: Path, write: bool | None, yes: bool, choices: Choices, form:
         _say_data(found, context, written=written)
     elif found.files:
         say(f"{'fixed' if written else 'can fix'} {_amount(found)}{'' if written else '; --write does it'}")
+    elif not context.sink.has_errors:
+        say("nothing to fix")
     report(
         context,
         form,

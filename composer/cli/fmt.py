@@ -38,7 +38,7 @@ def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
     from composer.formatting.format import format_recipe
 
     context = Context()
-    differing = 0
+    differing, unchanged = 0, 0
     for recipe in recipes:
         source = _read(recipe, context)
         shown = "<stdin>" if recipe == STDIN else context.shown(Path(recipe))
@@ -46,6 +46,7 @@ def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
         if source is None or result is None:
             continue
         differing += result != source
+        unchanged += result == source
         if recipe == STDIN and not check:
             if sys.stdout is None:
                 raise OSError("standard output is closed")
@@ -54,6 +55,8 @@ def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
             _report(shown, difference(source, result, shown, "formatted"), form)
         elif result != source and rewrite(Path(recipe), result, context):
             _report(shown, None, form)
+    if unchanged and form == "text" and STDIN not in recipes:
+        say(f"{unchanged} file{'s' * (unchanged != 1)} left unchanged")
     report(context, form)
     if check and differing:
         click.echo(f"{differing} of {len(recipes)} would change", err=True)

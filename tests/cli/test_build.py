@@ -98,7 +98,8 @@ def test_warnings_stay_out_of_the_text(folder: Path) -> None:
 
 
 def test_mjb(folder: Path) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", "cell.mjb").exit_code == 0
+    result = run("build", "cell.yaml", "--no-verify", "-o", "cell.mjb")
+    assert result.exit_code == 0 and result.stdout.startswith("wrote cell.mjb and cell.manifest.json\n")
     compiled = folder / "cell.mjb"  # exactly what was named, for make and its like
     assert mujoco.MjModel.from_binary_path(str(compiled)).nmesh == 1
     manifest = json.loads(compiled.with_suffix(".manifest.json").read_text())

@@ -40,7 +40,7 @@ def test_it_writes(broken: Path, option: str) -> None:
     assert result.exit_code == 0 and result.stdout.endswith("fixed 1 fault in 1 file\n")
     assert broken.read_text() == WRONG.replace("flang}", "flange}")
     again = run("fix", "broken.yaml", option)
-    assert (again.exit_code, again.stdout, again.stderr) == (0, "", "")
+    assert (again.exit_code, again.stdout, again.stderr) == (0, "nothing to fix\n", "")
 
 
 @pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("n\n", 1)])

@@ -19,11 +19,12 @@ def test_a_file_is_written_in_its_place(folder: Path) -> None:
     path.write_text(UNTIDY)
     path.chmod(0o640)
     result = run("fmt", "untidy.yaml", "cell.yaml")
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "formatted untidy.yaml\n", "")
+    said = "formatted untidy.yaml\n1 file left unchanged\n"
+    assert (result.exit_code, result.stdout, result.stderr) == (0, said, "")
     assert path.read_text() == TIDY
     assert stat.S_IMODE(path.stat().st_mode) == 0o640
     assert [each.name for each in folder.iterdir() if each.name.startswith(".")] == []
-    assert run("fmt", "untidy.yaml").stdout == ""
+    assert run("fmt", "untidy.yaml").stdout == "1 file left unchanged\n"
 
 
 def test_a_link_stays_a_link(folder: Path) -> None:
