@@ -75,6 +75,7 @@ lint: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 	$(BIN)/bandit --quiet --configfile pyproject.toml --recursive composer
+	@$(BIN)/python .ci/prose
 
 # Known weaknesses of what mjcompose needs, by pip-audit, in an environment of its own. It asks PyPI, and fails without an answer.
 audit: $(STAMP)
