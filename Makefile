@@ -75,6 +75,7 @@ lint: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 	$(BIN)/bandit --quiet --configfile pyproject.toml --recursive composer
+	@$(BIN)/python .ci/prose
 
 # Known weaknesses of what mjcompose needs, by pip-audit, in an environment of its own. It asks PyPI, and fails without an answer.
 audit: $(STAMP)
@@ -99,9 +100,10 @@ FIDELITY_ARGS ?= --write
 fidelity: $(STAMP)
 	@$(BIN)/python tests/fidelity/run.py $(FIDELITY_ARGS)
 
-# The site of the docs, in build/site: it works from its files, without a server. Zensical is installed into build/docs; npm is needed.
+# The site of the docs, in build/site: it works from its files, without a server. Zensical and mkdocstrings are installed into build/docs; npm is needed.
 docs: $(STAMP)
-	@[ -e build/docs/bin/zensical ] || { $(BIN)/python -m venv build/docs && build/docs/bin/pip install --quiet zensical; }
+	@[ -e build/docs/.ready ] || { $(BIN)/python -m venv build/docs && \
+	  build/docs/bin/pip install --quiet zensical mkdocstrings-python && touch build/docs/.ready; }
 	@PATH="$(CURDIR)/build/docs/bin:$$PATH" $(BIN)/python .ci/site
 
 # What is published, in dist.

@@ -26,7 +26,7 @@ def command(
 ) -> None:
     """Lock the sources of RECIPE: commits, hashes and licences go to a file beside it, ARM.lock for ARM.yaml.
 
-    What is locked already stays as it is; new sources are added, files of your own are hashed anew, and what is
+    What is locked already stays as it is; new sources are added, files of your own are hashed again, and what is
     no longer used is taken out.
     """
     write_lock(recipe, None, form, choices)

@@ -52,7 +52,7 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
         data = mujoco.MjData(model)
         data.qpos[index.qpos["left/elbow"]] = 0.5
 
-    Files are held against the hashes of the manifest, and the addresses of the compiled model against its index;
+    Files are compared with the hashes of the manifest, and the addresses of the compiled model with its index;
     what differs is an error, with `allow_changes` a warning. The index that is given is always that of the compiled
     model. A model that another version of MuJoCo verified is loaded with a warning.
 

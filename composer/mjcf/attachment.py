@@ -28,7 +28,7 @@ class AttachmentFrame(Element):
     """The body called `PREFIX/` between a model and the one it hangs on.
 
     It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (metres,
-    and the parent's unit of angle); `add('joint', …)` lets the child move: a joint called `name` is
+    and the parent's unit of angle). `add('joint', …)` lets the child move. A joint called `name` is
     `PREFIX/name` in the output, one without a name is `PREFIX/`. With a free joint, or as a `mocap` body,
     the child stands in the world at the pose that the place has in the reference configuration. Without any
     of these no body is written.

@@ -336,8 +336,8 @@ class RootElement(RootView, Element):
 
         What is attached to the other is copied and attached here; files keep coming from where they are.
         Raises `MjcfError` with everything that stands against it, and changes nothing, where names are
-        taken, where the two have different settings, or where a compiler setting or top default class of
-        one would give the elements of the other another meaning. With `override` the settings that the
+        taken or the two have different settings. The same goes for a compiler setting or top default class of
+        one that would give the elements of the other another meaning. With `override` the settings that the
         other writes count; where elements get another meaning by it, an `MjcfWarning` says so. Keyframes
         come as they are: their lengths are those of the other alone.
 

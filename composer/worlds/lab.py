@@ -28,7 +28,7 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
 
     `entity` is what the scene calls the entity that the bundle is; without one the scene's model is the bundle's. The
     function of the term says in `model_fields` which arrays are for each world, which mjlab's `expand_model_fields`
-    takes, and is one like those of `mjlab.envs.mdp.dr`. In a scene mjlab computes anew what follows from masses and
+    takes, and is one like those of `mjlab.envs.mdp.dr`. In a scene mjlab computes again what follows from masses and
     poses, for of the world body more than the entity is part.
 
     Needs `mjlab`; raises LoadError without it, and for what MuJoCo Warp has once for all worlds. An element that the

@@ -36,7 +36,7 @@ class Worlds:
 
     `table` says which cell of the recipe's matrix and which sample a world is; without a matrix world `n` is sample
     `n + 1`. What follows from what is drawn is among the arrays: `body_subtreemass`,
-    `dof_invweight0`, `qpos0` and others, so that nothing is to be computed anew. `stat.meaninertia` is a
+    `dof_invweight0`, `qpos0` and others, so that nothing is to be computed again. `stat.meaninertia` is a
     number of `model.stat`.
     """
 

@@ -6,7 +6,7 @@ A page is a list of blocks, in the order of the page:
   comes after what is there;
 - in a block of text, a line after `$ ` is run, and the lines below it stand in what it prints, in this order. `…` alone on a line stands
   for any lines;
-- a picture shows the last picture that a command wrote.
+- a picture shows the last picture that a command wrote; drawings (`.svg`) are left out.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pathlib import Path
 from cli.shell import environment, run
 
 _BLOCKS = re.compile(
-    r'^```(?P<language>\w+)(?: title="(?P<file>[^"]+)")?\n(?P<text>.*?)^```|^!\[[^\]]*\]\((?P<picture>[^)]+)\)',
+    r'^```(?P<language>\w+)(?: title="(?P<file>[^"]+)")?\n(?P<text>.*?)^```|^!\[[^\]]*\]\((?P<picture>[^)]+\.png)\)',
     re.MULTILINE | re.DOTALL,
 )
 _SECTION = re.compile(r"\n(?=\w)")

@@ -1,4 +1,4 @@
-"""The tutorial and the guides, carried out as they stand.
+"""The tutorial, the guides and the explanations, carried out as they stand.
 
 `UPDATE_PICTURES=1` takes the pictures that they show anew.
 """
@@ -16,7 +16,11 @@ from docs.replay import NotHere, Replay
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "docs" / "tutorial.md", *sorted((ROOT / "docs" / "guides").glob("*.md"))]
+PAGES = [
+    ROOT / "docs" / "tutorial.md",
+    *sorted((ROOT / "docs" / "guides").glob("*.md")),
+    *sorted((ROOT / "docs" / "explanations").glob("*.md")),
+]
 DIFFERENT = 1.0
 """How much a picture may differ from that of the page, on average, of 255: drivers draw edges and shadows in their own ways."""
 

@@ -279,7 +279,7 @@ def binding_of(kind: str, regular: bool) -> type[Binding]:
     """The class of bindings of a kind, with the kind's fields; MuJoCo is asked what they are.
 
     `regular` says whether the rows stand at regular distances: the one is made for fields that are views,
-    the other for fields that are read anew each time.
+    the other for fields that are read again each time.
     """
     field_of = _FieldView if regular else _scattered_field
     members: dict[str, Any] = {name: field_of(name, field) for name, field in fields(kind).items()}

@@ -232,7 +232,7 @@ class Physics:
 
         An element that exists is found even where it has no name. Raises `MjcfError` for what is not an object
         of a compiled model, was removed, came after it was compiled, or is one of many that MuJoCo makes
-        (`replicate`), and for None, which `find` gives where there is nothing; what is bound to a sequence
+        (`replicate`), and for None, which `find` gives where there is nothing. What is bound to a sequence
         is of one kind.
         """
         if isinstance(elements, NodeView):

@@ -21,7 +21,7 @@ def from_spec(spec: Any) -> RootElement:
 
     MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
     Numbers are those of the spec, to the last bit. MuJoCo before 3.16 writes six digits of each, and so does a later
-    one where models with different compiler settings are attached to each other: an `MjcfWarning` says so, and also
+    one where models with different compiler settings are attached to each other. An `MjcfWarning` says so, and also
     where the spec has a NaN, which MuJoCo does not write.
 
     >>> import mujoco
